@@ -1,0 +1,79 @@
+"""What can go wrong, one class a kind of failure, all under `AmorsimError`.
+
+A message says who, what was given, what was expected and what to do.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+import attrs
+
+__all__ = [
+    "AmorsimError",
+    "ComponentError",
+    "ControllerError",
+    "Fault",
+    "MapError",
+    "PluginError",
+    "RunError",
+    "ScenarioError",
+    "SnapshotError",
+    "did_you_mean",
+]
+
+
+class AmorsimError(Exception):
+    """Whatever amorsim raises on purpose."""
+
+
+class MapError(AmorsimError):
+    """A map that cannot be read, or a question that a map cannot answer."""
+
+
+class PluginError(AmorsimError):
+    """A plugin, or a name that no plugin registered."""
+
+
+class ComponentError(AmorsimError):
+    """A component that breaks its contract."""
+
+
+class ControllerError(AmorsimError):
+    """A user's controller that cannot be loaded, raised, or returned what is not a command."""
+
+
+class SnapshotError(AmorsimError):
+    """A state that cannot be copied or put back."""
+
+
+class RunError(AmorsimError):
+    """A run's folder that cannot be written or read."""
+
+
+@attrs.frozen(kw_only=True)
+class Fault:
+    """One thing wrong with a scenario: where it stands, what was found, what would be right."""
+
+    file: str
+    path: str
+    message: str
+
+    def __str__(self) -> str:
+        where = ": ".join(part for part in (self.file, self.path) if part)
+        return f"{where}: {self.message}" if where else self.message
+
+
+class ScenarioError(AmorsimError):
+    """A scenario with faults; carries all of them, not the first only."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """A question after the known name nearest to `name`, led by a space, or nothing."""
+    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f" Did you mean {near[0]!r}?" if near else ""

@@ -1,0 +1,201 @@
+"""Parameters of components: attrs fields that know their unit, bounds and meaning.
+
+The scenario file, the command line, forms and reference pages are all made from what `describe` tells.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import types
+import typing
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import AmorsimError
+
+__all__ = ["Parameter", "ParameterError", "check_value", "describe", "parameter"]
+
+_KEY = "amorsim"
+_REQUIRED: Any = attrs.NOTHING
+
+
+class ParameterError(AmorsimError, ValueError):
+    """A value that a parameter does not take; `name` is the parameter, `problem` what is wrong with the value."""
+
+    def __init__(self, name: str, problem: str) -> None:
+        self.name = name
+        self.problem = problem
+        super().__init__(f"{name}: {problem}")
+
+
+@attrs.frozen(kw_only=True)
+class Parameter:
+    """One parameter of a component, as its field declares it.
+
+    `unit` is ``""`` for a pure number and ``"sensor"`` where it follows the sensor the component sits on.
+    `static` parameters fix shapes (a number of beams): rows that differ in one are of different groups.
+    `live` ones may change between steps.
+    """
+
+    name: str
+    type: Any
+    default: Any = _REQUIRED
+    unit: str = ""
+    help: str = ""
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+    choices: tuple[str, ...] = ()
+    static: bool = False
+    live: bool = True
+
+    @property
+    def is_required(self) -> bool:
+        """Whether a value must be given."""
+        return self.default is _REQUIRED
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether it is spelt in degrees in files, in a key that ends in ``_deg``."""
+        return self.unit.split("/")[0] == "rad"
+
+    @property
+    def type_name(self) -> str:
+        """The kind of value it takes, in words."""
+        return _type_name(self.type)
+
+    @property
+    def bounds(self) -> str:
+        """What values are allowed, in words, or nothing."""
+        if self.choices:
+            return "one of " + ", ".join(repr(choice) for choice in self.choices)
+        parts = [
+            f"{sign} {bound:g}"
+            for sign, bound in ((">", self.gt), (">=", self.ge), ("<", self.lt), ("<=", self.le))
+            if bound is not None
+        ]
+        return " and ".join(parts)
+
+    @property
+    def expectation(self) -> str:
+        """What would be right, in words: type, unit and bounds."""
+        unit = f" [{self.unit}]" if self.unit not in ("", "sensor") else ""
+        return f"{self.type_name}{unit}" + (f" {self.bounds}" if self.bounds else "")
+
+
+def parameter(
+    default: Any = _REQUIRED,
+    *,
+    unit: str = "",
+    help: str = "",  # noqa: A002 - the word that users of the field read
+    gt: float | None = None,
+    ge: float | None = None,
+    lt: float | None = None,
+    le: float | None = None,
+    choices: tuple[str, ...] = (),
+    static: bool = False,
+    live: bool = True,
+) -> Any:
+    """A field of a component class: a default (or none, then it must be given), its unit, help and bounds.
+
+    Values are checked when a component is made: the type as annotated (nothing is coerced, an int may stand for a
+    float), finite, within bounds or among `choices`. Annotations may be `float`, `int`, `bool`, `str`, any of these
+    ``| None``, a tuple of them, another attrs class with such fields, or a tuple of those (the elements of a ring).
+    """
+    metadata = {
+        "unit": unit,
+        "help": help,
+        "gt": gt,
+        "ge": ge,
+        "lt": lt,
+        "le": le,
+        "choices": choices,
+        "static": static,
+        "live": live and not static,
+    }
+    return attrs.field(default=default, validator=_validate, metadata={_KEY: metadata})
+
+
+@functools.cache
+def describe(cls: type) -> Mapping[str, Parameter]:
+    """The parameters of a component class by name, in the order of its fields."""
+    hints = typing.get_type_hints(cls)
+    found = {}
+    for field in attrs.fields(cls):
+        default = field.default
+        if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
+            default = default.factory()
+        found[field.name] = Parameter(
+            name=field.name, type=hints[field.name], default=default, **field.metadata.get(_KEY, {})
+        )
+    return types.MappingProxyType(found)
+
+
+def _validate(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:
+    check_value(describe(type(instance))[attribute.name], value)
+
+
+def check_value(expected: Parameter, value: Any) -> None:
+    """Raise `ParameterError` unless `value` is one that the parameter takes."""
+    problem = _problem(expected, expected.type, value)
+    if problem:
+        raise ParameterError(expected.name, problem)
+
+
+def _problem(expected: Parameter, kind: Any, value: Any) -> str:
+    if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
+        options = [option for option in typing.get_args(kind) if option is not types.NoneType]
+        if value is None and len(options) < len(typing.get_args(kind)):
+            return ""
+        problems = [_problem(expected, option, value) for option in options]
+        return "" if "" in problems else problems[0]
+    wrong = f"expected {expected.expectation}, got {value!r}"
+    if typing.get_origin(kind) is tuple:
+        items = typing.get_args(kind)
+        if not isinstance(value, tuple):
+            return wrong
+        if len(items) == 2 and items[1] is Ellipsis:
+            items = (items[0],) * len(value)
+        if len(items) != len(value):
+            return f"{wrong}: it has {len(value)} elements, not {len(items)}"
+        problems = [_problem(expected, item, element) for item, element in zip(items, value, strict=True)]
+        return next((f"{problem} (element {i})" for i, problem in enumerate(problems) if problem), "")
+    if kind is float:
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value):
+            return wrong
+    elif kind is int:
+        if not isinstance(value, int) or isinstance(value, bool):
+            return wrong
+    elif isinstance(kind, type) and not isinstance(value, kind):
+        return wrong
+    if expected.choices and isinstance(value, str) and value not in expected.choices:
+        return wrong
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        low = (expected.gt is None or value > expected.gt) and (expected.ge is None or value >= expected.ge)
+        high = (expected.lt is None or value < expected.lt) and (expected.le is None or value <= expected.le)
+        if not (low and high):
+            return wrong
+    return ""
+
+
+_WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+
+
+def _type_name(kind: Any) -> str:
+    if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
+        return " or ".join(
+            "nothing" if option is types.NoneType else _type_name(option) for option in typing.get_args(kind)
+        )
+    if typing.get_origin(kind) is tuple:
+        items = typing.get_args(kind)
+        if len(items) == 2 and items[1] is Ellipsis:
+            return f"a list, each {_type_name(items[0])}"
+        return f"a list of {len(items)}, each {_type_name(items[0])}"
+    if attrs.has(kind):
+        return "a table of " + ", ".join(field.name for field in attrs.fields(kind))
+    return _WORDS.get(kind, getattr(kind, "__name__", str(kind)))

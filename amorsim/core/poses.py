@@ -1,0 +1,62 @@
+"""Poses in the plane, as rows (x [m], y [m], heading [rad]): for components and for the engine."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.parameters import parameter
+from amorsim.kernels import poses as kernels
+
+__all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Mount:
+    """Where a device sits on its robot: a pose in the robot's base frame (x ahead, y to the left)."""
+
+    x: float = parameter(0.0, unit="m", help="ahead of the robot's base point")
+    y: float = parameter(0.0, unit="m", help="to the left of the robot's base point")
+    heading: float = parameter(0.0, unit="rad", help="where it looks, anticlockwise from straight ahead")
+
+
+def compose(poses: Array, displacements: Array) -> Array:
+    """Poses `(N, 3)` after displacements `(N, 3)`, each given in its pose's frame; headings in [-pi, pi]."""
+    out = np.empty((len(poses), 3))
+    kernels.compose(np.ascontiguousarray(poses), np.ascontiguousarray(displacements), out)
+    return out
+
+
+def exponential(twists: Array, fraction: Array) -> Array:
+    """Displacements `(N, 3)` in closed form by a fraction `(N, 1)` of constant twists `(N, 3)`.
+
+    A twist is the motion (forward [m], left [m], turn [rad]) over the whole step as the body itself feels it; the
+    path is an arc of a circle.
+    """
+    out = np.empty((len(twists), 3))
+    kernels.exponential(np.ascontiguousarray(twists), np.ascontiguousarray(fraction), out)
+    return out
+
+
+def logarithm(displacements: Array) -> Array:
+    """The constant twists `(N, 3)` that make the displacements `(N, 3)` in one step: `exponential` undone."""
+    out = np.empty((len(displacements), 3))
+    kernels.logarithm(np.ascontiguousarray(displacements), out)
+    return out
+
+
+def relative(poses: Array, others: Array) -> Array:
+    """The displacements `(N, 3)` that lead from `poses` to `others`, in each pose's own frame: `compose` undone."""
+    out = np.empty((len(poses), 3))
+    kernels.relative(np.ascontiguousarray(poses), np.ascontiguousarray(others), out)
+    return out
+
+
+def wrap_angle(angles: Array) -> Array:
+    """The same directions in [-pi, pi]; angles already there keep their bits."""
+    turns = np.floor((angles + np.pi) / (2.0 * np.pi))
+    inside = np.abs(angles) <= np.pi
+    return np.asarray(np.where(inside, angles, angles - 2.0 * np.pi * turns))

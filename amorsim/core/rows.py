@@ -1,0 +1,109 @@
+"""Components over rows: many of one class as one, whose fields are arrays with the row as first axis."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any, TypeVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.parameters import Parameter, describe
+
+__all__ = ["signature", "stack", "take"]
+
+T = TypeVar("T")
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _varies(parameter: Parameter, value: Any) -> bool:
+    """Whether rows of one group may differ in this value (numbers that fix no shape)."""
+    if parameter.static:
+        return False
+    if isinstance(value, tuple):
+        return bool(value) and all(_is_number(item) or attrs.has(type(item)) for item in value)
+    return _is_number(value) or attrs.has(type(value))
+
+
+def signature(component: Any) -> Hashable:
+    """What must be equal for two components to be rows of one group: class, static fields, lengths of rings."""
+    parts: list[Hashable] = [type(component)]
+    for name, parameter in describe(type(component)).items():
+        value = getattr(component, name)
+        if not _varies(parameter, value):
+            parts.append((name, value))
+        elif isinstance(value, tuple):
+            inner = signature(value[0]) if attrs.has(type(value[0])) else type(None)
+            parts.append((name, len(value), inner))
+        elif attrs.has(type(value)):
+            parts.append((name, signature(value)))
+        else:
+            parts.append(name)
+    return tuple(parts)
+
+
+def stack(components: Sequence[T]) -> T:
+    """One component of the same class whose numbers are read-only arrays over the rows.
+
+    A number becomes `(N, 1)`, so that ``values * self.scale`` broadcasts; a tuple of k numbers `(N, k)`; a nested
+    table one of such arrays; a tuple of k tables one table of `(N, k)` arrays. Everything else stays as it is and is
+    equal in all rows (`signature`). The fields were checked when each row's own component was made.
+    """
+    first = components[0]
+    values = {}
+    for name, parameter in describe(type(first)).items():
+        column = [getattr(component, name) for component in components]
+        values[name] = _stack_column(column) if _varies(parameter, column[0]) else column[0]
+    return _assemble(type(first), values)
+
+
+def _stack_column(column: list[Any]) -> Any:
+    first = column[0]
+    if isinstance(first, tuple) and attrs.has(type(first[0])):
+        rows = [stack(items) for items in column]  # each field (k, 1)
+        fields = {
+            field.name: _frozen([np.ravel(getattr(row, field.name)) for row in rows])
+            for field in attrs.fields(type(first[0]))
+        }
+        return _assemble(type(first[0]), fields)
+    if isinstance(first, tuple):
+        return _frozen(column)
+    if attrs.has(type(first)):
+        return stack(column)
+    return _frozen([[value] for value in column])
+
+
+def _frozen(rows: Any) -> npt.NDArray[Any]:
+    array = np.ascontiguousarray(rows)
+    if array.dtype.kind not in "ui":
+        array = array.astype(np.float64)
+    if array.dtype.kind in "ui" and array.dtype != np.int64:
+        array = array.astype(np.int64)
+    array.flags.writeable = False
+    return array
+
+
+def _assemble(cls: type[T], values: dict[str, Any]) -> T:
+    # Past the validators: they speak of one row's numbers, and have done so already.
+    made = cls.__new__(cls)
+    for name, value in values.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
+def take(component: T, rows: npt.NDArray[np.intp]) -> T:
+    """The same stacked component with only the given rows, in the given order."""
+    values = {}
+    for field in attrs.fields(type(component)):
+        value = getattr(component, field.name)
+        if isinstance(value, np.ndarray):
+            value = value[rows]
+            value.flags.writeable = False
+        elif attrs.has(type(value)):
+            value = take(value, rows)
+        values[field.name] = value
+    return _assemble(type(component), values)

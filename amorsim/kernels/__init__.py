@@ -1,0 +1,1 @@
+"""Compiled functions on numbers and arrays, nothing else: the bottom layer."""

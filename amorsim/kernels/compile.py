@@ -1,0 +1,165 @@
+"""The one decorator that compiles kernels, and the cache it keeps.
+
+Options are set here and nowhere else: no fast mathematics (bits must not depend on how a loop is cut), no
+global interpreter lock while a kernel runs (threads of Python run kernels side by side), and a cache that goes
+stale with *any* kernel's source. numba's own cache looks only at the file of the function it compiles, so a
+change in a callee of another file would leave old machine code in use.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+from numba.core import caching
+
+__all__ = ["compile_seconds", "is_cold", "kernel"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_HERE = Path(__file__).resolve().parent
+
+
+@functools.cache
+def _source_stamp() -> str:
+    """Digest of every kernel's source and of numba's version: what compiled code depends on."""
+    digest = hashlib.blake2b(digest_size=16)
+    for path in sorted(_HERE.rglob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    digest.update(numba.__version__.encode())
+    return digest.hexdigest()
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _candidates() -> Iterator[Path]:
+    if given := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(given) / "amorsim"
+    yield _HERE / "__pycache__"
+    with contextlib.suppress(RuntimeError):  # no home folder is known
+        base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
+        yield Path(base) / "amorsim" / "kernels"
+    # One folder a user: a shared one could hold another user's code.
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
+    yield Path(tempfile.gettempdir()) / f"amorsim-kernels-{user}"
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether nobody else could have put code there: matters for the world-writable temporary folder only."""
+    if not hasattr(os, "getuid"):
+        return True
+    status = folder.stat()
+    return status.st_uid == os.getuid() and not status.st_mode & 0o022
+
+
+@functools.cache
+def _cache_folder() -> Path | None:
+    for folder in _candidates():
+        if _is_writable(folder):
+            if folder.parent == Path(tempfile.gettempdir()):
+                with contextlib.suppress(OSError):
+                    folder.chmod(0o700)
+                if not _is_private(folder):
+                    continue
+            return folder
+    warnings.warn(
+        "no folder can be written for compiled kernels, so every start compiles them anew (some seconds); "
+        "set NUMBA_CACHE_DIR to a folder that can be written",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return None
+
+
+class _KernelLocator(caching._CacheLocator):  # type: ignore[misc, unused-ignore]
+    """Tells numba where compiled kernels lie and what they depend on."""
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        self._line = py_func.__code__.co_firstlineno
+
+    def get_cache_path(self) -> str:
+        return str(_cache_folder())
+
+    def get_source_stamp(self) -> str:
+        return _source_stamp()
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _KernelLocator | None:
+        return None if _cache_folder() is None else cls(py_func, py_file)
+
+
+class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc, unused-ignore]
+    _locator_classes = (_KernelLocator,)
+
+
+class _KernelCache(caching.FunctionCache):  # type: ignore[misc, unused-ignore]
+    _impl_class = _KernelCacheImpl
+
+
+_compiled_seconds = 0.0
+
+
+def compile_seconds() -> float:
+    """Time [s] this process has spent compiling kernels that no cache held."""
+    return _compiled_seconds
+
+
+def is_cold() -> bool:
+    """Whether the cache holds no kernel of the present sources, so that a first run will compile."""
+    folder = _cache_folder()
+    if folder is None:
+        return True
+    stamp = folder / f"warm-{_source_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
+    if stamp.exists():
+        return False
+    with contextlib.suppress(OSError):
+        for stale in folder.glob("warm-*"):
+            stale.unlink(missing_ok=True)
+        stamp.touch()
+    return True
+
+
+def kernel(function: F) -> F:
+    """Compile `function` when first called, as all kernels are: ``nogil``, cached, IEEE arithmetic as written.
+
+    Division by zero gives `inf` or `nan` as NumPy does. Arguments are numbers and C-contiguous arrays; callers keep
+    to one dtype and dimension per argument, so that each kernel compiles once.
+    """
+    dispatcher = numba.njit(nogil=True, error_model="numpy", fastmath=False)(function)
+    if not numba.config.DISABLE_JIT and _cache_folder() is not None:
+        dispatcher._cache = _KernelCache(function)
+        compile_ = dispatcher._compile_for_args
+
+        @functools.wraps(compile_)
+        def timed(*args: Any, **kwargs: Any) -> Any:
+            global _compiled_seconds
+            started = time.perf_counter()
+            try:
+                return compile_(*args, **kwargs)
+            finally:
+                _compiled_seconds += time.perf_counter() - started
+
+        with contextlib.suppress(AttributeError):
+            dispatcher._compile_for_args = timed
+    return cast(F, dispatcher)

@@ -1,0 +1,112 @@
+"""Poses in the plane as rows (x, y, heading): composing, moving along a twist.
+
+Kernels and not NumPy expressions, because NumPy's sine may give other last bits for another memory layout, and
+results must not depend on how many rows there are.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+
+__all__ = ["compose", "directions", "exponential", "logarithm", "relative", "wrap"]
+
+Array = npt.NDArray[np.float64]
+
+_SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is under 1e-21
+_TURN = 2.0 * math.pi
+
+
+@kernel
+def wrap(angle: float) -> float:
+    """The same direction in [-pi, pi]; angles already there keep their bits."""
+    if -math.pi <= angle <= math.pi:
+        return angle
+    return angle - _TURN * np.floor((angle + math.pi) / _TURN)
+
+
+@kernel
+def compose(poses: Array, displacements: Array, out: Array) -> None:
+    """Poses `(N, 3)` after displacements `(N, 3)` that are given in each pose's own frame; headings wrapped."""
+    for i in range(poses.shape[0]):
+        heading = poses[i, 2]
+        c = math.cos(heading)
+        s = math.sin(heading)
+        x = displacements[i, 0]
+        y = displacements[i, 1]
+        out[i, 0] = poses[i, 0] + (c * x - s * y)
+        out[i, 1] = poses[i, 1] + (s * x + c * y)
+        out[i, 2] = wrap(heading + displacements[i, 2])
+
+
+@kernel
+def exponential(twists: Array, fraction: Array, out: Array) -> None:
+    """Displacements `(N, 3)` by a fraction `(N, 1)` of constant twists (forward, left, turn) `(N, 3)` over a unit of time.
+
+    The exponential map of the plane's rigid motions: an arc of a circle, or a line where nothing turns.
+    """
+    for i in range(twists.shape[0]):
+        f = fraction[i, 0]
+        forward = twists[i, 0] * f
+        left = twists[i, 1] * f
+        a = twists[i, 2] * f
+        if abs(a) < _SMALL:
+            square = a * a
+            along = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+            across = a / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+        else:
+            half = math.sin(0.5 * a)
+            along = math.sin(a) / a
+            across = 2.0 * half * half / a  # (1 - cos a) / a without the cancellation
+        out[i, 0] = forward * along - left * across
+        out[i, 1] = forward * across + left * along
+        out[i, 2] = a
+
+
+@kernel
+def logarithm(displacements: Array, out: Array) -> None:
+    """The constant twists `(N, 3)` over a unit of time that make the displacements `(N, 3)`; `exponential` undone.
+
+    The turn is taken as it stands, so a displacement of more than half a turn keeps its sense; at a whole turn, where
+    no twist moves the body elsewhere, the translation stays as it is.
+    """
+    for i in range(displacements.shape[0]):
+        x = displacements[i, 0]
+        y = displacements[i, 1]
+        a = displacements[i, 2]
+        half = 0.5 * a
+        if abs(a) < _SMALL:
+            along = 1.0 - half * half / 3.0 * (1.0 + half * half / 15.0)
+        elif abs(math.sin(half)) < 1e-12:
+            along = 1.0
+        else:
+            along = half * math.cos(half) / math.sin(half)
+        out[i, 0] = along * x + half * y
+        out[i, 1] = along * y - half * x
+        out[i, 2] = a
+
+
+@kernel
+def relative(poses: Array, others: Array, out: Array) -> None:
+    """The displacements `(N, 3)` that lead from `poses` to `others`, in each pose's own frame; `compose` undone."""
+    for i in range(poses.shape[0]):
+        c = math.cos(poses[i, 2])
+        s = math.sin(poses[i, 2])
+        x = others[i, 0] - poses[i, 0]
+        y = others[i, 1] - poses[i, 1]
+        out[i, 0] = c * x + s * y
+        out[i, 1] = c * y - s * x
+        out[i, 2] = wrap(others[i, 2] - poses[i, 2])
+
+
+@kernel
+def directions(angles: Array, cos_out: Array, sin_out: Array) -> None:
+    """Cosines and sines of angles [rad] (N, k)."""
+    for i in range(angles.shape[0]):
+        for j in range(angles.shape[1]):
+            cos_out[i, j] = math.cos(angles[i, j])
+            sin_out[i, j] = math.sin(angles[i, j])
