@@ -1,0 +1,1 @@
+"""Readers of map files: line worlds (``.wld``) and bitmaps (``.bmp``, ``.png``)."""

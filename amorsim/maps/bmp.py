@@ -1,0 +1,151 @@
+"""Bitmaps (``.bmp``, ``.png``) as maps: dark pixels are occupied."""
+
+from __future__ import annotations
+
+import io
+import struct
+import warnings
+import zlib
+from pathlib import Path
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from amorsim.contracts import MapLoader
+from amorsim.core.errors import MapError
+from amorsim.core.map import Map
+from amorsim.core.parameters import parameter
+
+__all__ = ["Bitmap"]
+
+_SIGNATURES = (b"BM", b"\x89PNG\r\n\x1a\n")
+# Rec. 601 luma in thousandths; whole numbers, so that two colours are equally bright or they are not.
+_LUMA = (299, 587, 114)
+# What pillow's readers of broken files can end in; its documented UnidentifiedImageError is an OSError.
+_BROKEN = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError, OverflowError)
+_BROKEN_INSIDE = (struct.error, zlib.error, MemoryError)
+
+
+@attrs.frozen(kw_only=True)
+class Bitmap(MapLoader):
+    """Bitmaps (``.bmp``, ``.png``) of two colours, the darker one occupied, or of any with a `threshold`.
+
+    An image of one colour is all occupied if that is darker than mid grey, else all free. A PNG's transparent
+    parts show white, as on paper; a BMP's fourth channel, which few programs fill in, is passed over.
+    """
+
+    extensions: ClassVar[tuple[str, ...]] = (".bmp", ".png")
+
+    resolution: float = parameter(0.05, unit="m", gt=0, help="side of a pixel")
+    origin_x: float = parameter(0.0, unit="m", help="x of the lower left corner of the lower left pixel")
+    origin_y: float = parameter(0.0, unit="m", help="y of the lower left corner of the lower left pixel")
+    origin_yaw: float = parameter(0.0, unit="rad", help="turn of the image about that corner")
+    threshold: float | None = parameter(
+        None, ge=0, le=1, help="greys below it are occupied, 0 black, 1 white; any image will do then"
+    )
+
+    @classmethod
+    def sniff(cls, head: bytes) -> bool:
+        """Whether a file's first bytes are the signature of one of the formats."""
+        return head.startswith(_SIGNATURES)
+
+    def load(self, path: Path) -> Map:
+        """The map of an image file.
+
+        Raises
+        ------
+        MapError
+            If the file cannot be read, is damaged or too large, or has more than two colours and no
+            `threshold` is given.
+        """
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            raise MapError(f"{path}: cannot be read: {error.strerror or error}") from error
+        try:
+            occupied = self._occupied(_decode(data))
+            return Map.from_array(
+                # An image's first row is its top one, a map's is its bottom one.
+                np.ascontiguousarray(occupied[::-1]),
+                resolution=self.resolution,
+                origin=(self.origin_x, self.origin_y, self.origin_yaw),
+                name=path.stem,
+            )
+        except MapError as error:
+            raise MapError(f"{path}: {error}") from error
+
+    def _occupied(self, image: Image.Image) -> NDArray[np.bool_]:
+        """Which pixels are occupied, (rows, columns) from the top."""
+        pixels, white = _pixels(image)
+        if self.threshold is not None:
+            return _luma(pixels) < self.threshold * white * sum(_LUMA)
+        colours = _distinct(pixels)
+        luma = _luma(colours)
+        if len(colours) == 1:
+            return np.full(pixels.shape[:2], 2 * luma[0] < white * sum(_LUMA))
+        if len(colours) > 2:
+            raise MapError(
+                f"it has {len(colours)} colours, and a bitmap map has two, the darker one occupied; pass "
+                "threshold= (0 to 1, 0.5 for mid grey) to take every pixel darker than that for occupied"
+            )
+        if luma[0] == luma[1]:
+            raise MapError(
+                "its two colours are equally bright, so neither is the darker, occupied one; make one black"
+            )
+        darker = colours[int(np.argmin(luma))]
+        return np.asarray(np.all(pixels == darker, axis=-1))
+
+
+def _decode(data: bytes) -> Image.Image:
+    """The image of a file's bytes, wholly read."""
+    try:
+        with warnings.catch_warnings():
+            # Pillow only warns of an image up to twice its limit, and a file of a few kB may unpack to that.
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            warnings.filterwarnings("ignore", category=UserWarning, module="PIL")
+            image = Image.open(io.BytesIO(data), formats=("BMP", "PNG"))
+            image.load()
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
+        raise MapError(f"it is too large to unpack: {error}") from error
+    except (*_BROKEN, *_BROKEN_INSIDE) as error:
+        raise MapError(f"it is no whole BMP or PNG image: {error}") from error
+    if 0 in image.size:
+        raise MapError(f"its size is {image.size[0]} x {image.size[1]} pixels: there is nothing in it")
+    return image
+
+
+def _pixels(image: Image.Image) -> tuple[NDArray[Any], int]:
+    """Values (rows, columns, 1 or 3), unsigned, of grey or of red, green and blue; and that of white."""
+    if image.mode in ("I;16", "I;16B", "I;16L", "I;16N", "I"):
+        return np.asarray(image).astype(np.uint16)[..., np.newaxis], 0xFFFF
+    is_transparent = image.mode in ("LA", "La", "PA", "RGBA", "RGBa") or "transparency" in image.info
+    if is_transparent and image.format != "BMP":
+        colours = image.convert("RGBA")
+        paper = Image.new("RGBA", image.size, "white")
+        return np.asarray(Image.alpha_composite(paper, colours).convert("RGB")), 0xFF
+    if image.mode in ("1", "L"):
+        return np.asarray(image.convert("L"))[..., np.newaxis], 0xFF
+    return np.asarray(image.convert("RGB")), 0xFF
+
+
+def _distinct(pixels: NDArray[Any]) -> NDArray[Any]:
+    """The different colours, (colours, channels); marked in a table rather than sorted for."""
+    if pixels.shape[-1] == 1:
+        used = np.bincount(pixels.ravel(), minlength=1)
+        return np.flatnonzero(used)[:, np.newaxis].astype(pixels.dtype)
+    red, green, blue = (pixels[..., channel].astype(np.uint32) for channel in range(3))
+    used = np.zeros(1 << 24, np.bool_)
+    used[(red << 16) | (green << 8) | blue] = True
+    codes = np.flatnonzero(used)
+    return np.stack((codes >> 16, (codes >> 8) & 0xFF, codes & 0xFF), axis=-1).astype(pixels.dtype)
+
+
+def _luma(pixels: NDArray[Any]) -> NDArray[np.int32]:
+    """Brightness in thousandths of a channel's step; the last axis of channels is gone."""
+    if pixels.shape[-1] == 1:
+        return pixels[..., 0].astype(np.int32) * sum(_LUMA)
+    red, green, blue = (pixels[..., channel].astype(np.int32) * _LUMA[channel] for channel in range(3))
+    return np.asarray(red + green + blue)

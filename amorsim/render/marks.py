@@ -1,0 +1,79 @@
+"""How paths and marks look: one function a mark, the same in the picture and in its legend."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.render.canvas import Canvas
+
+__all__ = [
+    "COLOURS",
+    "draw_body",
+    "draw_collision",
+    "draw_estimated_end",
+    "draw_estimated_path",
+    "draw_start",
+    "draw_true_end",
+    "draw_true_path",
+]
+
+COLOURS = MappingProxyType(
+    {
+        "wall": "#2b2f36",
+        "outside": "#e9ecef",
+        "true": "#1b7f5c",
+        "estimated": "#2f6fde",
+        "collision": "#d1242f",
+        "text": "#1f2328",
+        "faint": "#8b949e",
+    }
+)
+"""What is drawn in which colour."""
+
+Points = NDArray[np.float64]
+
+# Each takes a canvas, points (T, 2) or one place (2,) in its pixels, and the unit [px] that widths are in.
+
+
+def draw_true_path(canvas: Canvas, points: Points, unit: float) -> None:
+    """A solid line."""
+    canvas.line(points, COLOURS["true"], 4.5 * unit)
+
+
+def draw_estimated_path(canvas: Canvas, points: Points, unit: float) -> None:
+    """A dashed line, thinner, so that a true path shows on both sides of it."""
+    canvas.line(points, COLOURS["estimated"], 2.8 * unit, dash=(11 * unit, 7 * unit))
+
+
+def draw_start(canvas: Canvas, place: Points, unit: float) -> None:
+    """A ring."""
+    canvas.line(place[np.newaxis], COLOURS["true"], 19 * unit)
+    canvas.line(place[np.newaxis], "white", 10 * unit)
+
+
+def draw_true_end(canvas: Canvas, place: Points, unit: float) -> None:
+    """A disc."""
+    canvas.line(place[np.newaxis], "white", 20 * unit)
+    canvas.line(place[np.newaxis], COLOURS["true"], 15 * unit)
+
+
+def draw_estimated_end(canvas: Canvas, place: Points, unit: float) -> None:
+    """A diamond."""
+    for reach, colour in ((12.5, "white"), (9.5, COLOURS["estimated"])):
+        canvas.polygon(place + np.array([(0, -1), (1, 0), (0, 1), (-1, 0)]) * reach * unit, colour)
+
+
+def draw_collision(canvas: Canvas, place: Points, unit: float) -> None:
+    """A cross."""
+    for width, colour in ((8.0, "white"), (4.2, COLOURS["collision"])):
+        for slope in (-1, 1):
+            canvas.line(place + np.array([(-9, -9 * slope), (9, 9 * slope)]) * unit, colour, width * unit)
+
+
+def draw_body(canvas: Canvas, outline: Points, unit: float) -> None:
+    """A tinted outline, what is beneath showing through."""
+    canvas.polygon(outline, "#bfe3d6", opacity=0.8)
+    canvas.line(np.concatenate((outline, outline[:1])), COLOURS["true"], 3 * unit)

@@ -1,0 +1,421 @@
+"""The picture of a run: the map, where the robots went, and where they believed they went."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError
+from amorsim.render import marks
+from amorsim.render.canvas import FINENESS, Canvas
+from amorsim.render.marks import COLOURS
+
+__all__ = ["RobotPath", "draw_map", "draw_run"]
+
+_SMALLEST = 240  # [px] longer side: below, title and legend leave nothing to the map
+_GROWTH = 0.25  # of the map's longer side: how far beyond its edge a path is followed
+_ROOM = 0.01  # likewise, around what is shown: walls at the map's edge are seen whole
+_FAR = 1000.0  # likewise: beyond, places are as good as equal
+_NAMES_SHOWN = 5  # in the legend; every robot has its label where it ended
+
+Points = NDArray[np.float64]
+_Box = tuple[float, float, float, float]
+_Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
+
+
+def _points(value: Any) -> Points:
+    """A float copy, (T, 2); nothing at all is no points."""
+    points = np.array(value, np.float64)
+    return points.reshape(0, 2) if points.size == 0 else points
+
+
+def _no_points() -> Points:
+    return np.empty((0, 2))
+
+
+def _check_points(_: Any, attribute: attrs.Attribute[Any], value: Points | None) -> None:
+    if value is not None and (value.ndim != 2 or value.shape[1] != 2):
+        raise ParameterError(
+            attribute.name, f"expected points (T, 2) [m], got an array of shape {value.shape}"
+        )
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class RobotPath:
+    """Where a robot went, in world metres.
+
+    `true` and `estimated` are its paths, (T, 2); either may be empty, and a point that is not finite
+    interrupts it. `outline` is the robot's body (V, 2) at the end, or None; `collisions`, (K, 2), are where
+    it touched something.
+    """
+
+    name: str
+    true: Points = attrs.field(converter=_points, validator=_check_points)
+    estimated: Points = attrs.field(factory=_no_points, converter=_points, validator=_check_points)
+    outline: Points | None = attrs.field(
+        default=None, converter=attrs.converters.optional(_points), validator=_check_points
+    )
+    collisions: Points = attrs.field(factory=_no_points, converter=_points, validator=_check_points)
+
+
+def draw_map(map: Map, *, size: int = 1600, title: str = "") -> Image.Image:  # noqa: A002 - the field's word
+    """A picture of a map alone, RGB, `size` pixels along its longer side; see `draw_run`."""
+    return draw_run(map, (), size=size, title=title)
+
+
+def draw_run(
+    map: Map,  # noqa: A002 - the field's word
+    paths: Sequence[RobotPath],
+    *,
+    size: int = 1600,
+    title: str = "",
+) -> Image.Image:
+    """A picture of a map and of robots' paths on it, RGB, `size` pixels along its longer side.
+
+    The picture's edges are parallel to the map's, whatever its yaw. Walls are dark, true paths a solid line,
+    estimated ones a dashed line, collisions crosses; a ring marks where a robot started, a disc (within its
+    outline, if given) where it ended, a diamond where it believed it ended. Paths that leave the map make the
+    picture grow by up to a quarter of the map's longer side, and are cut off beyond.
+
+    Raises
+    ------
+    ParameterError
+        If `size` is less than 240.
+    """
+    if size < _SMALLEST:
+        raise ParameterError("size", f"expected at least {_SMALLEST} pixels, got {size}")
+    page = _Page(map, paths, size, title)
+    page.draw_walls()
+    for path in paths:
+        page.draw_lines(path)
+    for path in paths:
+        page.draw_marks(path)
+    return page.finish()
+
+
+class _Page:
+    """The sheet: a title above, the plot, a legend and a scale bar below."""
+
+    def __init__(self, map: Map, paths: Sequence[RobotPath], size: int, title: str) -> None:  # noqa: A002
+        self._map = map
+        self._paths = paths
+        self._title = title
+        self._unit = size / 1600  # [px] a line 1 px wide in a picture of 1600 px
+        self._margin = round(34 * self._unit) + 2
+        self._line_height = max(16, round(40 * self._unit))
+        self._font = _font(0.62 * self._line_height)
+        self._low, self._high = self._view()
+        self._lay_out(size)
+        self._canvas = Canvas(*self._size)
+
+    def _lay_out(self, size: int) -> None:
+        """Share the sheet out: the legend takes the lines that it needs, the plot what is left."""
+        width, height = self._high - self._low
+        top = self._margin + (round(1.3 * self._line_height) if self._title else 0)
+        items = self._legend_items()
+        lines = 0
+        self._legend: list[list[_Item]] = [[]]
+        # More lines make a smaller plot and a narrower page, so that the words may need more lines still.
+        while lines < len(self._legend):
+            lines = len(self._legend)
+            bottom = round(1.5 * self._margin) + self._line_height * lines
+            down, across = max(size - top - bottom, size // 4), size - 2 * self._margin
+            self._scale = min(across / width, down / height)  # [px/m]
+            plot_width, plot_height = (max(1, round(side * self._scale)) for side in (width, height))
+            # Below a plot as narrow as a corridor there still has to be room for words.
+            page_width = max(plot_width + 2 * self._margin, round(0.6 * size))
+            self._bar = _round_length(page_width / 7 / self._scale)
+            bar_text = _in_words(self._bar)
+            bar_room = self._bar * self._scale + self._font.getlength(bar_text) + 1.5 * self._line_height
+            self._legend = self._wrapped(items, page_width - 2 * self._margin, bar_room)
+        self._size = (page_width, top + plot_height + bottom)
+        left = (page_width - plot_width) // 2
+        self._plot: tuple[int, int, int, int] = (left, top, left + plot_width, top + plot_height)
+
+    # ------------------------------------------------------------------------------------------ plot
+
+    def draw_walls(self) -> None:
+        """Paint what is free and what is occupied, and what lies outside the map."""
+        canvas = self._canvas
+        canvas.frame = self._plot
+        canvas.rectangle(self._plot, COLOURS["outside"])
+        (left, top), (right, bottom) = self._in_plot(
+            np.array([(0.0, self._map.size[1]), (self._map.size[0], 0.0)])
+        )
+        canvas.rectangle((left, top, right, bottom), "white")
+        fine = 1 / (self._scale * FINENESS)  # [m] side of a fine pixel
+        pixels = self._map.to_array(resolution=fine)[::-1] != 0
+        # A wall a millimetre thick would be but a breath of grey; cells that can be seen keep their size.
+        lacking = max(0, round(2.4 * self._unit * FINENESS - max(1.0, self._map.resolution / fine)))
+        # Rows begin at the lower edge; the last, on top, may stick out by a part of a pixel.
+        top = bottom - (len(pixels) + lacking) / FINENESS
+        pixels = _thickened(np.pad(pixels, lacking), lacking)
+        canvas.mask(pixels, (left - lacking / FINENESS, top), COLOURS["wall"])
+
+    def draw_lines(self, path: RobotPath) -> None:
+        """Paint a robot's paths, the estimated one over the true one."""
+        self._canvas.frame = self._plot
+        marks.draw_true_path(self._canvas, self._on_page(path.true), self._unit)
+        marks.draw_estimated_path(self._canvas, self._on_page(path.estimated), self._unit)
+
+    def draw_marks(self, path: RobotPath) -> None:
+        """Paint where a robot began, ended, believed it ended, and ran into something."""
+        canvas, unit = self._canvas, self._unit
+        canvas.frame = self._plot
+        true, estimated = self._on_page(_finite(path.true)), self._on_page(_finite(path.estimated))
+        if len(true):
+            marks.draw_start(canvas, true[0], unit)
+        if path.outline is not None and len(path.outline) > 2 and np.all(np.isfinite(path.outline)):
+            marks.draw_body(canvas, self._on_page(path.outline), unit)
+        if len(true):
+            marks.draw_true_end(canvas, true[-1], unit)
+        if len(estimated):
+            marks.draw_estimated_end(canvas, estimated[-1], unit)
+        # A robot that scrapes along a wall has thousands of them: one cross a pixel will do.
+        for place in np.unique(np.round(self._on_page(_finite(path.collisions))), axis=0):
+            marks.draw_collision(canvas, place, unit)
+
+    def _view(self) -> tuple[Points, Points]:
+        """The corners (low, high) of what is shown, in the map's frame [m]."""
+        size = np.asarray(self._map.size)
+        seen = [np.array([(0.0, 0.0), self._map.size])]
+        for path in self._paths:
+            seen += [self._to_local(_finite(path.true)), self._to_local(_finite(path.estimated))]
+        points = np.concatenate(seen)
+        room, most = _ROOM * size.max(), _GROWTH * size.max()
+        below, above = -points.min(axis=0), points.max(axis=0) - size
+        return -np.minimum(below + room, most), size + np.minimum(above + room, most)
+
+    def _to_local(self, points: Points) -> Points:
+        """World metres to metres in the map's frame; what is not finite becomes nan."""
+        x, y, yaw = self._map.origin
+        offsets = np.where(np.isfinite(points), points, np.nan)
+        # Numbers of a run that went to pieces are brought to where they still are far away but can be drawn.
+        far = _FAR * max(self._map.size)
+        across, up = np.clip(offsets, (x - far, y - far), (x + far, y + far)).T - np.array([[x], [y]])
+        cosine, sine = math.cos(yaw), math.sin(yaw)
+        return np.stack((across * cosine + up * sine, up * cosine - across * sine), axis=1)
+
+    def _in_plot(self, points: Points) -> Points:
+        """Metres in the map's frame to pixels of the page."""
+        left, top = self._plot[:2]
+        columns = left + (points[:, 0] - self._low[0]) * self._scale
+        rows = top + (self._high[1] - points[:, 1]) * self._scale
+        return np.stack((columns, rows), axis=1)
+
+    def _on_page(self, points: Points) -> Points:
+        """World metres to pixels of the page."""
+        return self._in_plot(self._to_local(points))
+
+    # ----------------------------------------------------------------------------------------- words
+
+    def finish(self) -> Image.Image:
+        """The page, with its frame and words."""
+        canvas = self._canvas
+        canvas.frame = (0, 0, *self._size)
+        left, top, right, bottom = self._plot
+        canvas.line(
+            np.array([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], np.float64),
+            COLOURS["faint"],
+            1.2 * self._unit,
+        )
+        words = [*self._draw_legend(), self._draw_scale_bar()]
+        image = canvas.shown()
+        pen = ImageDraw.Draw(image)
+        for text, place, anchor in words:
+            pen.text(place, text, COLOURS["text"], self._font, anchor=anchor)
+        if self._title:
+            font = _font(0.85 * self._line_height)
+            title = _shortened(self._title, font, self._size[0] - 2 * self._margin)
+            pen.text((self._margin, 0.55 * self._plot[1]), title, COLOURS["text"], font, anchor="lm")
+        if len(self._paths) > 1:
+            self._write_names(pen)
+        return image
+
+    def _legend_items(self) -> list[_Item]:
+        """What the legend explains: what is in the picture and nothing else."""
+        true = any(len(path.true) for path in self._paths)
+        estimated = any(len(path.estimated) for path in self._paths)
+        hits = sum(len(path.collisions) for path in self._paths)
+        names = [path.name for path in self._paths[:_NAMES_SHOWN]]
+        more = len(self._paths) - len(names)
+        heading = ", ".join(names) + (f" and {more} more" if more else "")
+        found = [
+            (bool(heading), _Item(heading + ":", None)),
+            (true, _Item("true path", _line_sample(marks.draw_true_path))),
+            (estimated, _Item("estimated path", _line_sample(marks.draw_estimated_path))),
+            (true, _Item("start", marks.draw_start)),
+            (true, _Item("end", marks.draw_true_end)),
+            (estimated, _Item("estimated end", marks.draw_estimated_end)),
+            (hits > 0, _Item(f"{hits} collision{'s' if hits > 1 else ''}", marks.draw_collision)),
+        ]
+        return [item for shown, item in found if shown]
+
+    def _sample_width(self, item: _Item) -> float:
+        if item.draw is None:
+            return 0.0
+        return (2.2 if item.text.endswith("path") else 0.9) * self._line_height
+
+    def _item_width(self, item: _Item) -> float:
+        return self._sample_width(item) + float(self._font.getlength(item.text)) + 0.8 * self._line_height
+
+    def _wrapped(self, items: Sequence[_Item], width: float, reserved: float) -> list[list[_Item]]:
+        """The legend's lines, of at most `width` [px], the first less what is reserved, or of one item."""
+        lines: list[list[_Item]] = [[]]
+        left = width - reserved
+        for item in items:
+            needed = self._item_width(item)
+            if needed > left and lines[-1]:
+                lines.append([])
+                left = width
+            lines[-1].append(item)
+            left -= needed
+        return lines
+
+    def _line_middle(self, line: int) -> float:
+        return self._plot[3] + 0.5 * self._margin + (line + 0.5) * self._line_height
+
+    def _draw_legend(self) -> list[tuple[str, tuple[float, float], str]]:
+        """Draw the samples; the words, with places and anchors, for the finished page."""
+        words = []
+        for number, line in enumerate(self._legend):
+            x, y = float(self._margin), self._line_middle(number)
+            for item in line:
+                sample = self._sample_width(item)
+                if item.draw is not None:
+                    middle = np.array([x + sample / 2 - 0.15 * self._line_height, y])
+                    item.draw(self._canvas, middle, self._unit)
+                text = _shortened(item.text, self._font, self._size[0] - 2 * self._margin)
+                words.append((text, (x + sample, y), "lm"))
+                x += self._item_width(item)
+        return words
+
+    def _draw_scale_bar(self) -> tuple[str, tuple[float, float], str]:
+        """Draw a bar of a round length at the right; its length in words."""
+        right, y = self._size[0] - self._margin, self._line_middle(0)
+        left, tick = right - self._bar * self._scale, 0.2 * self._line_height
+        bar = [
+            (left, y - tick),
+            (left, y + tick),
+            (left, y),
+            (right, y),
+            (right, y - tick),
+            (right, y + tick),
+        ]
+        self._canvas.line(np.array(bar), COLOURS["text"], 2.5 * self._unit)
+        return _in_words(self._bar), (left - 0.3 * self._line_height, y), "rm"
+
+    def _write_names(self, pen: ImageDraw.ImageDraw) -> None:
+        """A robot's name beside where it ended, clear of other names and ends where it can be."""
+        left, top, right, bottom = self._plot
+        reach = 16 * self._unit
+        marked = [
+            self._on_page(_finite(line)[-1:]) for path in self._paths for line in (path.true, path.estimated)
+        ]
+        taken: list[_Box] = [
+            (x - 0.8 * reach, y - 0.8 * reach, x + 0.8 * reach, y + 0.8 * reach)
+            for x, y in np.concatenate(marked).tolist()
+        ]
+        for path in self._paths:
+            ends = self._on_page(_finite(path.true))[-1:]
+            for x, y in np.clip(ends, (left, top), (right, bottom)).tolist():
+                places = [
+                    ((x + reach, y - reach), "ls"),
+                    ((x - reach, y - reach), "rs"),
+                    ((x + reach, y + reach), "lt"),
+                    ((x - reach, y + reach), "rt"),
+                ]
+                boxes = [
+                    pen.textbbox(place, path.name, self._font, anchor=anchor) for place, anchor in places
+                ]
+                inside = [
+                    box[0] >= left and box[1] >= top and box[2] <= right and box[3] <= bottom for box in boxes
+                ]
+                clear = [not any(_overlap(box, other) for other in taken) for box in boxes]
+                # The first that is inside and clear; failing that, inside; failing that, any.
+                best = max(range(4), key=lambda i: (inside[i] + clear[i], inside[i]))
+                place, anchor = places[best]
+                taken.append(boxes[best])
+                pen.text(
+                    place,
+                    path.name,
+                    COLOURS["text"],
+                    self._font,
+                    anchor=anchor,
+                    stroke_width=max(1, round(3 * self._unit)),
+                    stroke_fill="white",
+                )
+
+
+@attrs.frozen
+class _Item:
+    """An entry of the legend: its words, and how its sample is drawn about a place."""
+
+    text: str
+    draw: Callable[[Canvas, Points, float], None] | None
+
+
+def _line_sample(draw: Callable[[Canvas, Points, float], None]) -> Callable[[Canvas, Points, float], None]:
+    """A short stretch of a path, drawn as the path is."""
+
+    def sample(canvas: Canvas, place: Points, unit: float) -> None:
+        draw(canvas, place + np.array([(-34.0, 0.0), (34.0, 0.0)]) * unit, unit)
+
+    return sample
+
+
+def _finite(points: Points) -> Points:
+    return points[np.all(np.isfinite(points), axis=1)]
+
+
+def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
+    """What is true grown by a number of pixels in each axis, half of them on either side."""
+    grown = pixels
+    for axis in (0, 1):
+        source = np.moveaxis(grown, axis, 0)
+        grown = grown.copy()
+        target = np.moveaxis(grown, axis, 0)
+        for shift in range(1, by - by // 2 + 1):
+            target[shift:] |= source[:-shift]
+        for shift in range(1, by // 2 + 1):
+            target[:-shift] |= source[shift:]
+    return grown
+
+
+def _round_length(about: float) -> float:
+    """The greatest of 1, 2 and 5 times a power of ten that is not more than `about`."""
+    power = 10.0 ** math.floor(math.log10(about))
+    return max(digit * power for digit in (1, 2, 5) if digit * power <= about * (1 + 1e-9))
+
+
+def _in_words(metres: float) -> str:
+    for unit, size in (("km", 1000.0), ("m", 1.0), ("cm", 0.01)):
+        if metres >= size * (1 - 1e-9):
+            return f"{metres / size:g} {unit}"
+    return f"{metres * 1000:g} mm"
+
+
+def _font(height: float) -> _Font:
+    """Pillow's own font, of about a height [px]."""
+    return ImageFont.load_default(max(8, round(height)))
+
+
+def _shortened(text: str, font: _Font, width: float) -> str:
+    """The text on one line, its end left out if it is too wide."""
+    text = " ".join(text.split())
+    if font.getlength(text) <= width:
+        return text
+    while text and font.getlength(text + "...") > width:
+        text = text[:-1]
+    return text + "..."
+
+
+def _overlap(a: _Box, b: _Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]

@@ -1,0 +1,281 @@
+"""Bitmaps: the darker of two colours is occupied, whatever the depth; anything else says what is wrong."""
+
+from __future__ import annotations
+
+import io
+import math
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from PIL import Image
+
+from amorsim.core.errors import MapError
+from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError
+from amorsim.maps.bmp import Bitmap
+
+MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps"
+
+cells = arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 12))).filter(
+    lambda found: found.any() and not found.all()
+)
+colours = st.tuples(*[st.integers(0, 255)] * 3)
+
+
+def luma(colour: tuple[int, ...]) -> int:
+    """Brightness of a colour, Rec. 601, in thousandths."""
+    return 299 * colour[0] + 587 * colour[1] + 114 * colour[2]
+
+
+def saved(folder: Path, image: Image.Image, name: str = "a.bmp") -> Path:
+    path = folder / name
+    image.save(path)
+    return path
+
+
+def grey(*rows: list[int]) -> Image.Image:
+    return Image.fromarray(np.array(rows, np.uint8))
+
+
+# ------------------------------------------------------------------------------------------------ rows
+
+
+def test_top_row_of_the_image_is_the_last_of_the_map(tmp_path: Path) -> None:
+    loaded = Bitmap(resolution=0.1).load(saved(tmp_path, grey([0, 255, 255], [255, 255, 0])))
+    assert loaded.to_array().tolist() == [[0, 0, 1], [1, 0, 0]]
+    assert loaded.size == pytest.approx((0.3, 0.2))
+    assert loaded.name == "a"
+
+
+def test_options_place_the_map(tmp_path: Path) -> None:
+    path = saved(tmp_path, grey([255, 0], [255, 255]))
+    loaded = Bitmap(resolution=0.5, origin_x=1.0, origin_y=-2.0, origin_yaw=math.pi / 2).load(path)
+    assert loaded.origin == (1.0, -2.0, math.pi / 2)
+    assert loaded.resolution == 0.5
+    # Turned left by a right angle, the upper right pixel is the upper left one.
+    assert loaded.occupied([(0.25, -1.25), (0.75, -1.25), (0.25, -1.75), (0.75, -1.75)]).tolist() == [
+        True,
+        False,
+        False,
+        False,
+    ]
+
+
+def test_default_resolution_is_five_centimetres(tmp_path: Path) -> None:
+    assert Bitmap().load(saved(tmp_path, grey([0, 255]))).resolution == 0.05
+
+
+@pytest.mark.parametrize(
+    "options", [{"resolution": 0}, {"threshold": 1.5}, {"threshold": -0.1}, {"origin_x": math.nan}]
+)
+def test_options_are_checked(options: dict[str, float]) -> None:
+    with pytest.raises(ParameterError, match=next(iter(options))):
+        Bitmap(**options)
+
+
+# -------------------------------------------------------------------------------------------- round trips
+
+
+@settings(deadline=None)
+@given(
+    occupied=cells,
+    mode=st.sampled_from(["1", "L", "P", "RGB", "RGBA", "LA"]),
+    suffix=st.sampled_from([".bmp", ".png"]),
+    pair=st.tuples(colours, colours).filter(lambda pair: luma(pair[0]) + 2000 < luma(pair[1])),
+)
+def test_two_colours_of_any_depth(
+    tmp_path_factory: pytest.TempPathFactory,
+    occupied: np.ndarray,
+    mode: str,
+    suffix: str,
+    pair: tuple[tuple[int, ...], tuple[int, ...]],
+) -> None:
+    if mode == "LA":
+        suffix = ".png"
+    if mode == "1":
+        pair = (0, 0, 0), (255, 255, 255)
+    image = Image.fromarray(np.where(occupied[..., None], *(np.array(colour, np.uint8) for colour in pair)))
+    if mode == "P":
+        image = image.quantize(2)
+    elif mode in ("1", "L", "LA"):
+        image = image.convert(mode, dither=Image.Dither.NONE)
+    else:
+        image = image.convert(mode)
+    path = saved(tmp_path_factory.getbasetemp(), image, "a" + suffix)
+    assert Bitmap().load(path).to_array()[::-1].astype(bool).tolist() == occupied.tolist()
+
+
+@given(arrays(np.uint8, st.tuples(st.integers(1, 6), st.integers(1, 6))), st.integers(0, 255))
+def test_threshold_takes_what_is_darker(
+    tmp_path_factory: pytest.TempPathFactory, values: np.ndarray, level: int
+) -> None:
+    path = saved(tmp_path_factory.getbasetemp(), Image.fromarray(values), "b.bmp")
+    loaded = Bitmap(threshold=(level + 0.5) / 255 if level < 255 else 1.0).load(path)
+    darker = values <= level if level < 255 else values < 255
+    assert loaded.to_array()[::-1].astype(bool).tolist() == darker.tolist()
+
+
+def test_bmp_of_one_bit_with_its_colours_swapped(tmp_path: Path) -> None:
+    """A palette whose first entry is white: it is the colour that counts, not the index."""
+    image = Image.new("P", (2, 1))
+    image.putpalette([255, 255, 255, 0, 0, 0])
+    image.putdata([0, 1])
+    assert Bitmap().load(saved(tmp_path, image)).to_array().tolist() == [[0, 1]]
+
+
+def test_png_of_sixteen_bits(tmp_path: Path) -> None:
+    values = np.array([[0, 65535, 40000]], np.uint16)
+    path = saved(tmp_path, Image.fromarray(values), "deep.png")
+    assert Bitmap(threshold=0.5).load(path).to_array().tolist() == [[1, 0, 0]]
+    assert Bitmap(threshold=0.62).load(path).to_array().tolist() == [[1, 0, 1]]
+    with pytest.raises(MapError, match="3 colours"):
+        Bitmap().load(path)
+
+
+def test_transparent_parts_of_a_png_are_free(tmp_path: Path) -> None:
+    image = Image.new("RGBA", (3, 1), (0, 0, 0, 0))
+    image.putpixel((1, 0), (0, 0, 0, 255))
+    assert Bitmap().load(saved(tmp_path, image, "clear.png")).to_array().tolist() == [[0, 1, 0]]
+
+
+def test_an_unused_alpha_of_a_bmp_does_not_hide_its_colours(tmp_path: Path) -> None:
+    """Two pixels of 32 bits under a header (BITMAPV4) that declares an alpha, which is 0 in both."""
+    masks = struct.pack("<4I", 0x00FF0000, 0x0000FF00, 0x000000FF, 0xFF000000)
+    info = struct.pack("<IiiHHIIiiII", 108, 2, 1, 1, 32, 3, 8, 0, 0, 0, 0) + masks + bytes(52)
+    pixels = bytes([255, 255, 255, 0]) + bytes(4)
+    path = tmp_path / "clear.bmp"
+    path.write_bytes(b"BM" + struct.pack("<IHHI", 14 + 108 + 8, 0, 0, 14 + 108) + info + pixels)
+    with Image.open(path) as image:
+        assert image.mode == "RGBA"
+    assert Bitmap().load(path).to_array().tolist() == [[0, 1]]
+
+
+# -------------------------------------------------------------------------------------------- colours
+
+
+@pytest.mark.parametrize(
+    ("colour", "occupied"), [("white", 0), ("black", 1), ("#7f7f7f", 1), ("#808080", 0), ("red", 1)]
+)
+def test_one_colour_is_all_free_or_all_occupied(tmp_path: Path, colour: str, occupied: int) -> None:
+    loaded = Bitmap().load(saved(tmp_path, Image.new("RGB", (3, 2), colour)))
+    assert loaded.to_array().tolist() == [[occupied] * 3] * 2
+
+
+def test_more_colours_say_how_many_and_what_to_do(tmp_path: Path) -> None:
+    path = saved(tmp_path, grey([0, 100, 200, 255, 255]))
+    with pytest.raises(MapError, match=r"a\.bmp: it has 4 colours.*threshold="):
+        Bitmap().load(path)
+    assert Bitmap(threshold=0.5).load(path).to_array().tolist() == [[1, 1, 0, 0, 0]]
+
+
+def test_true_colours_are_counted_too(tmp_path: Path) -> None:
+    image = Image.new("RGB", (256, 3))
+    image.putdata([(i, i // 2, j) for j in range(3) for i in range(256)])
+    with pytest.raises(MapError, match="it has 768 colours"):
+        Bitmap().load(saved(tmp_path, image))
+
+
+def test_equally_bright_colours_are_not_guessed(tmp_path: Path) -> None:
+    twins = (61, 0, 185), (0, 67, 0)
+    assert luma(twins[0]) == luma(twins[1])
+    image = Image.new("RGB", (2, 1), twins[0])
+    image.putpixel((1, 0), twins[1])
+    with pytest.raises(MapError, match="equally bright"):
+        Bitmap().load(saved(tmp_path, image))
+    image.putpixel((1, 0), (0, 67 - 1, 0))
+    assert Bitmap().load(saved(tmp_path, image)).to_array().tolist() == [[0, 1]]
+
+
+# ---------------------------------------------------------------------------------------- broken files
+
+
+def test_sniff() -> None:
+    buffer = io.BytesIO()
+    grey([0, 255]).save(buffer, "BMP")
+    assert Bitmap.sniff(buffer.getvalue()[:64])
+    buffer = io.BytesIO()
+    grey([0, 255]).save(buffer, "PNG")
+    assert Bitmap.sniff(buffer.getvalue()[:64])
+    assert not Bitmap.sniff(b"P5\n2 2\n255\n")
+    assert not Bitmap.sniff(b"")
+    assert not Bitmap.sniff(b"0 0 10 0")
+
+
+@pytest.mark.parametrize("kind", ["BMP", "PNG"])
+@given(data=st.data())
+@settings(max_examples=150, deadline=None)
+def test_broken_files_make_a_map_or_a_map_error(
+    tmp_path_factory: pytest.TempPathFactory, kind: str, data: st.DataObject
+) -> None:
+    buffer = io.BytesIO()
+    grey(*[[0, 255] * 4] * 6).save(buffer, kind)
+    content = bytearray(buffer.getvalue())
+    for _ in range(data.draw(st.integers(0, 4))):
+        content[data.draw(st.integers(2, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path = tmp_path_factory.getbasetemp() / "broken.bmp"
+    path.write_bytes(content[: data.draw(st.integers(0, len(content)) | st.just(len(content)))])
+    try:
+        loaded: Map | MapError = Bitmap().load(path)
+    except MapError as error:
+        loaded = error
+    assert isinstance(loaded, Map) or "broken.bmp: " in str(loaded)
+
+
+@pytest.mark.parametrize("kind", ["BMP", "PNG"])
+def test_a_file_cut_short_is_refused(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "short.bmp"
+    grey(*[[0, 255] * 40] * 60).save(path, kind)
+    path.write_bytes(path.read_bytes()[:-60])
+    with pytest.raises(MapError, match=r"short\.bmp: it is no whole BMP or PNG"):
+        Bitmap().load(path)
+
+
+def test_another_kind_of_image_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.bmp"
+    grey([0, 255]).save(path, "GIF")
+    with pytest.raises(MapError, match="no whole BMP or PNG"):
+        Bitmap().load(path)
+
+
+def test_a_missing_file_is_said(tmp_path: Path) -> None:
+    with pytest.raises(MapError, match=r"none\.bmp: cannot be read"):
+        Bitmap().load(tmp_path / "none.bmp")
+
+
+@pytest.mark.parametrize("side", [11_000, 40_000])
+def test_an_image_that_unpacks_to_too_much_is_refused(tmp_path: Path, side: int) -> None:
+    """Below twice pillow's limit it only warns, above it raises; here both are one error."""
+
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        )
+
+    path = tmp_path / "bomb.png"
+    header = struct.pack(">IIBBBBB", side, side, 1, 0, 0, 0, 0)
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
+    )
+    with pytest.raises(MapError, match=r"bomb\.png: it is too large to unpack"):
+        Bitmap().load(path)
+
+
+# ------------------------------------------------------------------------------------------ real files
+
+
+def test_a_real_floor_plan() -> None:
+    path = MAPS / "stage" / "bitmaps" / "cave.png"
+    if not path.is_file():
+        pytest.skip(f"no {path}")
+    loaded = Bitmap(resolution=0.032, threshold=0.5).load(path)
+    with Image.open(path) as image:
+        values = np.asarray(image.convert("L"))
+    assert loaded.to_array().tolist() == (values[::-1] < 128).astype(int).tolist()
+    # Where simple.world puts its robot, in a plan of 16 m x 16 m about the origin.
+    assert not loaded.occupied([(8.0 - 7.0, 8.0 - 7.0)])[0]
