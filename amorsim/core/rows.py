@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Hashable, Sequence
 from typing import Any, TypeVar
 
@@ -98,12 +99,17 @@ def _assemble(cls: type[T], values: dict[str, Any]) -> T:
 def take(component: T, rows: npt.NDArray[np.intp]) -> T:
     """The same stacked component with only the given rows, in the given order."""
     values = {}
-    for field in attrs.fields(type(component)):
-        value = getattr(component, field.name)
+    for name in _field_names(type(component)):
+        value = getattr(component, name)
         if isinstance(value, np.ndarray):
             value = value[rows]
             value.flags.writeable = False
         elif attrs.has(type(value)):
             value = take(value, rows)
-        values[field.name] = value
+        values[name] = value
     return _assemble(type(component), values)
+
+
+@functools.cache
+def _field_names(cls: type) -> tuple[str, ...]:
+    return tuple(field.name for field in attrs.fields(cls))

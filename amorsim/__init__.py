@@ -1,0 +1,183 @@
+"""amorsim: mobile robots in the plane, where every quantity is true, measured and estimated.
+
+Everything that a user or a plugin author needs is here; the names are looked up when first used, so that importing
+the package costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from amorsim import controllers, drives, estimators, noise, sensors, testing
+    from amorsim.contracts import (
+        Aim,
+        Clock,
+        Context,
+        Controller,
+        Drive,
+        Draws,
+        Estimate,
+        Estimator,
+        Frame,
+        Joint,
+        MapLoader,
+        Measurement,
+        Motion,
+        Mount,
+        Noise,
+        Recorder,
+        RobotModel,
+        RunInfo,
+        Sensor,
+        SensorModel,
+        State,
+        View,
+        parameter,
+    )
+    from amorsim.controllers.user import Twist, WheelSpeeds
+    from amorsim.core.errors import (
+        AmorsimError,
+        ComponentError,
+        ControllerError,
+        MapError,
+        PluginError,
+        RunError,
+        ScenarioError,
+        SnapshotError,
+    )
+    from amorsim.core.map import Map
+    from amorsim.core.parameters import ParameterError
+    from amorsim.core.poses import compose, exponential, logarithm, relative, wrap_angle
+    from amorsim.core.shapes import Shape
+    from amorsim.plugins.hooks import hookimpl
+    from amorsim.scenario.maps import load_map
+    from amorsim.scenario.read import load
+    from amorsim.scenario.spec import (
+        Deviation,
+        Distribution,
+        Knowledge,
+        MountedSensor,
+        NoiseElement,
+        Obstacle,
+        Pose,
+        Recording,
+        Robot,
+        Scenario,
+    )
+    from amorsim.simulation.events import Event
+    from amorsim.simulation.reproduce import reproduce
+    from amorsim.simulation.run import RunSummary, run
+    from amorsim.simulation.simulation import PHASES, Simulation
+
+_MODULES = {
+    "amorsim.contracts": (
+        "Aim Clock Context Controller Drive Draws Estimate Estimator Frame Joint MapLoader Measurement Motion Mount "
+        "Noise Recorder RobotModel RunInfo Sensor SensorModel State View parameter"
+    ),
+    "amorsim.controllers.user": "Twist WheelSpeeds",
+    "amorsim.core.errors": (
+        "AmorsimError ComponentError ControllerError MapError PluginError RunError ScenarioError SnapshotError"
+    ),
+    "amorsim.core.map": "Map",
+    "amorsim.core.parameters": "ParameterError",
+    "amorsim.core.poses": "compose exponential logarithm relative wrap_angle",
+    "amorsim.core.shapes": "Shape",
+    "amorsim.plugins.hooks": "hookimpl",
+    "amorsim.scenario.maps": "load_map",
+    "amorsim.scenario.read": "load",
+    "amorsim.scenario.spec": (
+        "Deviation Distribution Knowledge MountedSensor NoiseElement Obstacle Pose Recording Robot Scenario"
+    ),
+    "amorsim.simulation.events": "Event",
+    "amorsim.simulation.reproduce": "reproduce",
+    "amorsim.simulation.run": "RunSummary run",
+    "amorsim.simulation.simulation": "PHASES Simulation",
+}
+_PACKAGES = ("controllers", "drives", "estimators", "noise", "sensors", "testing")
+_HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
+
+__all__ = [
+    "PHASES",
+    "Aim",
+    "AmorsimError",
+    "Clock",
+    "ComponentError",
+    "Context",
+    "Controller",
+    "ControllerError",
+    "Deviation",
+    "Distribution",
+    "Draws",
+    "Drive",
+    "Estimate",
+    "Estimator",
+    "Event",
+    "Frame",
+    "Joint",
+    "Knowledge",
+    "Map",
+    "MapError",
+    "MapLoader",
+    "Measurement",
+    "Motion",
+    "Mount",
+    "MountedSensor",
+    "Noise",
+    "NoiseElement",
+    "Obstacle",
+    "ParameterError",
+    "PluginError",
+    "Pose",
+    "Recorder",
+    "Recording",
+    "Robot",
+    "RobotModel",
+    "RunError",
+    "RunInfo",
+    "RunSummary",
+    "Scenario",
+    "ScenarioError",
+    "Sensor",
+    "SensorModel",
+    "Shape",
+    "Simulation",
+    "SnapshotError",
+    "State",
+    "Twist",
+    "View",
+    "WheelSpeeds",
+    "compose",
+    "controllers",
+    "drives",
+    "estimators",
+    "exponential",
+    "hookimpl",
+    "load",
+    "load_map",
+    "logarithm",
+    "noise",
+    "parameter",
+    "relative",
+    "reproduce",
+    "run",
+    "sensors",
+    "testing",
+    "wrap_angle",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(importlib.import_module(_HOME[name]), name)
+    elif name in _PACKAGES:
+        value = importlib.import_module(f"amorsim.{name}")
+    else:
+        raise AttributeError(f"module 'amorsim' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

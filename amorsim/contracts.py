@@ -1,0 +1,352 @@
+"""What a plugin author reads: the kinds of component, what each is given and what it gives back.
+
+A component is an ``attrs.frozen(kw_only=True)`` class whose fields are its parameters (`parameter`). It is written
+once, over **rows**: a row is one robot in one replica of the scenario. In the engine its fields hold arrays: a number
+is `(N, 1)`, so that ``values * self.scale`` broadcasts over `(N, k)`; see `amorsim.core.rows.stack`. Static fields
+(`parameter(static=True)`), texts and flags stay plain, for they are equal in all rows of a group.
+
+A component keeps nothing on itself. What changes from step to step lives in ``state``, the dict of row-first arrays
+that `start` returned: write into its arrays, or put arrays of the same shape and dtype in their places. The engine
+owns it, copies it for a snapshot, and resets single rows of it.
+
+Bits must not depend on how many rows there are: use elementwise NumPy, `amorsim.core.poses`, or a kernel, never
+``@``, ``dot`` or a sum over the rows. `amorsim.testing.check_component` tries all of this.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple, Protocol
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.draws import Draws
+from amorsim.core.map import Map
+from amorsim.core.parameters import parameter
+from amorsim.core.poses import Mount, exponential
+from amorsim.core.shapes import Shape
+
+__all__ = [
+    "Aim",
+    "Clock",
+    "Context",
+    "Controller",
+    "Drive",
+    "Draws",
+    "Estimate",
+    "Estimator",
+    "Frame",
+    "Joint",
+    "MapLoader",
+    "Measurement",
+    "Motion",
+    "Mount",
+    "Noise",
+    "Recorder",
+    "RobotModel",
+    "RunInfo",
+    "Sensor",
+    "SensorModel",
+    "State",
+    "View",
+    "parameter",
+]
+
+Array = npt.NDArray[np.float64]
+State = dict[str, npt.NDArray[Any]]
+
+
+# ------------------------------------------------------------------------------------- what components are given
+
+
+@attrs.frozen(kw_only=True)
+class SensorModel:
+    """A sensor as the robot's software holds it: its nominal parameters, where it is mounted, how often it reads."""
+
+    name: str
+    sensor: Sensor
+    mount: Mount
+    size: int  # values in a reading
+    rate: float | None  # [Hz], None for every step
+
+
+@attrs.frozen(kw_only=True)
+class RobotModel:
+    """What a robot knows of itself and was told: nominal parameters throughout, for N rows. Never the truth."""
+
+    rows: int
+    dt: float  # [s]
+    drive: Drive
+    shape: Shape
+    sensors: Mapping[str, SensorModel]
+    map: Map | None = None  # `knowledge.map` of the scenario
+    landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
+
+
+@attrs.frozen(kw_only=True)
+class Context:
+    """What `start` is given: how many rows, the step, the nominal robot, and where the robot was told it stands."""
+
+    rows: int
+    dt: float  # [s]
+    robot: RobotModel
+    pose: Array  # (N, 3) [m, m, rad]
+    size: int = 0  # values in a sample: for a sensor, and for the elements of a chain
+
+
+class Clock(NamedTuple):
+    """The time of each row: `tick` (N, 1), `time` (N, 1) [s], and the step `dt` [s]."""
+
+    tick: npt.NDArray[np.int64]
+    time: Array
+    dt: float
+
+
+class Measurement(NamedTuple):
+    """A reading as the robot has it: the measured values `(N, k)`, from when they are, and whether they are new."""
+
+    measured: Array
+    stamp: npt.NDArray[np.int64]  # (N, 1), the tick that the values are of; -1 before there are any
+    age: Array  # (N, 1) [s], since that tick
+    fresh: npt.NDArray[np.bool_]  # (N, 1), whether they arrived in this step
+
+
+class Estimate(NamedTuple):
+    """What the robot believes of its pose: `pose` (N, 3) [m, m, rad] and `covariance` (N, 3, 3)."""
+
+    pose: Array
+    covariance: Array
+
+
+class Aim(NamedTuple):
+    """How a sensor's beams are bent before it looks: an angle [rad] added to each beam's bearing `(N, k)`, or none."""
+
+    bearing: Array | None = None
+
+
+class View(Protocol):
+    """All that a sensor or a motion may ask of the world, for its N rows: the truth, read-only."""
+
+    rows: int
+    dt: float
+    tick: npt.NDArray[np.int64]  # (N, 1)
+    pose: Array  # (N, 3) true pose of the sensor's mount (of the body, for a motion)
+    body_pose: Array  # (N, 3) true pose of the robot's base
+    twist: Array  # (N, 3) [m/s, m/s, rad/s] mean true velocity over the last step, in the body's frame
+    joints: Array  # (N, j) true positions of the drive's joints
+    joint_rates: Array  # (N, j)
+
+    def cast(self, origins: Array, bearings: Array, range_max: Array) -> Array:
+        """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
+
+        `origins` `(N * m, 3)` are world poses, m for each row in turn; `bearings` `(1, k)` or `(N * m, k)` are
+        relative to them; `range_max` `(N, 1)`.
+        """
+
+    def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
+        """The nearest return [m] `(N, m)` within a cone about each of `origins` `(N * m, 3)`, inf for none.
+
+        The least over rays at both edges of the cone and at most 0.05 degrees apart; `half_angle` [rad] `(N, 1)`.
+        """
+
+
+# -------------------------------------------------------------------------------------------- kinds of component
+
+
+class Component:
+    """What all kinds share."""
+
+    def start(self, context: Context) -> State:
+        """The state at the start of an episode: arrays whose first axis is the row. None is kept unless asked for."""
+        return {}
+
+
+@attrs.frozen(kw_only=True)
+class Joint:
+    """A joint of a drive: a wheel or a steering axis. `rolls` where it turns along the ground."""
+
+    name: str
+    rolls: bool = True
+
+
+class Drive(Component, abc.ABC):
+    """How joints follow commands, and how a body moves as its joints go from one position to another.
+
+    The engine moves the true body with the true parameters and the wheels' travel over the ground; an estimator calls
+    `displacement` with the nominal ones and what the encoders said.
+    """
+
+    joints: ClassVar[tuple[Joint, ...]]
+    channels: ClassVar[tuple[str, ...]]  # of a command, in order; joint rates [rad/s] or positions [rad]
+
+    @abc.abstractmethod
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        """Joints `(N, j)` [rad] and their rates [rad/s] a step later, under limits, as `command` `(N, c)` wants them."""
+
+    @abc.abstractmethod
+    def twist(self, before: Array, after: Array) -> Array:
+        """The body's motion (forward [m], left [m], turn [rad]) `(N, 3)` over a step in which joints go so.
+
+        For a drive whose path is not that of a constant twist: the mean one, and `displacement` overridden.
+        """
+
+    @abc.abstractmethod
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        """The command `(N, c)` that makes the body move with `twist` `(N, 3)` [m/s, m/s, rad/s], or nearest to it."""
+
+    @abc.abstractmethod
+    def rolling_radius(self) -> Array:
+        """Metres of travel over the ground per radian, of each joint that rolls, `(N, r)`."""
+
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The body's displacement `(N, 3)`, in its frame before, in closed form, at a fraction `(N, 1)` of the step."""
+        return exponential(self.twist(before, after), fraction)
+
+    def between(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The joints `(N, j)` after a stop at `fraction`; moving to them makes `displacement` to that fraction."""
+        return before + (after - before) * fraction
+
+    def travel(self, before: Array, after: Array) -> Array:
+        """Length of the base point's path [m] and total turning [rad] over the step `(N, 2)`; upper bounds suffice."""
+        twist = self.twist(before, after)
+        return np.stack((np.sqrt(twist[:, 0] ** 2 + twist[:, 1] ** 2), np.abs(twist[:, 2])), axis=1)
+
+    def follow(self, joints: Array, displacement: Array) -> Array:
+        """The joints `(N, j)` once passive ones have followed what the body really did, after contact."""
+        return joints
+
+
+class Sensor(Component, abc.ABC):
+    """What an ideal device would read. Mounting, rate, latency and noise belong to every sensor, outside its class."""
+
+    unit: ClassVar[str]  # of the values: "m", "rad", "rad/s", "count" ...
+
+    @abc.abstractmethod
+    def size(self, drive: Drive) -> int:
+        """How many values a reading has, on a robot with this drive. Fixed by static parameters alone."""
+
+    @abc.abstractmethod
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """The ideal reading `(N, k)`, and by name what the noise chain may need of it (incidence ...), each `(N, k)`."""
+
+    def bearings(self) -> Array | None:
+        """Where each value looks [rad], `(1, k)` or `(N, k)` from the mount's heading; for range sensors."""
+        return None
+
+
+class Noise(Component):
+    """One element of a chain, which a device's values go through in order; at least one method is overridden."""
+
+    def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
+        """Where the device really looks, before it senses."""
+        return aim
+
+    def corrupt(
+        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
+    ) -> Array:
+        """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
+        return values
+
+
+class Estimator(Component, abc.ABC):
+    """What the robot makes of its readings. It has the nominal robot and what it was told, never the world."""
+
+    @abc.abstractmethod
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the one before (0 at the start)."""
+
+
+class Controller(Component, abc.ABC):
+    """What the robot does: readings and estimate in, a command out. A plain function of one robot serves too."""
+
+    @abc.abstractmethod
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)`, the channels of ``robot.drive`` in order."""
+
+
+class Motion(Component, abc.ABC):
+    """How an obstacle wants to move; the engine says what part of it was free."""
+
+    @abc.abstractmethod
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
+        """The wanted displacement `(N, 3)` of this step, in the obstacle's own frame."""
+
+
+class MapLoader(abc.ABC):
+    """Reads maps of one format; its fields are the options of `amorsim.load_map`."""
+
+    extensions: ClassVar[tuple[str, ...]]  # with the dot, lower case
+
+    @classmethod
+    def sniff(cls, head: bytes) -> bool:
+        """Whether a file that begins with `head` is of this format; asked where the extension does not tell."""
+        return False
+
+    @abc.abstractmethod
+    def load(self, path: Path) -> Map:
+        """The map in a file; `MapError` names what is wrong with it, and the line where there is one."""
+
+
+class Frame(NamedTuple):
+    """One step of one group of robots, as recorders get it: everything, truth included. Arrays are not to be changed."""
+
+    names: Sequence[str]  # of each row
+    replica: npt.NDArray[np.int64]  # (N,)
+    tick: npt.NDArray[np.int64]  # (N,)
+    time: Array  # (N,) [s]
+    true_pose: Array  # (N, 3)
+    true_twist: Array  # (N, 3) mean over the step, in the body's frame
+    joint_names: Sequence[str]
+    joint_rates: Array  # (N, j) true
+    estimates: Mapping[str, Estimate]  # the controller's is the first
+    readings: Mapping[str, tuple[Array, Measurement]]  # true values, and the robot's reading
+    channels: Sequence[str]
+    command: Array  # (N, c)
+    robot: RobotModel  # the nominal one
+
+
+class RunInfo(NamedTuple):
+    """What a recorder is told of a run before its first step."""
+
+    folder: Path  # exists, and is the run's own
+    dt: float  # [s]
+    replicas: Sequence[int]
+    with_sensors: bool  # whether sensors are to be written
+
+
+class Recorder(abc.ABC):
+    """Writes a run down while it goes."""
+
+    @abc.abstractmethod
+    def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
+        """Begin; `frames` are those of tick 0, with the first readings, and are to be written too."""
+
+    @abc.abstractmethod
+    def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
+        """Take a step: a frame for each group, and the events (`amorsim.simulation.events.Event`) since the last."""
+
+    @abc.abstractmethod
+    def close(self) -> None:
+        """End; also called when a run is broken off."""

@@ -1,0 +1,1 @@
+"""The engine: robots as rows, the phases of a step, and runs."""

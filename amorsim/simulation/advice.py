@@ -1,0 +1,29 @@
+"""What is not wrong with a scenario, but hardly meant."""
+
+from __future__ import annotations
+
+from amorsim.scenario.spec import Scenario
+
+__all__ = ["advice"]
+
+
+def advice(scenario: Scenario) -> list[str]:
+    """Remarks on a scenario that runs, each with the path it is about."""
+    remarks = []
+    for robot in scenario.robots:
+        for name, unit in robot.sensors.items():
+            path = f"robots.{robot.name}.sensors.{name}"
+            if unit.rate is not None and unit.rate * scenario.dt > 1.0 + 1e-9:
+                remarks.append(
+                    f"{path}.rate: {unit.rate:g} Hz is faster than the steps ({1.0 / scenario.dt:g} Hz); "
+                    "it reads once every step"
+                )
+            ticks = unit.latency / scenario.dt
+            if abs(ticks - round(ticks)) > 1e-6:
+                remarks.append(
+                    f"{path}.latency: {unit.latency:g} s is no multiple of dt ({scenario.dt:g} s); "
+                    "readings arrive at the first step after it"
+                )
+        if robot.controller is None:
+            remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
+    return remarks

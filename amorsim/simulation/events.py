@@ -1,0 +1,41 @@
+"""What happened, and when: collisions, ends of controllers, changes from outside."""
+
+from __future__ import annotations
+
+import attrs
+
+__all__ = ["Event"]
+
+
+@attrs.frozen(kw_only=True)
+class Event:
+    """Something that happened to a robot or an obstacle.
+
+    `kind` is ``"collision"`` (with `other`, the wall or a body's name; `point` in the world; `speed` [m/s] of the
+    body just before), ``"controller_ended"``, ``"pose_set"``, or ``"parameter_set"`` (with `path` and `value`).
+    `tick` counts the steps that were whole before it; `time` [s] may lie between two of them.
+    """
+
+    tick: int
+    time: float
+    replica: int
+    kind: str
+    name: str
+    other: str = ""
+    point: tuple[float, float] | None = None
+    speed: float | None = None
+    path: str = ""
+    value: object = None
+
+    def __str__(self) -> str:
+        head = f"{self.time:.3f} s: {self.name}"
+        if self.kind == "collision":
+            assert self.point is not None
+            assert self.speed is not None
+            x, y = self.point
+            return f"{head} met {self.other} at ({x:.3f}, {y:.3f}) m, going {self.speed:.3f} m/s"
+        if self.kind == "controller_ended":
+            return f"{head}: its controller ended"
+        if self.kind == "pose_set":
+            return f"{head} was put elsewhere"
+        return f"{head}: {self.path} = {self.value}"

@@ -1,0 +1,362 @@
+"""A group: the robots whose component classes, names and shape-fixing fields are equal, as rows of one set of arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Context,
+    Controller,
+    Drive,
+    Draws,
+    Estimate,
+    Estimator,
+    Frame,
+    Measurement,
+    RobotModel,
+    SensorModel,
+    State,
+)
+from amorsim.core.errors import ComponentError
+from amorsim.core.poses import compose, logarithm
+from amorsim.core.rows import signature, stack, take
+from amorsim.kernels import digest
+from amorsim.scenario.spec import Knowledge, Robot
+from amorsim.simulation.bodies import World
+from amorsim.simulation.chain import Chain, Streams
+from amorsim.simulation.moment import Moment
+from amorsim.simulation.sensing import SensorUnit
+from amorsim.simulation.truth import true_robot
+from amorsim.simulation.view import GroupView
+
+__all__ = ["Group", "group_key"]
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Arrays = dict[str, npt.NDArray[Any]]
+
+
+def group_key(robot: Robot) -> Hashable:
+    """What robots of one group have in common."""
+    return (
+        signature(robot.drive),
+        robot.shape,
+        tuple(
+            (name, signature(unit.sensor), tuple((e.name, signature(e.noise)) for e in unit.noise))
+            for name, unit in robot.sensors.items()
+        ),
+        tuple((element.name, signature(element.noise)) for element in robot.ground),
+        tuple((name, signature(estimator)) for name, estimator in robot.estimators.items()),
+        None if robot.controller is None else signature(robot.controller),
+        robot.on_collision,
+        id(robot.knowledge.map) if robot.knowledge.map is not None else None,
+        robot.knowledge.landmarks,
+    )
+
+
+class Group:
+    """Robots as rows: what is specified of each, the stacked components made of it, and all that changes.
+
+    Arrays of poses, joints, commands, readings and estimates are replaced in a step, never changed in place.
+    """
+
+    def __init__(
+        self, robots: Sequence[Robot], bodies: Ints, replica: Ints, world: World, seed: int, dt: float
+    ) -> None:
+        self.specified = list(robots)
+        self.names = [robot.name for robot in robots]
+        self.bodies = bodies
+        self.dt = dt
+        self.seed = seed
+        self.moment = Moment(replica, dt)
+        self.view = GroupView(world, bodies, dt)
+        self.world = world
+        first = robots[0]
+        self.ends_on_collision = first.on_collision == "end"
+        self.streams = Streams(seed, self.names, self.moment.counter)
+        self.drive_draws = self.streams.draws("drive")
+        self.ground = Chain(first.ground, self.streams, "ground")
+        self.sensors = {
+            name: SensorUnit(name, unit, unit.sensor.size(first.drive), self.streams)
+            for name, unit in first.sensors.items()
+        }
+        self.estimators: dict[str, Estimator] = {}
+        self.estimator_draws: dict[str, Draws] = {
+            name: self.streams.draws("estimator", name) for name in first.estimators
+        }
+        self.controller: Controller | None = None
+        self.controller_draws = self.streams.draws("controller")
+        self.true: list[Robot] = []
+        self.drive: Drive = first.drive
+        self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
+        self.set_parameters()
+        self.start()
+
+    @property
+    def rows(self) -> int:
+        """How many robots there are, over all replicas."""
+        return len(self.names)
+
+    # ------------------------------------------------------------------------------------------------- parameters
+
+    def set_parameters(self) -> None:
+        """Make the stacked components anew from what is specified of every row."""
+        resolved: dict[tuple[int, int], Robot] = {}
+        true = []
+        for robot, replica in zip(self.specified, self.moment.replica.tolist(), strict=True):
+            drawn = any(d.per == "replica" for d in robot.errors.values())
+            key = (id(robot), replica if drawn else -1)
+            if key not in resolved:
+                resolved[key] = true_robot(robot, self.seed, replica)
+            true.append(resolved[key])
+        self.true = true
+        self.drive = stack([robot.drive for robot in true])
+        self.ground.set_parameters([robot.ground for robot in true])
+        for name, unit in self.sensors.items():
+            unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
+        nominal = self.specified
+        knowledge: Knowledge = nominal[0].knowledge
+        self.robot = RobotModel(
+            rows=self.rows,
+            dt=self.dt,
+            drive=stack([robot.drive for robot in nominal]),
+            shape=nominal[0].shape,
+            sensors={
+                name: SensorModel(
+                    name=name,
+                    sensor=stack([robot.sensors[name].sensor for robot in nominal]),
+                    mount=stack([robot.sensors[name].mount for robot in nominal]),
+                    size=unit.size,
+                    rate=nominal[0].sensors[name].rate,
+                )
+                for name, unit in self.sensors.items()
+            },
+            map=knowledge.map,
+            landmarks=np.array(knowledge.landmarks, dtype=float) if knowledge.landmarks else None,
+        )
+        self._radius = np.ascontiguousarray(self.drive.rolling_radius())
+        self.estimators = {
+            name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws
+        }
+        if nominal[0].controller is not None:
+            self.controller = stack([robot.controller for robot in nominal])
+
+    # ---------------------------------------------------------------------------------------------------- episodes
+
+    def start(self) -> None:
+        """Put every row at the start of an episode. Sensing and estimating come after, when all bodies are placed."""
+        rows = self.rows
+        told = _poses(self.specified)
+        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told)
+        joints = len(self.drive.joints)
+        channels = len(self.drive.channels)
+        self.true_pose = _poses(self.true)
+        self.true_twist = np.zeros((rows, 3))
+        self.joints = np.zeros((rows, joints))
+        self.joint_rates = np.zeros((rows, joints))
+        self.command = np.zeros((rows, channels))
+        self.active = np.ones((rows, 1), dtype=bool)
+        self.drive_state: State = dict(self.drive.start(context))
+        self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
+        for unit in self.sensors.values():
+            unit.start(attrs.evolve(context, size=unit.size))
+        self.estimator_states: dict[str, State] = {
+            name: dict(estimator.start(context)) for name, estimator in self.estimators.items()
+        }
+        self.controller_state: State = {} if self.controller is None else dict(self.controller.start(context))
+        self.estimates: dict[str, Estimate] = {
+            name: Estimate(told, np.zeros((rows, 3, 3))) for name in self.estimators
+        } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
+        self.readings: dict[str, Measurement] = {name: unit.reading for name, unit in self.sensors.items()}
+        self._before = self._after = self._ground_after = self.joints
+        self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
+
+    # ------------------------------------------------------------------------------------------------------- phases
+
+    def control(self) -> None:
+        """Ask the controller for a command; those whose controller ended stand still."""
+        if self.controller is None:
+            return
+        command = self.controller.command(
+            self.robot,
+            self.readings,
+            self.estimate,
+            self.moment.clock,
+            self.controller_state,
+            self.controller_draws,
+        )
+        if command.shape != self.command.shape or not np.isfinite(command).all():
+            raise self._bad_command(command)
+        self.command = np.where(self.active, command, 0.0)
+
+    def _bad_command(self, command: Array) -> ComponentError:
+        who = f"controller {type(self.controller).__name__} of {', '.join(sorted(set(self.names))[:3])}"
+        channels = ", ".join(self.drive.channels)
+        if command.shape != self.command.shape:
+            return ComponentError(
+                f"{who}: expected a command of shape {self.command.shape} ({channels}), got {command.shape}"
+            )
+        row = int(np.flatnonzero(~np.isfinite(command).all(axis=1))[0])
+        return ComponentError(
+            f"{who}: expected finite numbers for {channels} of robot {self.names[row]!r}, "
+            f"got {command[row].tolist()}"
+        )
+
+    def actuate(self) -> None:
+        """Let the joints follow the command, and the ground have its way with what rolls."""
+        self._before = self.joints
+        self._after, self.joint_rates = self.drive.advance(
+            self.joints, self.joint_rates, self.command, self.dt, self.drive_state, self.drive_draws
+        )
+        self._ground_after = self._after
+        if self.ground.elements:
+            rolling = self.rolling
+            before = self._before[:, rolling]
+            travel = (self._after[:, rolling] - before) * self._radius
+            elapsed = np.full((self.rows, 1), self.dt)
+            slipped = self.ground.corrupt(travel, {}, elapsed)
+            self._ground_after = self._after.copy()
+            self._ground_after[:, rolling] = before + slipped / self._radius
+
+    # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
+
+    def travel(self) -> Array:
+        """Bounds of the paths: length [m] and turning [rad] `(N, 2)`."""
+        return self.drive.travel(self._before, self._ground_after)
+
+    def end_poses(self) -> Array:
+        """Where the bodies are at the end of the step, if nothing stops them."""
+        one = np.ones((self.rows, 1))
+        self._displacement = self.drive.displacement(self._before, self._ground_after, one)
+        return compose(self.true_pose, self._displacement)
+
+    def poses_at(self, which: Ints, fraction: Array) -> Array:
+        """Where some of the bodies are at fractions of the step."""
+        displacement = take(self.drive, which).displacement(
+            self._before[which], self._ground_after[which], fraction[:, None]
+        )
+        return compose(self.true_pose[which], displacement)
+
+    def arrive(self, poses: Array, stop: Array) -> None:
+        """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
+        displacement = self._displacement
+        stopped = stop < 1.0
+        if stopped.any():
+            fraction = stop[:, None]
+            short = self.drive.displacement(self._before, self._ground_after, fraction)
+            displacement = np.where(stopped[:, None], short, displacement)
+            between = self.drive.between(self._before, self._after, fraction)
+            self._after = np.where(stopped[:, None], between, self._after)
+            self.joint_rates = np.where(stopped[:, None], 0.0, self.joint_rates)
+        self.true_pose = poses
+        self.joints = self.drive.follow(self._after, displacement)
+        self.true_twist = logarithm(displacement) / self.dt
+
+    def sense(self) -> None:
+        """Read all sensors."""
+        view = self.view
+        view.tick = self.moment.tick
+        view.body_pose = self.true_pose
+        view.twist = self.true_twist
+        view.joints = self.joints
+        view.joint_rates = self.joint_rates
+        for name, unit in self.sensors.items():
+            unit.sample(view, self.moment)
+            self.readings[name] = unit.reading
+
+    def estimate_pose(self) -> None:
+        """Let every estimator make of the readings what it can."""
+        elapsed = self.moment.elapsed
+        for name, estimator in self.estimators.items():
+            self.estimates[name] = estimator.update(
+                self.robot,
+                self.readings,
+                self.command,
+                elapsed,
+                self.estimator_states[name],
+                self.estimator_draws[name],
+            )
+
+    def record(self) -> None:
+        """Mix the step's exact results into the fingerprint of each row."""
+        out = self.fingerprint
+        digest.absorb(self.true_pose, out)
+        digest.absorb(self.joints, out)
+        digest.absorb(np.ascontiguousarray(self.command), out)
+        for estimate in self.estimates.values():
+            digest.absorb(np.ascontiguousarray(estimate.pose), out)
+            digest.absorb(np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9), out)
+        for unit in self.sensors.values():
+            digest.absorb(np.ascontiguousarray(unit.true), out)
+            digest.absorb(np.ascontiguousarray(unit.measured), out)
+
+    # ---------------------------------------------------------------------------------------------------- for others
+
+    @property
+    def estimate(self) -> Estimate:
+        """What the controller is told: the first estimator's estimate."""
+        return next(iter(self.estimates.values()))
+
+    def frame(self) -> Frame:
+        """The step as recorders get it."""
+        return Frame(
+            names=self.names,
+            replica=self.moment.replica,
+            tick=self.moment.tick[:, 0],
+            time=self.moment.time[:, 0],
+            true_pose=self.true_pose,
+            true_twist=self.true_twist,
+            joint_names=[joint.name for joint in self.drive.joints],
+            joint_rates=self.joint_rates,
+            estimates=self.estimates,
+            readings={name: (unit.true, unit.reading) for name, unit in self.sensors.items()},
+            channels=self.drive.channels,
+            command=self.command,
+            robot=self.robot,
+        )
+
+    def states(self) -> Mapping[str, State]:
+        """The states of all components, by where they are; the dicts themselves, not copies."""
+        found = {"drive": self.drive_state, "controller": self.controller_state}
+        found |= {f"estimator {name}": state for name, state in self.estimator_states.items()}
+        found |= {f"ground {name}": s for name, s in zip(self.ground.names, self.ground.states, strict=True)}
+        for name, unit in self.sensors.items():
+            found[f"sensor {name}"] = unit.state
+            for element, state in zip(unit.chain.names, unit.chain.states, strict=True):
+                found[f"sensor {name} noise {element}"] = state
+        return found
+
+    _ARRAYS = ("true_pose", "true_twist", "joints", "joint_rates", "command", "active", "fingerprint")
+
+    def arrays(self) -> dict[str, Arrays]:
+        """All arrays that change and are the engine's own, by unit and name; not to be changed."""
+        found: dict[str, Arrays] = {"body": {name: getattr(self, name) for name in self._ARRAYS}}
+        for name, estimate in self.estimates.items():
+            found[f"estimate {name}"] = {"pose": estimate.pose, "covariance": estimate.covariance}
+        for name, unit in self.sensors.items():
+            found[f"sensor {name}"] = unit.arrays()
+        return found
+
+    def set_arrays(self, arrays: Mapping[str, Arrays]) -> None:
+        """Put back what `arrays` gave."""
+        for name in self._ARRAYS:
+            setattr(self, name, arrays["body"][name])
+        for name in self.estimates:
+            held = arrays[f"estimate {name}"]
+            self.estimates[name] = Estimate(held["pose"], held["covariance"])
+        for name, unit in self.sensors.items():
+            unit.set_arrays(arrays[f"sensor {name}"])
+            self.readings[name] = unit.reading
+
+
+def _poses(robots: Sequence[Robot]) -> Array:
+    found = []
+    for robot in robots:
+        assert robot.pose is not None
+        found.append([robot.pose.x, robot.pose.y, robot.pose.heading])
+    return np.array(found, dtype=np.float64)

@@ -1,0 +1,140 @@
+"""One robot of a running simulation, as a script or an analyst sees it: truth included."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import AmorsimError, did_you_mean
+
+if TYPE_CHECKING:
+    from amorsim.simulation.group import Group
+
+__all__ = ["Reading", "Readings", "RobotHandle"]
+
+Array = npt.NDArray[np.float64]
+
+
+class Reading(NamedTuple):
+    """A sensor's reading with its truth, for rows `(N, k)` or for one robot `(k,)`."""
+
+    true: Array
+    measured: Array
+    stamp: npt.NDArray[np.int64]  # the tick that both are of
+    age: Array  # [s]
+    fresh: npt.NDArray[np.bool_]
+
+
+class Readings(Mapping[str, Reading]):
+    """The readings of a group's rows, or of one of them, by the sensor's name."""
+
+    def __init__(self, group: Group, row: int | None = None) -> None:
+        self._group = group
+        self._row = row
+
+    def __getitem__(self, name: str) -> Reading:
+        sensors = self._group.sensors
+        if name not in sensors:
+            known = ", ".join(sensors) or "none"
+            raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, sensors)}")
+        unit = sensors[name]
+        whole = (unit.true, unit.measured, unit.stamp, unit.reading.age, unit.fresh)
+        parts = whole if self._row is None else tuple(part[self._row] for part in whole)
+        return Reading(*(_read_only(part) for part in parts))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._group.sensors)
+
+    def __len__(self) -> int:
+        return len(self._group.sensors)
+
+
+class RobotHandle:
+    """One robot in one replica. What it gives is of the present step; ask again after the next."""
+
+    def __init__(self, group: Group, row: int) -> None:
+        self._group = group
+        self._row = row
+
+    def __repr__(self) -> str:
+        x, y, heading = self.true_pose
+        return f"<robot {self.name!r} at ({x:.3f}, {y:.3f}) m, heading {heading:.3f} rad>"
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._group.names[self._row]
+
+    @property
+    def replica(self) -> int:
+        """The number of the replica it is in."""
+        return int(self._group.moment.replica[self._row])
+
+    @property
+    def true_pose(self) -> Array:
+        """Where it is: (x [m], y [m], heading [rad]) in the world."""
+        return _read_only(self._group.true_pose[self._row])
+
+    @property
+    def estimated_pose(self) -> Array:
+        """Where it believes to be: (x [m], y [m], heading [rad]) in the world."""
+        return _read_only(self._group.estimate.pose[self._row])
+
+    @property
+    def covariance(self) -> Array:
+        """The covariance `(3, 3)` of its estimate, as it believes."""
+        return _read_only(self._group.estimate.covariance[self._row])
+
+    @property
+    def true_twist(self) -> Array:
+        """Its mean velocity over the last step: (forward [m/s], left [m/s], turn [rad/s])."""
+        return _read_only(self._group.true_twist[self._row])
+
+    @property
+    def joints(self) -> Array:
+        """Positions [rad] of its drive's joints."""
+        return _read_only(self._group.joints[self._row])
+
+    @property
+    def readings(self) -> Readings:
+        """Its readings by sensor, true and measured."""
+        return Readings(self._group, self._row)
+
+    @property
+    def is_active(self) -> bool:
+        """Whether its controller still drives it."""
+        return bool(self._group.active[self._row, 0])
+
+    def drive(self, forward: float = 0.0, turn: float = 0.0) -> None:
+        """Set the velocity of a robot with the `manual` controller: forward [m/s], turn [rad/s], held until the next.
+
+        The robot's own software makes the joints' rates of it, with nominal parameters.
+        """
+        group, row = self._group, self._row
+        twists = np.zeros((group.rows, 3))
+        twists[row] = forward, 0.0, turn
+        self.command(*group.robot.drive.command_for(twists, group.joints)[row].tolist())
+
+    def command(self, *channels: float) -> None:
+        """Set the command of a robot with the `manual` controller, channel by channel [rad/s], held until the next."""
+        group = self._group
+        names = group.drive.channels
+        if "command" not in group.controller_state:
+            raise AmorsimError(
+                f"robot {self.name!r}: only the 'manual' controller takes commands from outside, and this is "
+                f"{type(group.controller).__name__}"
+            )
+        if len(channels) != len(names) or not np.isfinite(channels).all():
+            raise AmorsimError(
+                f"robot {self.name!r}: expected a finite number for each of {', '.join(names)}, got {channels}"
+            )
+        group.controller_state["command"][self._row] = channels
+
+
+def _read_only(array: npt.NDArray[np.generic]) -> npt.NDArray:  # type: ignore[type-arg]
+    view = array.view()
+    view.flags.writeable = False
+    return view

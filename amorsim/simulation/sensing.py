@@ -1,0 +1,192 @@
+"""A mounted sensor over rows: when it reads, through what chain its values go, and when they arrive."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, State
+from amorsim.core.errors import ComponentError
+from amorsim.core.rows import stack
+from amorsim.scenario.spec import MountedSensor
+from amorsim.simulation.chain import Chain, Streams
+from amorsim.simulation.moment import Moment
+from amorsim.simulation.view import GroupView
+
+__all__ = ["SensorUnit"]
+
+Array = npt.NDArray[np.float64]
+Ticks = npt.NDArray[np.int64]
+
+_TOLERANCE = 1e-9  # of a sample: 0.1 s at 10 Hz is one sample, though 0.1 * 10 need not be 1
+
+
+class SensorUnit:
+    """One sensor of a group: its true parameters, its chain, its samples under way and the reading that is held.
+
+    Arrays of a reading are replaced, never changed, so whoever holds one keeps what he saw.
+    """
+
+    def __init__(self, name: str, specified: MountedSensor, size: int, streams: Streams) -> None:
+        self.name = name
+        self.size = size
+        self.chain = Chain(specified.noise, streams, "sensor", name)
+        self.draws: Draws = streams.draws("sensor", name)
+        self.sensor: Sensor = specified.sensor
+        self.state: State = {}
+        self.mount: Array = np.zeros((1, 3))
+        self._rate: Array | None = None
+        self._delay: Ticks | None = None
+        self.true: Array = np.zeros((1, size))
+        self.measured: Array = self.true
+        self.stamp: Ticks = np.zeros((1, 1), dtype=np.int64)
+        self.fresh = np.zeros((1, 1), dtype=bool)
+        self._last: Ticks = self.stamp  # the tick of the latest sample, arrived or not
+        self._pending: dict[str, npt.NDArray[np.generic]] = {}
+        self.reading = Measurement(self.measured, self.stamp, np.zeros((1, 1)), self.fresh)
+
+    def set_parameters(self, true: Sequence[MountedSensor], dt: float) -> None:
+        """Take the true parameters of every row, and the chains, rates and latencies."""
+        self.sensor = stack([unit.sensor for unit in true])
+        self.mount = np.array([[unit.mount.x, unit.mount.y, unit.mount.heading] for unit in true])
+        self.chain.set_parameters([unit.noise for unit in true])
+        rates = [math.inf if unit.rate is None else unit.rate for unit in true]
+        self._rate = None if all(rate * dt >= 1 - _TOLERANCE for rate in rates) else np.array([rates]).T
+        delays = [math.ceil(unit.latency / dt - _TOLERANCE) for unit in true]
+        self._delay = np.array([delays], dtype=np.int64).T if any(delays) else None
+
+    def start(self, context: Context) -> None:
+        """Forget everything: the state at the start of an episode, before the first sample."""
+        self.state = dict(self.sensor.start(context))
+        self.chain.states = self.chain.start(context)
+        rows = context.rows
+        self.true = self.measured = np.full((rows, self.size), np.nan)
+        self.stamp = self._last = np.full((rows, 1), -1, dtype=np.int64)
+        if self._delay is not None:
+            slots = int(self._delay.max()) + 1
+            self._pending = {
+                "true": np.zeros((rows, slots, self.size)),
+                "measured": np.zeros((rows, slots, self.size)),
+                "stamp": np.full((rows, slots), -1, dtype=np.int64),
+            }
+
+    def sample(self, view: GroupView, moment: Moment) -> None:
+        """Read where a reading is due, take delivery of what arrives, and hold the rest."""
+        due = self._due(moment)
+        if due is None:
+            true, measured = self._read(view, moment)
+        elif not due.any():
+            self._deliver(due, self.true, self.measured, moment)
+            return
+        elif due.all():
+            true, measured = self._read(view, moment)
+            due = None
+        else:
+            kept = [{k: v.copy() for k, v in state.items()} for state in (self.state, *self.chain.states)]
+            true, measured = self._read(view, moment)
+            for state, old in zip((self.state, *self.chain.states), kept, strict=True):
+                for key, before in old.items():
+                    state[key] = _choose(due, state[key], before)
+        self._last = moment.tick if due is None else np.where(due, moment.tick, self._last)
+        self._deliver(due, true, measured, moment)
+
+    def _due(self, moment: Moment) -> npt.NDArray[np.bool_] | None:
+        """The rows that read at this tick: the first at or after each due time; none for all of them."""
+        if self._rate is None:
+            return None
+        samples = self._rate * moment.dt
+        with np.errstate(invalid="ignore"):  # inf * 0 where a row reads every step
+            now = np.floor(moment.tick * samples + _TOLERANCE)
+            before = np.floor((moment.tick - 1) * samples + _TOLERANCE)
+        return np.asarray((now > before) | (samples >= 1.0) | (moment.tick == 0))
+
+    def _read(self, view: GroupView, moment: Moment) -> tuple[Array, Array]:
+        if self._rate is None:
+            elapsed = moment.elapsed
+        else:
+            elapsed = np.where(self._last < 0, 0.0, (moment.tick - self._last) * moment.dt)
+        view.mount = self.mount
+        ideal = Aim()
+        if self.chain.aims:
+            before = {key: value.copy() for key, value in self.state.items()}
+            true, _ = self.sensor.sense(view, ideal, self.state, self.draws)
+            self.state.clear()
+            self.state.update(before)
+            self.draws.rewind()
+            values, side = self.sensor.sense(view, self.chain.aim(elapsed), self.state, self.draws)
+        else:
+            values, side = self.sensor.sense(view, ideal, self.state, self.draws)
+            true = values
+        if values.shape != true.shape or true.shape[1] != self.size:
+            raise ComponentError(
+                f"sensor {self.name!r} ({type(self.sensor).__name__}): expected values of shape "
+                f"({len(self.mount)}, {self.size}), got {values.shape}"
+            )
+        return true, self.chain.corrupt(values, side, elapsed)
+
+    def _deliver(
+        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, moment: Moment
+    ) -> None:
+        tick = moment.tick
+        if self._delay is None and due is None:
+            self.true, self.measured, self.stamp, self.fresh = true, measured, tick, moment.always
+            self.reading = Measurement(measured, tick, moment.now, moment.always)
+            return
+        if self._delay is not None:
+            arrived = self._exchange(due, true, measured, tick)
+            first = tick == 0  # held from the start, though it arrives later
+            self.true = _choose(arrived[0] | first, np.where(first, true, arrived[1]), self.true)
+            self.measured = _choose(arrived[0] | first, np.where(first, measured, arrived[2]), self.measured)
+            self.stamp = np.where(arrived[0], arrived[3], np.where(first, tick, self.stamp))
+            self.fresh = arrived[0]
+        elif due is not None:
+            self.true = _choose(due, true, self.true)
+            self.measured = _choose(due, measured, self.measured)
+            self.stamp = np.where(due, tick, self.stamp)
+            self.fresh = due
+        age = (tick - self.stamp) * moment.dt
+        self.reading = Measurement(self.measured, self.stamp, age, self.fresh)
+
+    def _exchange(
+        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, tick: Ticks
+    ) -> tuple[npt.NDArray[np.bool_], Array, Array, Ticks]:
+        """Put this tick's samples under way, and take out those whose latency is over."""
+        assert self._delay is not None
+        pending = {key: value.copy() for key, value in self._pending.items()}
+        slots = pending["stamp"].shape[1]
+        rows = np.arange(len(tick))
+        slot = tick[:, 0] % slots
+        sampled = np.ones(len(tick), dtype=bool) if due is None else due[:, 0]
+        put, at = rows[sampled], slot[sampled]
+        pending["true"][put, at] = true[sampled]
+        pending["measured"][put, at] = measured[sampled]
+        pending["stamp"][rows, slot] = np.where(sampled, tick[:, 0], -1)
+        self._pending = pending
+        sent = tick - self._delay
+        slot = sent[:, 0] % slots
+        stamp = pending["stamp"][rows, slot][:, None]
+        arrived = (stamp == sent) & (sent >= 0)
+        return arrived, pending["true"][rows, slot], pending["measured"][rows, slot], sent
+
+    # ------------------------------------------------------------------------------------ for snapshots and resets
+
+    def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
+        """The unit's own arrays, by name (the states of components are kept apart)."""
+        held = {"true": self.true, "measured": self.measured, "stamp": self.stamp, "last": self._last}
+        return {**held, "fresh": self.fresh, "age": self.reading.age, **{"." + k: v for k, v in self._pending.items()}}
+
+    def set_arrays(self, arrays: dict[str, npt.NDArray[np.generic]]) -> None:
+        """Put the arrays of `arrays` back."""
+        self.true, self.measured = arrays["true"], arrays["measured"]  # type: ignore[assignment]
+        self.stamp, self._last = arrays["stamp"], arrays["last"]  # type: ignore[assignment]
+        self.fresh = arrays["fresh"]  # type: ignore[assignment]
+        self._pending = {key[1:]: value for key, value in arrays.items() if key.startswith(".")}
+        self.reading = Measurement(self.measured, self.stamp, arrays["age"], self.fresh)  # type: ignore[arg-type]
+
+
+def _choose(rows: npt.NDArray[np.bool_], yes: Array, no: Array) -> Array:
+    """Row by row `yes` or `no`, whatever follows the first axis; the dtype of `no`."""
+    return np.where(rows.reshape(len(no), *([1] * (no.ndim - 1))), yes, no)

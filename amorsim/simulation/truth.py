@@ -1,0 +1,78 @@
+"""From a robot's nominal parameters to its true ones: deviations applied, random ones drawn."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from amorsim.core.draws import Draws, stream_key
+from amorsim.core.errors import Fault, ScenarioError, did_you_mean
+from amorsim.core.parameters import ParameterError
+from amorsim.scenario.paths import changed
+from amorsim.scenario.spec import Deviation, Distribution, Number, Robot
+
+__all__ = ["has_draws", "true_robot"]
+
+# A study's draw must differ from every replica's; replicas are numbered below this.
+STUDY = 2**32 - 1
+
+_ROOTS = ("drive", "sensors", "pose")
+
+
+def has_draws(robot: Robot) -> bool:
+    """Whether replicas of this robot differ: some deviation is drawn by each of them."""
+    return any(
+        deviation.per == "replica"
+        and any(isinstance(part, Distribution) for part in (deviation.scale, deviation.add, deviation.value))
+        for deviation in robot.errors.values()
+    )
+
+
+def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
+    """The robot as it really is in one replica: every parameter that `errors` names, changed.
+
+    Raises
+    ------
+    ScenarioError
+        With a fault for each path that leads nowhere, and each true value that its field does not take.
+    """
+    faults = []
+    true = robot
+    for path, deviation in robot.errors.items():
+        try:
+            _check_root(path.split("."))
+            deviate = functools.partial(_apply, robot, path, deviation, seed, replica)
+            true = changed(true, path.split("."), deviate)
+        except (ParameterError, LookupError) as error:
+            problem = error.problem if isinstance(error, ParameterError) else error.args[0]
+            faults.append(Fault(file="", path=f"robots.{robot.name}.errors.{path}", message=problem))
+    if faults:
+        raise ScenarioError(faults)
+    return true
+
+
+def _check_root(path: list[str]) -> None:
+    # One way each: errors touch geometry and constants, which the software holds too; the rest is the noise chain's.
+    if path[0] not in _ROOTS:
+        raise LookupError(f"expected drive, sensors or pose, got {path[0]!r}.{did_you_mean(path[0], _ROOTS)}")
+    if path[0] == "sensors" and path[2:3] and path[2] in ("noise", "rate", "latency"):
+        raise LookupError(f"{path[2]!r} has no error: what a device does to its quantity is its noise chain")
+
+
+def _apply(robot: Robot, path: str, deviation: Deviation, seed: int, replica: int, nominal: float) -> float:
+    counter = np.array([[STUDY if deviation.per == "study" else replica, 0, 0]], dtype=np.uint32)
+
+    def number(part: Number, role: str) -> float:
+        if not isinstance(part, Distribution):
+            return part
+        key = np.array([stream_key(seed, robot.name, "errors", path, role)], dtype=np.uint64)
+        draws = Draws(key, counter)
+        first, second = part.values
+        if part.kind == "normal":
+            return first + second * float(draws.normal()[0, 0])
+        return first + (second - first) * float(draws.uniform()[0, 0])
+
+    if deviation.value is not None:
+        return number(deviation.value, "value")
+    return nominal * number(deviation.scale, "scale") + number(deviation.add, "add")

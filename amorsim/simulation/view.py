@@ -1,0 +1,127 @@
+"""What sensors and motions see of the world: the truth of their own replica, read-only."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.poses import compose
+from amorsim.kernels import body_rays, poses, rays
+
+if TYPE_CHECKING:
+    from amorsim.simulation.bodies import World
+
+__all__ = ["GroupView", "cone_bearings"]
+
+Array = npt.NDArray[np.float64]
+
+CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
+
+
+class GroupView:
+    """The world as the sensors of a group see it (`amorsim.contracts.View`)."""
+
+    def __init__(self, world: World, rows: npt.NDArray[np.int64], dt: float) -> None:
+        self.rows = len(rows)
+        self.dt = dt
+        self._world = world
+        self._bodies = rows  # the global body of each row
+        self._bearings: dict[bytes, tuple[Array, Array]] = {}
+        self.tick: npt.NDArray[np.int64] = np.zeros((self.rows, 1), dtype=np.int64)
+        self.body_pose: Array = np.zeros((self.rows, 3))
+        self.twist: Array = np.zeros((self.rows, 3))
+        self.joints: Array = np.zeros((self.rows, 0))
+        self.joint_rates: Array = np.zeros((self.rows, 0))
+        self._pose: Array | None = None
+        self._mount: Array = np.zeros((self.rows, 3))
+
+    @property
+    def mount(self) -> Array:
+        """The true mounts `(N, 3)` of the sensor that looks."""
+        return self._mount
+
+    @mount.setter
+    def mount(self, mount: Array) -> None:
+        self._mount = mount
+        self._pose = None
+
+    @property
+    def pose(self) -> Array:
+        """The true poses `(N, 3)` of the sensor's mount in the world."""
+        if self._pose is None:
+            self._pose = compose(self.body_pose, self._mount)
+        return self._pose
+
+    def cast(self, origins: Array, bearings: Array, range_max: Array) -> Array:
+        """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
+        cos_b, sin_b = self._table(bearings)
+        out = np.empty((len(origins), bearings.shape[1]))
+        world = self._world
+        per_row = len(origins) // self.rows
+        limits = np.ascontiguousarray(np.broadcast_to(range_max, (self.rows, 1))[:, 0])
+        if per_row > 1:
+            limits = np.repeat(limits, per_row)
+        origin = world.map.origin
+        rays.cast(world.map.grid, origin[0], origin[1], origin[2], origins, cos_b, sin_b, limits, out)
+        if world.has_company:
+            own = np.repeat(self._bodies, per_row) if per_row > 1 else self._bodies
+            hit = np.full(out.shape, -1, dtype=np.int64)
+            body_rays.cast_bodies(
+                world.bodies,
+                world.poses,
+                world.first,
+                world.replica_index[own],
+                own,
+                origins,
+                cos_b,
+                sin_b,
+                limits,
+                out,
+                hit,
+            )
+        return out
+
+    def _table(self, bearings: Array) -> tuple[Array, Array]:
+        """Cosines and sines of the bearings; those of one scan, the same for all rows, are kept while asked for."""
+        if len(bearings) > 1:
+            if not (bearings == bearings[0]).all():
+                return _cosines(bearings)
+            bearings = bearings[:1]
+        key = bearings.tobytes()
+        table = self._bearings.get(key)
+        if table is None:
+            if len(self._bearings) > 64:
+                self._bearings.clear()
+            table = self._bearings[key] = _cosines(bearings)
+        return table
+
+    def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
+        """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
+        per_row = len(origins) // self.rows
+        out = np.empty((self.rows, per_row))
+        angles = np.broadcast_to(half_angle, (self.rows, 1))[:, 0]
+        limits = np.broadcast_to(range_max, (self.rows, 1))
+        for angle in np.unique(angles):
+            bearings = cone_bearings(float(angle))
+            if (angles == angle).all():
+                out[:] = self.cast(origins, bearings, limits).min(axis=1).reshape(self.rows, per_row)
+            else:
+                # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
+                found = self.cast(origins, bearings, limits).min(axis=1).reshape(self.rows, per_row)
+                out = np.where((angles == angle)[:, None], found, out)
+        return out
+
+
+def cone_bearings(half_angle: float) -> Array:
+    """The rays of a cone `(1, k)`: both edges, and between them at most 0.05 degrees apart."""
+    count = max(2, math.ceil(2.0 * half_angle / CONE_STEP - 1e-9) + 1)
+    return np.linspace(-half_angle, half_angle, count)[None, :]
+
+
+def _cosines(bearings: Array) -> tuple[Array, Array]:
+    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
+    poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
+    return cos_b, sin_b

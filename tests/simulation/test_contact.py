@@ -1,0 +1,171 @@
+"""Bodies stop where they touch, and nothing gets through."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import amorsim as am
+from tests import building
+
+
+def placed(sim: am.Simulation, name: str) -> shapely.Polygon:
+    robot = next(r for r in sim.scenario.robots if r.name == name)
+    x, y, heading = sim.robot(name).true_pose
+    shape = shapely.Polygon(robot.shape.outline)
+    turned = shapely.affinity.rotate(shape, heading, origin=(0, 0), use_radians=True)
+    return shapely.affinity.translate(turned, x, y)
+
+
+def drive_at_wall(**changes: object) -> am.Simulation:
+    robot = building.robot(pose=am.Pose(x=3.0, y=2.5), **changes)
+    sim = am.Simulation(building.scenario(robot))
+    sim.robot("rover").drive(forward=1.0)
+    sim.run(5.0)
+    return sim
+
+
+def test_a_robot_stops_at_the_wall_and_says_so() -> None:
+    sim = drive_at_wall()
+    # The wall's line fills the cells on both sides of x = 6 m: 5.999 m to 6.001 m. The front is 0.2 m ahead.
+    assert sim.true_pose[0] == pytest.approx([5.799, 2.5, 0.0], abs=1e-9)
+    collision, ended = sim.events
+    assert (collision.kind, collision.name, collision.other) == ("collision", "rover", "wall")
+    assert collision.time == pytest.approx(2.799, abs=1e-6)
+    assert collision.speed == pytest.approx(1.0)
+    assert collision.point == pytest.approx((5.999, 2.5), abs=0.25)
+    assert ended.kind == "controller_ended"
+    assert not sim.robot("rover").is_active
+    assert sim.robot("rover").true_twist.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_setting_lets_the_controller_go_on() -> None:
+    sim = drive_at_wall(on_collision="continue")
+    assert sim.robot("rover").is_active
+    sim.robot("rover").drive(forward=-0.5)
+    sim.run(2.0)
+    assert sim.true_pose[0, 0] == pytest.approx(5.799 - 1.0, abs=1e-6)  # touching is no bond
+
+
+def test_encoders_count_only_what_the_wheels_turned() -> None:
+    sim = drive_at_wall()
+    assert sim.robot("rover").joints * building.RADIUS == pytest.approx([2.799, 2.799], abs=1e-9)
+    assert sim.estimated_pose[0] == pytest.approx(sim.true_pose[0], abs=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    speed=st.floats(0.01, 300.0),
+    turn=st.floats(-20.0, 20.0),
+    heading=st.floats(-math.pi, math.pi),
+    dt=st.sampled_from([0.01, 0.1, 1.0]),
+    resolution=st.sampled_from([0.001, 0.05]),
+)
+def test_nothing_tunnels(speed: float, turn: float, heading: float, dt: float, resolution: float) -> None:
+    """At any speed and step the footprint stays within one-cell walls, and overlaps none."""
+    robot = building.robot(pose=am.Pose(x=3.0, y=2.5, heading=heading), on_collision="continue")
+    sim = am.Simulation(building.scenario(robot, map=building.room(resolution=resolution), dt=dt))
+    sim.robot("rover").drive(forward=speed, turn=turn)
+    inside = shapely.box(0.0, 0.0, 6.0, 5.0)
+    for _ in range(3):
+        sim.step()
+        assert placed(sim, "rover").difference(inside).area < 1e-9
+        gap, _ = sim._world.wall_gaps(np.array([0]), sim._world.poses, np.array([1.0]))
+        assert gap[0] >= 0.0
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    speeds=st.lists(st.tuples(st.floats(-3.0, 3.0), st.floats(-5.0, 5.0)), min_size=4, max_size=4),
+    dt=st.sampled_from([0.05, 0.5]),
+)
+def test_robots_never_overlap(speeds: list[tuple[float, float]], dt: float) -> None:
+    fleet = [
+        building.robot(
+            name=f"r{i}", pose=am.Pose(x=2.0 + (i % 2), y=2.0 + i // 2, heading=i), on_collision="continue"
+        )
+        for i in range(4)
+    ]
+    sim = am.Simulation(building.scenario(*fleet, dt=dt))
+    for i, (forward, turn) in enumerate(speeds):
+        sim.robot(f"r{i}").drive(forward, turn)
+    for _ in range(6):
+        sim.step()
+        shapes = [placed(sim, f"r{i}") for i in range(4)]
+        for i in range(4):
+            for j in range(i):
+                assert shapes[i].intersection(shapes[j]).area < 1e-9
+
+
+def test_two_that_meet_both_stop_and_a_third_goes_on() -> None:
+    fleet = [
+        building.robot(name="east", pose=am.Pose(x=1.0, y=1.0, heading=0.0)),
+        building.robot(name="west", pose=am.Pose(x=3.0, y=1.0, heading=math.pi)),
+        building.robot(name="other", pose=am.Pose(x=1.0, y=4.0, heading=0.0)),
+    ]
+    sim = am.Simulation(building.scenario(*fleet))
+    for name in sim.names:
+        sim.robot(name).drive(forward=0.5)
+    sim.run(3.0)
+    # Fronts 0.2 m ahead of each: they meet in the middle, at x = 2 m.
+    assert sim.robot("east").true_pose[0] == pytest.approx(1.8, abs=1e-9)
+    assert sim.robot("west").true_pose[0] == pytest.approx(2.2, abs=1e-9)
+    assert sim.robot("other").true_pose[0] == pytest.approx(2.5, abs=1e-9)
+    met = {(event.name, event.other): event for event in sim.events if event.kind == "collision"}
+    assert set(met) == {("east", "west"), ("west", "east")}
+    assert met["east", "west"].time == pytest.approx(1.6, abs=1e-6)
+    assert met["east", "west"].point == pytest.approx((2.0, 1.0), abs=0.01)
+
+
+def test_one_that_stopped_is_an_obstacle_for_the_rest_of_the_step() -> None:
+    """In one long step: the first stops at the wall, and the one behind him stops at him, not where he would be."""
+    fleet = [
+        building.robot(name="first", pose=am.Pose(x=5.0, y=1.0)),
+        building.robot(name="second", pose=am.Pose(x=3.0, y=1.0)),
+    ]
+    sim = am.Simulation(building.scenario(*fleet, dt=1.0))
+    for name in sim.names:
+        sim.robot(name).drive(forward=4.0)
+    sim.step()
+    assert sim.robot("first").true_pose[0] == pytest.approx(5.799, abs=1e-9)
+    assert sim.robot("second").true_pose[0] == pytest.approx(5.799 - 0.3 - 0.2, abs=1e-9)
+    assert [event.other for event in sim.events if event.kind == "collision"] == ["wall", "second", "first"]
+
+
+def test_replicas_never_meet() -> None:
+    sim = am.Simulation(building.scenario(building.robot(controller=building.Roam())), replicas=20)
+    for _ in range(30):
+        sim.step()
+    assert all(event.other == "wall" for event in sim.events if event.kind == "collision")
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [((5.95, 2.0, 0.0), "wall"), ((9.0, 2.0, 0.0), "wall"), ((2.1, 2.1, 0.0), "overlaps 'rover'")],
+)
+def test_a_start_that_is_not_free_is_refused(pose: tuple[float, float, float], message: str) -> None:
+    x, y, heading = pose
+    other = building.robot(name="second", pose=am.Pose(x=x, y=y, heading=heading))
+    with pytest.raises(am.ScenarioError, match=message) as caught:
+        am.Simulation(building.scenario(building.robot(), other))
+    assert caught.value.faults[0].path == "robots.second.pose"
+
+
+def test_set_pose_refuses_walls_and_others_and_does_not_tell_the_robot() -> None:
+    fleet = [building.robot(), building.robot(name="second", pose=am.Pose(x=4.0, y=4.0))]
+    sim = am.Simulation(building.scenario(*fleet))
+    with pytest.raises(am.AmorsimError, match="wall"):
+        sim.set_pose("rover", (0.0, 0.0, 0.0))
+    with pytest.raises(am.AmorsimError, match="'second'"):
+        sim.set_pose("rover", (4.1, 4.1, 0.0))
+    before = sim.robot("rover").estimated_pose.copy()
+    sim.set_pose("rover", (1.0, 4.0, 1.0))
+    assert sim.robot("rover").true_pose.tolist() == [1.0, 4.0, 1.0]
+    sim.step()
+    assert sim.robot("rover").estimated_pose.tolist() == before.tolist()
+    assert sim.events[-1].kind == "pose_set"
