@@ -1,0 +1,94 @@
+"""The manual of a component, made from its class: for ``amorsim plugins show`` and for the reference pages."""
+
+from __future__ import annotations
+
+import inspect
+import math
+
+import attrs
+
+from amorsim.core.parameters import Parameter, describe
+from amorsim.plugins.registry import Entry, Registry
+
+__all__ = ["manual", "reference_page", "summary_of"]
+
+FILES = ("robot", "scenario")  # kinds that are registered as files
+
+
+def summary_of(registry: Registry, entry: Entry) -> str:
+    """What a registered thing is, in a line."""
+    if entry.kind in FILES:
+        text = registry.file(entry.kind, entry.name).read_text(encoding="utf-8")
+        return text.split("\n")[0].lstrip("# ").rstrip()
+    return _text(registry.get(entry.kind, entry.name)).split("\n")[0]
+
+
+def _text(cls: type) -> str:
+    """A class's docstring without the section on its parameters, which the fields tell better."""
+    return (inspect.getdoc(cls) or "").split("\nParameters\n")[0].rstrip()
+
+
+def manual(registry: Registry, entry: Entry) -> str:
+    """What a registered component is and takes, as plain text; a model or scenario is a file, its own manual."""
+    lines = [f"{entry.kind.replace('_', ' ')} {entry.name}  [{entry.plugin}]", ""]
+    if entry.kind in FILES:
+        path = registry.file(entry.kind, entry.name)
+        return "\n".join([*lines, str(path), "", path.read_text(encoding="utf-8")])
+    cls = registry.get(entry.kind, entry.name)
+    lines += [_text(cls), ""]
+    rows = [_row(parameter) for parameter in _parameters(cls)]
+    if not rows:
+        return "\n".join([*lines, "It has no fields.", ""])
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    for row in rows:
+        cells = [f"{cell:{width}}" for cell, width in zip(row[:3], widths, strict=True)]
+        lines.append("  ".join(["", *cells, row[3]]).rstrip())
+    return "\n".join([*lines, ""])
+
+
+def reference_page(registry: Registry, entry: Entry) -> str:
+    """The same of a component as Markdown."""
+    cls = registry.get(entry.kind, entry.name)
+    lines = [f"### `{entry.name}`", "", _text(cls), ""]
+    parameters = _parameters(cls)
+    if not parameters:
+        return "\n".join([*lines, "No fields.", ""])
+    lines += ["| field | value | default | meaning |", "|---|---|---|---|"]
+    for parameter in parameters:
+        name, kind, default, help_ = _row(parameter)
+        lines.append(f"| `{name}` | {kind} | {default or 'must be given'} | {help_} |")
+    return "\n".join([*lines, ""])
+
+
+def _parameters(cls: type) -> list[Parameter]:
+    return [parameter for parameter in describe(cls).values() if attrs.fields_dict(cls)[parameter.name].init]
+
+
+def _row(parameter: Parameter) -> tuple[str, str, str, str]:
+    name = parameter.name + ("_deg" if parameter.is_angle else "")
+    unit = parameter.unit.replace("rad", "degrees") if parameter.is_angle else parameter.unit
+    unit = "the sensor's unit" if unit == "sensor" else unit
+    kind = parameter.type_name + (f" [{unit}]" if unit else "")
+    bounds = _in_degrees(parameter).bounds
+    kind += f", {bounds}" if bounds else ""
+    default = "" if parameter.is_required else _default(parameter)
+    fixed = "" if parameter.live else " (fixed once a simulation is made)"
+    return name, kind, default, parameter.help + fixed
+
+
+def _in_degrees(parameter: Parameter) -> Parameter:
+    if not parameter.is_angle:
+        return parameter
+    bounds = {key: getattr(parameter, key) for key in ("gt", "ge", "lt", "le")}
+    return attrs.evolve(parameter, **{k: None if v is None else math.degrees(v) for k, v in bounds.items()})
+
+
+def _default(parameter: Parameter) -> str:
+    value = parameter.default
+    if value is None:
+        return "none"
+    if parameter.is_angle and isinstance(value, (int, float)):
+        return f"{math.degrees(value):g}"
+    if attrs.has(type(value)):
+        return ", ".join(f"{k} {v:g}" for k, v in attrs.asdict(value).items())
+    return str(value)

@@ -1,0 +1,67 @@
+"""The commands, and how a user's mistake ends: with a message and exit status 2."""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import Annotated
+
+import typer
+
+from amorsim.cli import check, new, plot, plugins, reproduce, run
+from amorsim.cli.console import complain
+from amorsim.core.errors import AmorsimError
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="amorsim",
+    help="Simulate mobile robots in the plane, where every quantity is true, measured and estimated.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command("run")(run.command)
+app.command("reproduce")(reproduce.command)
+app.command("check")(check.command)
+app.command("plot")(plot.command)
+app.command("new")(new.command)
+app.add_typer(plugins.app, name="plugins")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib import metadata
+
+        typer.echo(f"amorsim {metadata.version('amorsim')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and end.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line; the exit status is 0 for success, 1 for a difference found, 2 for a user's mistake."""
+    # One line a warning, without the place in our code that a user cannot do anything about.
+    warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
+    try:
+        app()
+    except AmorsimError as error:
+        complain(str(error))
+        sys.exit(2)
+    except KeyboardInterrupt:
+        complain("interrupted")
+        sys.exit(130)
+    except BrokenPipeError:
+        # Whoever read our output has gone (``| head``); nothing more can be said to him.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)

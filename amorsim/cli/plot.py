@@ -1,0 +1,30 @@
+"""``amorsim plot``: the pictures of a run, from its files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from amorsim.cli.console import say
+from amorsim.core.errors import AmorsimError
+
+__all__ = ["command"]
+
+
+def command(
+    folder: Annotated[Path, typer.Argument(help="The folder of a run.")],
+    out: Annotated[Path | None, typer.Option(help="Folder for the pictures. [default: plots, in the run's folder]")] = None,
+    robot: Annotated[str | None, typer.Option(help="Which robot. [default: the first]")] = None,
+    replica: Annotated[int | None, typer.Option(help="Which replica. [default: the first]")] = None,
+) -> None:
+    """Draw a run: the path, speeds, wheels, heading and every sensor; true, measured and estimated in one colour each."""
+    try:
+        from amorsim.analysis.plot import plot_run
+    except ModuleNotFoundError as error:
+        if error.name != "matplotlib":
+            raise
+        raise AmorsimError('plots need matplotlib: python -m pip install "amorsim[plot]"') from None
+    for path in plot_run(folder, out=out, robot=robot, replica=replica):
+        say(str(path))

@@ -1,0 +1,29 @@
+"""``amorsim reproduce``: run a finished run again and compare."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from amorsim.cli.console import say
+
+__all__ = ["command"]
+
+
+def command(
+    folder: Annotated[Path, typer.Argument(help="The folder of a run.")],
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing; only the exit status tells.")] = False,
+) -> None:
+    """Run a run again, from what its folder holds, and compare all exact results.
+
+    The exit status is 0 if they are the same to the bit, else 1; then the first difference is named.
+    """
+    from amorsim.simulation.reproduce import reproduce
+
+    outcome = reproduce(folder)
+    if not quiet:
+        say(str(outcome))
+    if not outcome.is_same:
+        raise typer.Exit(1)
