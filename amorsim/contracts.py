@@ -35,8 +35,8 @@ __all__ = [
     "Clock",
     "Context",
     "Controller",
-    "Drive",
     "Draws",
+    "Drive",
     "Estimate",
     "Estimator",
     "Frame",
@@ -134,11 +134,14 @@ class View(Protocol):
     rows: int
     dt: float
     tick: npt.NDArray[np.int64]  # (N, 1)
-    pose: Array  # (N, 3) true pose of the sensor's mount (of the body, for a motion)
     body_pose: Array  # (N, 3) true pose of the robot's base
     twist: Array  # (N, 3) [m/s, m/s, rad/s] mean true velocity over the last step, in the body's frame
     joints: Array  # (N, j) true positions of the drive's joints
     joint_rates: Array  # (N, j)
+
+    @property
+    def pose(self) -> Array:
+        """True pose `(N, 3)` of the sensor's mount in the world; of the body, for a motion."""
 
     def cast(self, origins: Array, bearings: Array, range_max: Array) -> Array:
         """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
@@ -187,7 +190,7 @@ class Drive(Component, abc.ABC):
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
-        """Joints `(N, j)` [rad] and their rates [rad/s] a step later, under limits, as `command` `(N, c)` wants them."""
+        """Joints `(N, j)` [rad] and their rates [rad/s] a step later, under limits, as `command` `(N, c)` asks."""
 
     @abc.abstractmethod
     def twist(self, before: Array, after: Array) -> Array:
@@ -233,7 +236,7 @@ class Sensor(Component, abc.ABC):
 
     @abc.abstractmethod
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """The ideal reading `(N, k)`, and by name what the noise chain may need of it (incidence ...), each `(N, k)`."""
+        """The ideal reading `(N, k)`, and by name what the chain may need of it (incidence ...), each `(N, k)`."""
 
     def bearings(self) -> Array | None:
         """Where each value looks [rad], `(1, k)` or `(N, k)` from the mount's heading; for range sensors."""
@@ -247,9 +250,7 @@ class Noise(Component):
         """Where the device really looks, before it senses."""
         return aim
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
         return values
 
@@ -310,7 +311,7 @@ class MapLoader(abc.ABC):
 
 
 class Frame(NamedTuple):
-    """One step of one group of robots, as recorders get it: everything, truth included. Arrays are not to be changed."""
+    """One step of one group of robots, as recorders get it: truth included. Arrays are not to be changed."""
 
     names: Sequence[str]  # of each row
     replica: npt.NDArray[np.int64]  # (N,)

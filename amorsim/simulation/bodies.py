@@ -36,6 +36,7 @@ class World:
     def __init__(self, map_: Map, names: Sequence[str], shapes: Sequence[Shape], replicas: int) -> None:
         self.map = map_
         self.names = tuple(names)
+        self.shapes = tuple(shapes)
         self.count = len(names)
         self.replicas = replicas
         self.has_company = self.count > 1
@@ -50,7 +51,7 @@ class World:
         return self.names[body % self.count]
 
     def wall_gaps(self, bodies: Ints, poses: Array, cap: Array) -> tuple[Array, Array]:
-        """Signed gaps [m] `(Q,)` between bodies at `poses` and the walls, at most `cap`, and the nearest points `(Q, 2)`.
+        """Signed gaps [m] `(Q,)` of bodies at `poses` to the walls, at most `cap`, and the nearest points `(Q, 2)`.
 
         Below zero exactly where a body's inside meets an occupied cell's.
         """

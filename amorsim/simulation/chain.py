@@ -58,9 +58,7 @@ class Chain:
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
         """Take the parameters of every row's chain."""
-        self.elements = [
-            stack([chain[i].noise for chain in rows]) for i in range(len(self.names))
-        ]
+        self.elements = [stack([chain[i].noise for chain in rows]) for i in range(len(self.names))]
 
     def start(self, context: Context) -> list[State]:
         """The elements' states at the start of an episode."""

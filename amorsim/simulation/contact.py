@@ -203,7 +203,7 @@ def _gaps(world: World, paths: _Paths, a: Ints, b: Ints, fraction: Array, cap: A
 
 
 def _first_contacts(world: World, paths: _Paths, a: Ints, b: Ints, since: Array) -> Array:
-    """The last free fraction `(Q,)` before each pair first overlaps, from `since` on, where it is free; inf if never."""
+    """The last free fraction `(Q,)` before each pair first overlaps, from `since` on; inf if never."""
     other = np.where(b == WALL, a, b)
     speed = paths.speed(a, since) + np.where(b == WALL, 0.0, paths.speed(other, since))
     fraction = since.copy()

@@ -1,4 +1,4 @@
-"""A group: the robots whose component classes, names and shape-fixing fields are equal, as rows of one set of arrays."""
+"""A group: robots whose component classes, names and shape-fixing fields are equal, as rows of one set of arrays."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy.typing as npt
 from amorsim.contracts import (
     Context,
     Controller,
-    Drive,
     Draws,
+    Drive,
     Estimate,
     Estimator,
     Frame,
@@ -140,9 +140,7 @@ class Group:
             landmarks=np.array(knowledge.landmarks, dtype=float) if knowledge.landmarks else None,
         )
         self._radius = np.ascontiguousarray(self.drive.rolling_radius())
-        self.estimators = {
-            name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws
-        }
+        self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
 
@@ -203,8 +201,7 @@ class Group:
             )
         row = int(np.flatnonzero(~np.isfinite(command).all(axis=1))[0])
         return ComponentError(
-            f"{who}: expected finite numbers for {channels} of robot {self.names[row]!r}, "
-            f"got {command[row].tolist()}"
+            f"{who}: expected finite numbers for {channels} of robot {self.names[row]!r}, got {command[row].tolist()}"
         )
 
     def actuate(self) -> None:

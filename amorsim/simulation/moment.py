@@ -28,7 +28,7 @@ class Moment:
         """Put every row to its tick `(N, 1)`."""
         self.tick = tick
         # By multiplication, never by adding up: a billion steps later the time is still right.
-        self.time = tick * self.dt
+        self.time: npt.NDArray[np.float64] = np.multiply(tick, self.dt, dtype=np.float64)
         self.elapsed = np.where(tick > 0, self.dt, 0.0)  # [s] since the step before
         self.clock = Clock(tick=tick, time=self.time, dt=self.dt)
         self.counter[:, 2] = tick[:, 0]

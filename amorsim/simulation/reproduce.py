@@ -52,9 +52,7 @@ def reproduce(folder: Path) -> Outcome:
         again = Path(beside) / "run"
         duration = about["steps_done"] * about["dt"]
         summary = run(scenario, again, duration=duration, simulation=simulation)
-        differing = [
-            replica for replica, digest in about["digests"].items() if summary.digests[int(replica)] != digest
-        ]
+        differing = [replica for replica, digest in about["digests"].items() if summary.digests[int(replica)] != digest]
         if not differing:
             return Outcome(is_same=True, steps=summary.steps)
         difference = _first_difference(folder, again) or (

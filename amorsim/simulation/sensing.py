@@ -127,9 +127,7 @@ class SensorUnit:
             )
         return true, self.chain.corrupt(values, side, elapsed)
 
-    def _deliver(
-        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, moment: Moment
-    ) -> None:
+    def _deliver(self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, moment: Moment) -> None:
         tick = moment.tick
         if self._delay is None and due is None:
             self.true, self.measured, self.stamp, self.fresh = true, measured, tick, moment.always
@@ -147,7 +145,7 @@ class SensorUnit:
             self.measured = _choose(due, measured, self.measured)
             self.stamp = np.where(due, tick, self.stamp)
             self.fresh = due
-        age = (tick - self.stamp) * moment.dt
+        age = np.multiply(tick - self.stamp, moment.dt, dtype=np.float64)
         self.reading = Measurement(self.measured, self.stamp, age, self.fresh)
 
     def _exchange(
@@ -182,7 +180,7 @@ class SensorUnit:
         """Put the arrays of `arrays` back."""
         self.true, self.measured = arrays["true"], arrays["measured"]  # type: ignore[assignment]
         self.stamp, self._last = arrays["stamp"], arrays["last"]  # type: ignore[assignment]
-        self.fresh = arrays["fresh"]  # type: ignore[assignment]
+        self.fresh = arrays["fresh"]
         self._pending = {key[1:]: value for key, value in arrays.items() if key.startswith(".")}
         self.reading = Measurement(self.measured, self.stamp, arrays["age"], self.fresh)  # type: ignore[arg-type]
 

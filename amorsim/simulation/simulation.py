@@ -55,9 +55,7 @@ class Simulation:
         nowhere or whose true value its field does not take.
     """
 
-    def __init__(
-        self, scenario: Scenario, *, seed: int | None = None, replicas: int | Sequence[int] = 1
-    ) -> None:
+    def __init__(self, scenario: Scenario, *, seed: int | None = None, replicas: int | Sequence[int] = 1) -> None:
         self.scenario = scenario
         self.dt = scenario.dt
         self.replicas = _replica_numbers(replicas)
@@ -69,9 +67,7 @@ class Simulation:
         self.seed = seed
         bodies: list[Robot | Obstacle] = [*self._robots, *self._obstacles]
         count = len(self.replicas)
-        self._world = World(
-            self.scenario.map, [body.name for body in bodies], [body.shape for body in bodies], count
-        )
+        self._world = World(self.scenario.map, [body.name for body in bodies], [body.shape for body in bodies], count)
         self._groups = [
             Group(*self._rows(members), world=self._world, seed=seed, dt=self.dt)
             for members in _partition(self._robots, group_key)
@@ -81,6 +77,7 @@ class Simulation:
             ObstacleGroup(*self._rows(members, offset), world=self._world, seed=seed, dt=self.dt)
             for members in _partition(self._obstacles, lambda obstacle: type(obstacle.motion))
         ]
+        self._everything: list[Group | ObstacleGroup] = [*self._groups, *self._obstacle_groups]
         streams = [(robot.name, *stream) for robot in self._robots for stream in _stream_names(robot)]
         check_collisions(seed, streams)
         self._ticks = np.zeros(count, dtype=np.int64)
@@ -126,9 +123,7 @@ class Simulation:
         if len(a):
             overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
             for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
-                faults.append(
-                    self._start_fault(second, f"overlaps {world.name(first)!r}; expected room between them")
-                )
+                faults.append(self._start_fault(second, f"overlaps {world.name(first)!r}; expected room between them"))
         if faults:
             raise ScenarioError(dict.fromkeys(faults))
 
@@ -136,9 +131,7 @@ class Simulation:
         index = body % self._world.count
         kind = "robots" if index < len(self._robots) else "obstacles"
         source = self.scenario.source
-        return Fault(
-            file=str(source) if source else "", path=f"{kind}.{self._world.name(body)}.pose", message=message
-        )
+        return Fault(file=str(source) if source else "", path=f"{kind}.{self._world.name(body)}.pose", message=message)
 
     def _first_look(self) -> None:
         """Sense and estimate once, so that a controller never sees an empty reading."""
@@ -179,7 +172,10 @@ class Simulation:
             obstacles.actuate()
 
     def _move(self) -> None:
-        movers = [*self._groups, *(o for o in self._obstacle_groups if o.motion is not None)]
+        movers: list[Group | ObstacleGroup] = [
+            *self._groups,
+            *(o for o in self._obstacle_groups if o.motion is not None),
+        ]
         poses, stop, contacts = move(self._world, movers)
         for contact in contacts:
             self._log_contact(contact)
@@ -190,7 +186,7 @@ class Simulation:
         self._tell_time()
 
     def _tell_time(self) -> None:
-        for group in (*self._groups, *self._obstacle_groups):
+        for group in self._everything:
             index = self._world.replica_index[group.bodies]
             group.moment.set_tick(self._ticks[index][:, None])
             group.moment.set_episode(self._episodes[index])
@@ -225,7 +221,7 @@ class Simulation:
         return float(group.travel()[row, 0] / self.dt)
 
     def _row_of(self, body: int) -> tuple[Group | ObstacleGroup, int]:
-        for group in (*self._groups, *self._obstacle_groups):
+        for group in self._everything:
             row = int(np.searchsorted(group.bodies, body))
             if row < len(group.bodies) and group.bodies[row] == body:
                 return group, row
@@ -559,4 +555,6 @@ def _merge(rows: npt.NDArray[np.bool_], yes: npt.NDArray[Any], no: npt.NDArray[A
 
 
 def _in_words(numbers: Sequence[int]) -> str:
-    return ", ".join(map(str, numbers)) if len(numbers) < 9 else f"{len(numbers)}, from {min(numbers)} to {max(numbers)}"
+    return (
+        ", ".join(map(str, numbers)) if len(numbers) < 9 else f"{len(numbers)}, from {min(numbers)} to {max(numbers)}"
+    )

@@ -86,9 +86,7 @@ def test_nothing_tunnels(speed: float, turn: float, heading: float, dt: float, r
 )
 def test_robots_never_overlap(speeds: list[tuple[float, float]], dt: float) -> None:
     fleet = [
-        building.robot(
-            name=f"r{i}", pose=am.Pose(x=2.0 + (i % 2), y=2.0 + i // 2, heading=i), on_collision="continue"
-        )
+        building.robot(name=f"r{i}", pose=am.Pose(x=2.0 + (i % 2), y=2.0 + i // 2, heading=i), on_collision="continue")
         for i in range(4)
     ]
     sim = am.Simulation(building.scenario(*fleet, dt=dt))

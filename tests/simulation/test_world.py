@@ -1,0 +1,77 @@
+"""What sensors see of the world, and the world as a matrix."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.core.shapes import Shape
+from tests import building
+
+
+def looking(**changes: object) -> am.Robot:
+    laser = am.sensors.Laser(beams=1, fov=0.1, range_max=20.0)
+    return building.robot(sensors={"laser": laser}, estimators={}, **changes)
+
+
+def test_robots_see_one_another_and_not_themselves() -> None:
+    fleet = [
+        looking(name="a", pose=am.Pose(x=1.0, y=2.0)),
+        looking(name="b", pose=am.Pose(x=4.0, y=2.0), shape=Shape.circle(0.25)),
+    ]
+    sim = am.Simulation(building.scenario(*fleet), replicas=2)
+    assert sim.robot("a", 1).readings["laser"].true[0] == pytest.approx(4.0 - 0.25 - 1.0)
+    assert sim.robot("b", 1).readings["laser"].true[0] == pytest.approx(5.999 - 4.0)
+
+
+def test_an_obstacle_is_seen_and_met() -> None:
+    pillar = am.Obstacle(name="pillar", shape=Shape.circle(0.5), pose=am.Pose(x=4.0, y=2.0))
+    sim = am.Simulation(building.scenario(looking(pose=am.Pose(x=2.0, y=2.0)), obstacles=[pillar]))
+    assert sim.robot("rover").readings["laser"].true[0] == pytest.approx(1.5)
+    sim.robot("rover").drive(forward=1.0)
+    sim.run(3.0)
+    assert sim.robot("rover").true_pose[0] == pytest.approx(3.3, abs=1e-9)
+    assert [e.other for e in sim.events if e.kind == "collision" and e.name == "rover"] == ["pillar"]
+
+
+@pytest.mark.parametrize("offset_deg", [-6.9, -3.33, 0.0, 5.05, 6.9])
+def test_a_thin_post_in_a_sonars_cone_is_always_seen(offset_deg: float) -> None:
+    sonar = am.sensors.Sonar(elements=(am.Mount(),), half_angle=math.radians(7.5), range_min=0.1, range_max=5.0)
+    offset = math.radians(offset_deg)
+    post = am.Obstacle(
+        name="post", shape=Shape.circle(0.01), pose=am.Pose(x=1.0 + 3.0 * math.cos(offset), y=2.5 + 3.0 * math.sin(offset))
+    )
+    robot = building.robot(sensors={"sonar": sonar}, estimators={}, pose=am.Pose(x=1.0, y=2.5))
+    sim = am.Simulation(building.scenario(robot, obstacles=[post]))
+    # Rays are 0.05 degrees apart, 2.6 mm at the post, so one of them meets it no farther than that from its nearest.
+    assert sim.robot("rover").readings["sonar"].true[0] == pytest.approx(2.99, abs=2e-4)
+
+
+def test_the_world_as_a_matrix() -> None:
+    sim = am.Simulation(building.scenario(building.robot(pose=am.Pose(x=2.0, y=2.0))))
+    cells = sim.occupancy(0.1)
+    assert cells.dtype == np.uint8
+    assert set(np.unique(cells)) == {0, 1, 2}
+    assert cells[25, 40] == 0
+    assert cells[0, 30] == 1
+    assert cells[20, 20] == 2
+    # The footprint is 0.5 m by 0.4 m: 20 cells where it lies on their borders, and this one does.
+    assert (cells == 2).sum() == 20
+    sim.set_pose("rover", (4.0, 2.0, 0.0))
+    assert sim.occupancy(0.1)[20, 20] == 0
+    with pytest.raises(am.MapError, match="resolution"):
+        sim.occupancy(0.0)
+
+
+def test_the_compass_and_the_gyro_tell_the_truth_without_noise() -> None:
+    sensors = {"compass": am.MountedSensor(sensor=am.sensors.Compass(), mount=am.Mount(heading=0.2)), "gyro": am.sensors.Gyro()}
+    robot = building.robot(sensors=sensors, estimators={}, pose=am.Pose(heading=3.0))
+    sim = am.Simulation(building.scenario(robot, map=building.empty()))
+    sim.robot("rover").drive(turn=0.5)
+    sim.step()
+    expected = 3.0 + 0.05 + 0.2 - 2 * math.pi
+    assert sim.robot("rover").readings["compass"].true[0] == pytest.approx(expected)
+    assert sim.robot("rover").readings["gyro"].true[0] == pytest.approx(0.5)
