@@ -16,8 +16,8 @@ if TYPE_CHECKING:
         Clock,
         Context,
         Controller,
-        Drive,
         Draws,
+        Drive,
         Estimate,
         Estimator,
         Frame,
@@ -69,7 +69,8 @@ if TYPE_CHECKING:
     from amorsim.simulation.events import Event
     from amorsim.simulation.reproduce import reproduce
     from amorsim.simulation.run import RunSummary, run
-    from amorsim.simulation.simulation import PHASES, Simulation
+    from amorsim.simulation.phases import PHASES
+    from amorsim.simulation.simulation import Simulation
 
 _MODULES = {
     "amorsim.contracts": (
@@ -93,7 +94,8 @@ _MODULES = {
     "amorsim.simulation.events": "Event",
     "amorsim.simulation.reproduce": "reproduce",
     "amorsim.simulation.run": "RunSummary run",
-    "amorsim.simulation.simulation": "PHASES Simulation",
+    "amorsim.simulation.phases": "PHASES",
+    "amorsim.simulation.simulation": "Simulation",
 }
 _PACKAGES = ("controllers", "drives", "estimators", "noise", "sensors", "testing")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}

@@ -86,7 +86,7 @@ class _Replay(Simulation):
         for row in _rows(folder / "events.csv"):
             if row["kind"] in ("parameter_set", "pose_set"):
                 self._changes.setdefault(int(row["tick"]), []).append(row)
-        self._by_hand = [group for group in self._groups if "command" in group.controller_state]
+        self._by_hand = [group for group in self._fleet.groups if "command" in group.controller_state]
         self._commands = _rows(folder / "commands.csv") if self._by_hand else iter(())
         self._next = next(self._commands, None)
 

@@ -7,31 +7,26 @@ import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame
-from amorsim.core.draws import check_collisions
-from amorsim.core.errors import AmorsimError, Fault, ScenarioError, SnapshotError, did_you_mean
+from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.scenario.paths import with_value
-from amorsim.scenario.spec import Obstacle, Robot, Scenario
-from amorsim.simulation.bodies import World
-from amorsim.simulation.contact import WALL, Contact, move
+from amorsim.scenario.spec import Robot, Scenario
+from amorsim.simulation import phases
 from amorsim.simulation.events import Event
+from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.handle import Reading, Readings, RobotHandle
-from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.snapshot import GroupSnapshot, Snapshot, copy_arrays, copy_state
+from amorsim.simulation.occupancy import occupancy
+from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
 
-__all__ = ["PHASES", "Simulation"]
+__all__ = ["Simulation"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-
-PHASES = ("control", "actuate", "move", "sense", "estimate", "record")
-"""The phases of a step, in order. All rows finish one before the next begins."""
 
 MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter, and one number kept for studies
 
@@ -59,98 +54,27 @@ class Simulation:
         self.scenario = scenario
         self.dt = scenario.dt
         self.replicas = _replica_numbers(replicas)
-        self._robots = sorted(scenario.robots, key=lambda robot: robot.name)
-        self._obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
         self._build(scenario.seed if seed is None else seed)
 
     def _build(self, seed: int) -> None:
-        self.seed = seed
-        bodies: list[Robot | Obstacle] = [*self._robots, *self._obstacles]
-        count = len(self.replicas)
-        self._world = World(self.scenario.map, [body.name for body in bodies], [body.shape for body in bodies], count)
-        self._groups = [
-            Group(*self._rows(members), world=self._world, seed=seed, dt=self.dt)
-            for members in _partition(self._robots, group_key)
-        ]
-        offset = len(self._robots)
-        self._obstacle_groups = [
-            ObstacleGroup(*self._rows(members, offset), world=self._world, seed=seed, dt=self.dt)
-            for members in _partition(self._obstacles, lambda obstacle: type(obstacle.motion))
-        ]
-        self._everything: list[Group | ObstacleGroup] = [*self._groups, *self._obstacle_groups]
-        streams = [(robot.name, *stream) for robot in self._robots for stream in _stream_names(robot)]
-        check_collisions(seed, streams)
-        self._ticks = np.zeros(count, dtype=np.int64)
-        self._episodes = np.zeros(count, dtype=np.int64)
-        self.events: list[Event] = []
-        self._place()
-        self._check_starts()
-        self._first_look()
+        self._fleet = Fleet(self.scenario, seed, self.replicas)
+        phases.first_look(self._fleet)
 
-    def _rows(self, members: Sequence[tuple[int, Any]], offset: int = 0) -> tuple[list[Any], Ints, Ints]:
-        """What is specified of each row, its body in the world, and its replica's number."""
-        specified, bodies, replica = [], [], []
-        for index, number in enumerate(self.replicas):
-            for position, thing in members:
-                specified.append(thing)
-                bodies.append(index * self._world.count + offset + position)
-                replica.append(number)
-        return specified, np.array(bodies, dtype=np.int64), np.array(replica, dtype=np.int64)
+    @property
+    def seed(self) -> int:
+        """The seed of all random draws."""
+        return self._fleet.seed
 
-    def _place(self) -> None:
-        poses = self._world.poses.copy()
-        for group in self._groups:
-            poses[group.bodies] = group.true_pose
-        for obstacles in self._obstacle_groups:
-            poses[obstacles.bodies] = obstacles.pose
-        self._world.poses = poses
-
-    def _check_starts(self) -> None:
-        world = self._world
-        everyone = np.arange(len(world.poses), dtype=np.int64)
-        gaps, where = world.wall_gaps(everyone, world.poses, np.zeros(len(everyone)))
-        faults = []
-        for body in np.flatnonzero(gaps < 0.0):
-            x, y, _ = world.poses[body]
-            faults.append(
-                self._start_fault(
-                    int(body),
-                    f"at ({x:.3f}, {y:.3f}) m the footprint overlaps a wall near "
-                    f"({where[body, 0]:.3f}, {where[body, 1]:.3f}) m; expected a free place",
-                )
-            )
-        a, b = world.pairs_within(world.poses, np.zeros(len(everyone)))
-        if len(a):
-            overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
-            for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
-                faults.append(self._start_fault(second, f"overlaps {world.name(first)!r}; expected room between them"))
-        if faults:
-            raise ScenarioError(dict.fromkeys(faults))
-
-    def _start_fault(self, body: int, message: str) -> Fault:
-        index = body % self._world.count
-        kind = "robots" if index < len(self._robots) else "obstacles"
-        source = self.scenario.source
-        return Fault(file=str(source) if source else "", path=f"{kind}.{self._world.name(body)}.pose", message=message)
-
-    def _first_look(self) -> None:
-        """Sense and estimate once, so that a controller never sees an empty reading."""
-        for group in self._groups:
-            group.streams.rewind()
-        self._sense()
-        self._estimate()
-        self._record()
+    @property
+    def events(self) -> list[Event]:
+        """What happened so far, in order."""
+        return self._fleet.events
 
     # ---------------------------------------------------------------------------------------------------- stepping
 
     def step(self) -> None:
         """Simulate one step: the `PHASES` in order."""
-        self._control()
-        self._actuate()
-        self._move()
-        self._sense()
-        self._estimate()
-        self._record()
+        phases.step(self._fleet)
 
     def run(self, duration: float | None = None) -> None:
         """Step until `duration` [s] more have passed; without it, the scenario's duration."""
@@ -161,96 +85,18 @@ class Simulation:
         """How many steps a duration [s] takes, the last one whole."""
         return max(0, int(np.ceil(duration / self.dt - 1e-9)))
 
-    def _control(self) -> None:
-        for group in self._groups:
-            group.control()
-
-    def _actuate(self) -> None:
-        for group in self._groups:
-            group.actuate()
-        for obstacles in self._obstacle_groups:
-            obstacles.actuate()
-
-    def _move(self) -> None:
-        movers: list[Group | ObstacleGroup] = [
-            *self._groups,
-            *(o for o in self._obstacle_groups if o.motion is not None),
-        ]
-        poses, stop, contacts = move(self._world, movers)
-        for contact in contacts:
-            self._log_contact(contact)
-        self._world.poses = poses
-        for mover in movers:
-            mover.arrive(poses[mover.bodies], stop[mover.bodies])
-        self._ticks = self._ticks + 1
-        self._tell_time()
-
-    def _tell_time(self) -> None:
-        for group in self._everything:
-            index = self._world.replica_index[group.bodies]
-            group.moment.set_tick(self._ticks[index][:, None])
-            group.moment.set_episode(self._episodes[index])
-            group.streams.rewind()
-
-    def _log_contact(self, contact: Contact) -> None:
-        for body, other in ((contact.body, contact.other), (contact.other, contact.body)):
-            if body == WALL:
-                continue
-            index = int(self._world.replica_index[body])
-            tick = int(self._ticks[index])
-            event = Event(
-                tick=tick,
-                time=(tick + contact.fraction) * self.dt,
-                replica=self.replicas[index],
-                kind="collision",
-                name=self._world.name(body),
-                other="wall" if other == WALL else self._world.name(other),
-                point=contact.point,
-                speed=self._speed_before(body),
-            )
-            self.events.append(event)
-            group, row = self._row_of(body)
-            if isinstance(group, Group) and group.ends_on_collision and group.active[row, 0]:
-                group.active = group.active.copy()
-                group.active[row] = False
-                if group.controller is not None:
-                    self.events.append(attrs.evolve(event, kind="controller_ended", other="", point=None, speed=None))
-
-    def _speed_before(self, body: int) -> float:
-        group, row = self._row_of(body)
-        return float(group.travel()[row, 0] / self.dt)
-
-    def _row_of(self, body: int) -> tuple[Group | ObstacleGroup, int]:
-        for group in self._everything:
-            row = int(np.searchsorted(group.bodies, body))
-            if row < len(group.bodies) and group.bodies[row] == body:
-                return group, row
-        raise LookupError(body)
-
-    def _sense(self) -> None:
-        for group in self._groups:
-            group.sense()
-
-    def _estimate(self) -> None:
-        for group in self._groups:
-            group.estimate_pose()
-
-    def _record(self) -> None:
-        for group in self._groups:
-            group.record()
-
     # ------------------------------------------------------------------------------------------------ what there is
 
     @property
     def ticks(self) -> Ints:
         """How many steps each replica has made since its episode began, `(R,)`."""
-        return self._ticks.copy()
+        return self._fleet.ticks.copy()
 
     @property
     def tick(self) -> int:
         """How many steps have been made since the episode began, where all replicas agree; else see `ticks`."""
-        first = int(self._ticks[0])
-        if (self._ticks != first).any():
+        first = int(self._fleet.ticks[0])
+        if (self._fleet.ticks != first).any():
             raise AmorsimError("the replicas are at different ticks; see `ticks`")
         return first
 
@@ -262,7 +108,7 @@ class Simulation:
     @property
     def names(self) -> tuple[str, ...]:
         """The robots' names, in the order of their rows within a replica."""
-        return tuple(robot.name for robot in self._robots)
+        return self._fleet.names
 
     @property
     def true_pose(self) -> Array:
@@ -280,11 +126,11 @@ class Simulation:
         return self._gather(lambda group: group.estimate.covariance)
 
     def _gather(self, of: Callable[[Group], Array]) -> Array:
-        if len(self._groups) == 1:
-            whole = of(self._groups[0]).view()
+        if len(self._fleet.groups) == 1:
+            whole = of(self._fleet.groups[0]).view()
         else:
-            parts = np.concatenate([of(group) for group in self._groups])
-            bodies = np.concatenate([group.bodies for group in self._groups])
+            parts = np.concatenate([of(group) for group in self._fleet.groups])
+            bodies = np.concatenate([group.bodies for group in self._fleet.groups])
             whole = parts[np.argsort(bodies)]
         whole.flags.writeable = False
         return whole
@@ -292,21 +138,18 @@ class Simulation:
     @property
     def readings(self) -> Mapping[str, Reading]:
         """Readings `(N, k)` by sensor, true and measured, of all rows; robots of several models: see `robot`."""
-        if len(self._groups) > 1:
+        if len(self._fleet.groups) > 1:
             raise AmorsimError(
                 "the robots are of several kinds, whose readings differ in shape; take robot(name).readings"
             )
-        return Readings(self._groups[0])
+        return Readings(self._fleet.groups[0])
 
     def robot(self, name: str, replica: int | None = None) -> RobotHandle:
         """One robot; `replica` is its replica's number, which one replica alone needs not be told."""
         if name not in self.names:
             known = ", ".join(self.names)
             raise AmorsimError(f"there is no robot {name!r}, but: {known}.{did_you_mean(name, self.names)}")
-        body = self._replica_index(replica) * self._world.count + self.names.index(name)
-        group, row = self._row_of(body)
-        assert isinstance(group, Group)
-        return RobotHandle(group, row)
+        return RobotHandle(*self._fleet.robot_row(name, self._replica_index(replica)))
 
     def _replica_index(self, replica: int | None) -> int:
         if replica is None:
@@ -319,17 +162,15 @@ class Simulation:
 
     def frames(self) -> list[Frame]:
         """The present step as recorders get it: everything, a frame for each group."""
-        return [group.frame() for group in self._groups]
+        return [group.frame() for group in self._fleet.groups]
 
     def digest(self, replica: int | None = None) -> str:
         """A fingerprint of all exact results since the start: equal for equal bits. Of one replica, or of all."""
         wanted = self.replicas if replica is None else (self.replicas[self._replica_index(replica)],)
         whole = hashlib.blake2b(digest_size=16)
         for number in wanted:
-            first = self.replicas.index(number) * self._world.count
-            for position, name in enumerate(self.names):
-                group, row = self._row_of(first + position)
-                assert isinstance(group, Group)
+            for name in self.names:
+                group, row = self._fleet.robot_row(name, self.replicas.index(number))
                 whole.update(name.encode() + group.fingerprint[row].astype("<u8").tobytes())
         return whole.hexdigest()
 
@@ -343,7 +184,7 @@ class Simulation:
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {pose!r}")
         wanted = np.array([pose], dtype=float)
         body = group.bodies[row : row + 1]
-        world = self._world
+        world = self._fleet.world
         if world.wall_gaps(body, wanted, np.zeros(1))[0][0] < 0.0:
             raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: it would overlap a wall")
         first = int(world.first[world.replica_index[body[0]]])
@@ -359,7 +200,7 @@ class Simulation:
         group.true_pose = _with_row(group.true_pose, row, wanted[0])
         group.true_twist = _with_row(group.true_twist, row, 0.0)
         group.joint_rates = _with_row(group.joint_rates, row, 0.0)
-        self._place()
+        self._fleet.place()
         self._log_change(handle, "pose_set", "pose", tuple(float(part) for part in pose))
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
@@ -392,7 +233,7 @@ class Simulation:
             self._log_change(handle, "parameter_set", path, value)
 
     def _log_change(self, handle: RobotHandle, kind: str, path: str, value: Any) -> None:
-        tick = int(self._ticks[self.replicas.index(handle.replica)])
+        tick = int(self._fleet.ticks[self.replicas.index(handle.replica)])
         self.events.append(
             Event(
                 tick=tick,
@@ -419,18 +260,16 @@ class Simulation:
         chosen = range(len(self.replicas)) if replicas is None else [self._replica_index(r) for r in replicas]
         again = np.zeros(len(self.replicas), dtype=bool)
         again[list(chosen)] = True
-        kept = self.snapshot()
-        self._ticks = np.zeros_like(self._ticks)
-        self._episodes = self._episodes + again
-        self._tell_time()
-        for group in self._groups:
+        fleet = self._fleet
+        kept = take_snapshot(fleet)
+        fleet.ticks = np.zeros_like(fleet.ticks)
+        fleet.episodes = fleet.episodes + again
+        for group in fleet.everything:
             group.start()
-        for obstacles in self._obstacle_groups:
-            obstacles.start()
-        self._place()
-        self._first_look()
-        self._put_back(kept, ~again)
-        self.events = [event for event in self.events if not again[self.replicas.index(event.replica)]]
+        fleet.place()
+        phases.first_look(fleet)
+        put_back(fleet, kept, ~again)
+        fleet.events = [event for event in kept.events if not again[self.replicas.index(event.replica)]]
 
     def snapshot(self) -> Snapshot:
         """A copy of all that changes, for `restore`.
@@ -440,70 +279,16 @@ class Simulation:
         SnapshotError
             If a user's controller cannot be copied; it names the robot.
         """
-        return Snapshot(
-            seed=self.seed,
-            replicas=self.replicas,
-            tick=self._ticks.copy(),
-            poses=self._world.poses.copy(),
-            groups=tuple(
-                GroupSnapshot(
-                    specified=tuple(group.specified),
-                    tick=group.moment.tick.copy(),
-                    episode=self._episodes.copy(),
-                    arrays=copy_arrays(group.arrays()),
-                    states={
-                        where: copy_state(f"{where} of robot {group.names[0]!r}", state)
-                        for where, state in group.states().items()
-                    },
-                )
-                for group in self._groups
-            ),
-            obstacles=tuple(
-                {
-                    "body": {"pose": group.pose.copy(), "twist": group.twist.copy()},
-                    "state": copy_state("motion of obstacles", group.state),
-                }
-                for group in self._obstacle_groups
-            ),
-            events=tuple(self.events),
-        )
+        return take_snapshot(self._fleet)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to what `snapshot` gave, to the bit; it may be restored any number of times."""
-        if snapshot.replicas != self.replicas or len(snapshot.groups) != len(self._groups):
+        if snapshot.replicas != self.replicas or len(snapshot.groups) != len(self._fleet.groups):
             raise SnapshotError("this snapshot is of another simulation")
         if snapshot.seed != self.seed:
             self._build(snapshot.seed)
-        self._episodes = snapshot.groups[0].episode.copy()
-        self._put_back(snapshot, np.ones(len(self.replicas), dtype=bool))
-        self.events = list(snapshot.events)
-
-    def _put_back(self, snapshot: Snapshot, which: npt.NDArray[np.bool_]) -> None:
-        """Put the replicas marked in `which` `(R,)` back to the snapshot, and leave the others as they are."""
-        self._ticks = np.where(which, snapshot.tick, self._ticks)
-        for group, held in zip(self._groups, snapshot.groups, strict=True):
-            if any(a is not b for a, b in zip(group.specified, held.specified, strict=True)):
-                group.specified = list(held.specified)
-                group.set_parameters()
-            rows = which[self._world.replica_index[group.bodies]]
-            now = group.arrays()
-            group.set_arrays(
-                {
-                    unit: {name: _merge(rows, array, now[unit][name]) for name, array in arrays.items()}
-                    for unit, arrays in held.arrays.items()
-                }
-            )
-            for where, state in group.states().items():
-                for name, array in copy_state(where, held.states[where]).items():
-                    state[name] = _merge(rows, array, state[name])
-        for obstacles, kept in zip(self._obstacle_groups, snapshot.obstacles, strict=True):
-            rows = which[self._world.replica_index[obstacles.bodies]]
-            obstacles.pose = _merge(rows, kept["body"]["pose"], obstacles.pose)
-            obstacles.twist = _merge(rows, kept["body"]["twist"], obstacles.twist)
-            for name, array in copy_state("motion", kept["state"]).items():
-                obstacles.state[name] = _merge(rows, array, obstacles.state[name])
-        self._place()
-        self._tell_time()
+        put_back(self._fleet, snapshot, np.ones(len(self.replicas), dtype=bool))
+        self._fleet.events = list(snapshot.events)
 
     # -------------------------------------------------------------------------------------------------- a picture
 
@@ -512,9 +297,7 @@ class Simulation:
 
         A cell of `resolution` [m] is occupied if anything in it is.
         """
-        from amorsim.simulation.occupancy import occupancy
-
-        return occupancy(self._world, self._replica_index(replica), resolution)
+        return occupancy(self._fleet.world, self._replica_index(replica), resolution)
 
 
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
@@ -524,34 +307,10 @@ def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
     return numbers
 
 
-def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:
-    """Things with their positions, those of equal keys together, in order of their first."""
-    parts: dict[Any, list[tuple[int, Any]]] = {}
-    for position, thing in enumerate(things):
-        parts.setdefault(key(thing), []).append((position, thing))
-    return list(parts.values())
-
-
-def _stream_names(robot: Robot) -> list[tuple[str, ...]]:
-    names: list[tuple[str, ...]] = [("drive",), ("controller",)]
-    names += [("estimator", name) for name in robot.estimators]
-    names += [("ground", "noise", element.name) for element in robot.ground]
-    for name, unit in robot.sensors.items():
-        names += [("sensor", name), *(("sensor", name, "noise", element.name) for element in unit.noise)]
-    names += [("errors", path, role) for path in robot.errors for role in ("scale", "add", "value")]
-    return names
-
-
 def _with_row(array: Array, row: int, value: Any) -> Array:
     changed = array.copy()
     changed[row] = value
     return changed
-
-
-def _merge(rows: npt.NDArray[np.bool_], yes: npt.NDArray[Any], no: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    if rows.all():
-        return yes.copy()
-    return np.where(rows.reshape(len(rows), *([1] * (yes.ndim - 1))), yes, no)
 
 
 def _in_words(numbers: Sequence[int]) -> str:

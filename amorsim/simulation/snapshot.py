@@ -12,10 +12,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import SnapshotError
+from amorsim.simulation.fleet import Fleet
 
-__all__ = ["GroupSnapshot", "Snapshot", "copy_arrays", "copy_state"]
+__all__ = ["Snapshot", "copy_state", "put_back", "take_snapshot"]
 
 Arrays = dict[str, npt.NDArray[Any]]
+Bools = npt.NDArray[np.bool_]
 
 
 @attrs.frozen(kw_only=True)
@@ -23,8 +25,6 @@ class GroupSnapshot:
     """All that changes of one group."""
 
     specified: tuple[Any, ...]
-    tick: npt.NDArray[np.int64]
-    episode: npt.NDArray[np.int64]
     arrays: dict[str, Arrays]
     states: dict[str, Arrays]
 
@@ -35,14 +35,81 @@ class Snapshot:
 
     seed: int
     replicas: tuple[int, ...]
-    tick: npt.NDArray[np.int64]
-    poses: npt.NDArray[np.float64]
+    ticks: npt.NDArray[np.int64]
+    episodes: npt.NDArray[np.int64]
     groups: tuple[GroupSnapshot, ...]
     obstacles: tuple[dict[str, Arrays], ...]
     events: tuple[Any, ...]
 
 
-def copy_arrays(arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, Arrays]:
+def take_snapshot(fleet: Fleet) -> Snapshot:
+    """Copy all that changes of a fleet."""
+    return Snapshot(
+        seed=fleet.seed,
+        replicas=fleet.replicas,
+        ticks=fleet.ticks.copy(),
+        episodes=fleet.episodes.copy(),
+        groups=tuple(
+            GroupSnapshot(
+                specified=tuple(group.specified),
+                arrays=_copy_arrays(group.arrays()),
+                states={
+                    where: copy_state(f"{where} of robot {group.names[0]!r}", state)
+                    for where, state in group.states().items()
+                },
+            )
+            for group in fleet.groups
+        ),
+        obstacles=tuple(
+            {
+                "body": {"pose": group.pose.copy(), "twist": group.twist.copy()},
+                "state": copy_state("motion of obstacles", group.state),
+            }
+            for group in fleet.obstacles
+        ),
+        events=tuple(fleet.events),
+    )
+
+
+def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
+    """Put the replicas marked in `which` `(R,)` back to the snapshot, events apart, and leave the others."""
+    fleet.ticks = np.where(which, snapshot.ticks, fleet.ticks)
+    fleet.episodes = np.where(which, snapshot.episodes, fleet.episodes)
+    for group, held in zip(fleet.groups, snapshot.groups, strict=True):
+        if any(a is not b for a, b in zip(group.specified, held.specified, strict=True)):
+            group.specified = list(held.specified)
+            group.set_parameters()
+        rows = which[fleet.world.replica_index[group.bodies]]
+        now = group.arrays()
+        group.set_arrays(
+            {
+                unit: {name: _merge(rows, array, now[unit][name]) for name, array in arrays.items()}
+                for unit, arrays in held.arrays.items()
+            }
+        )
+        for where, state in group.states().items():
+            _merge_state(rows, where, held.states[where], state)
+    for obstacles, kept in zip(fleet.obstacles, snapshot.obstacles, strict=True):
+        rows = which[fleet.world.replica_index[obstacles.bodies]]
+        obstacles.pose = _merge(rows, kept["body"]["pose"], obstacles.pose)
+        obstacles.twist = _merge(rows, kept["body"]["twist"], obstacles.twist)
+        _merge_state(rows, "motion of obstacles", kept["state"], obstacles.state)
+    fleet.place()
+    fleet.tell_time()
+
+
+def _merge(rows: Bools, yes: npt.NDArray[Any], no: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    if rows.all():
+        return yes.copy()
+    return np.where(rows.reshape(len(rows), *([1] * (yes.ndim - 1))), yes, no)
+
+
+def _merge_state(rows: Bools, where: str, held: Arrays, state: Arrays) -> None:
+    for name, array in copy_state(where, held).items():
+        state[name] = _merge(rows, array, state[name])
+
+
+def _copy_arrays(arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, Arrays]:
     """A copy, two tables deep."""
     return {unit: {name: array.copy() for name, array in held.items()} for unit, held in arrays.items()}
 

@@ -57,8 +57,8 @@ def test_a_replica_alone_is_the_one_among_many() -> None:
 
 def test_drawn_errors_differ_by_replica_unless_drawn_once_per_study() -> None:
     sim = am.Simulation(crowd(), replicas=5)
-    tracks = [sim._groups[0].true[2 * i].drive.track for i in range(5)]
-    headings = [sim._groups[0].true[2 * i].sensors["laser"].mount.heading for i in range(5)]
+    tracks = [sim._fleet.groups[0].true[2 * i].drive.track for i in range(5)]
+    headings = [sim._fleet.groups[0].true[2 * i].sensors["laser"].mount.heading for i in range(5)]
     assert len(set(tracks)) == 5
     assert len(set(headings)) == 1
     assert headings[0] != 0.1

@@ -75,7 +75,7 @@ def test_nothing_tunnels(speed: float, turn: float, heading: float, dt: float, r
     for _ in range(3):
         sim.step()
         assert placed(sim, "rover").difference(inside).area < 1e-9
-        gap, _ = sim._world.wall_gaps(np.array([0]), sim._world.poses, np.array([1.0]))
+        gap, _ = sim._fleet.world.wall_gaps(np.array([0]), sim._fleet.world.poses, np.array([1.0]))
         assert gap[0] >= 0.0
 
 

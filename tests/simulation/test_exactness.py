@@ -76,7 +76,7 @@ def test_a_turned_laser_reads_other_walls_than_the_robot_believes() -> None:
     sim = am.Simulation(building.scenario(robot))
     distance = 6.0 - 2.0
     assert sim.robot("rover").readings["laser"].true[0] == pytest.approx(distance / math.cos(math.pi / 6), abs=0.002)
-    assert sim._groups[0].robot.sensors["laser"].mount.heading[0, 0] == 0.0
+    assert sim._fleet.groups[0].robot.sensors["laser"].mount.heading[0, 0] == 0.0
 
 
 @pytest.mark.parametrize("dt", [0.02, 0.1])

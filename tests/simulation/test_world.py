@@ -42,7 +42,9 @@ def test_a_thin_post_in_a_sonars_cone_is_always_seen(offset_deg: float) -> None:
     sonar = am.sensors.Sonar(elements=(am.Mount(),), half_angle=math.radians(7.5), range_min=0.1, range_max=5.0)
     offset = math.radians(offset_deg)
     post = am.Obstacle(
-        name="post", shape=Shape.circle(0.01), pose=am.Pose(x=1.0 + 3.0 * math.cos(offset), y=2.5 + 3.0 * math.sin(offset))
+        name="post",
+        shape=Shape.circle(0.01),
+        pose=am.Pose(x=1.0 + 3.0 * math.cos(offset), y=2.5 + 3.0 * math.sin(offset)),
     )
     robot = building.robot(sensors={"sonar": sonar}, estimators={}, pose=am.Pose(x=1.0, y=2.5))
     sim = am.Simulation(building.scenario(robot, obstacles=[post]))
@@ -67,7 +69,10 @@ def test_the_world_as_a_matrix() -> None:
 
 
 def test_the_compass_and_the_gyro_tell_the_truth_without_noise() -> None:
-    sensors = {"compass": am.MountedSensor(sensor=am.sensors.Compass(), mount=am.Mount(heading=0.2)), "gyro": am.sensors.Gyro()}
+    sensors = {
+        "compass": am.MountedSensor(sensor=am.sensors.Compass(), mount=am.Mount(heading=0.2)),
+        "gyro": am.sensors.Gyro(),
+    }
     robot = building.robot(sensors=sensors, estimators={}, pose=am.Pose(heading=3.0))
     sim = am.Simulation(building.scenario(robot, map=building.empty()))
     sim.robot("rover").drive(turn=0.5)

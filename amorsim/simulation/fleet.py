@@ -1,0 +1,147 @@
+"""All robots and obstacles of a simulation in all its replicas: groups of rows, their bodies, their time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.draws import check_collisions
+from amorsim.core.errors import Fault, ScenarioError
+from amorsim.scenario.spec import Obstacle, Robot, Scenario
+from amorsim.simulation.bodies import World
+from amorsim.simulation.events import Event
+from amorsim.simulation.group import Group, group_key
+from amorsim.simulation.obstacles import ObstacleGroup
+
+__all__ = ["Fleet"]
+
+Ints = npt.NDArray[np.int64]
+
+
+class Fleet:
+    """What a simulation is made of, with one seed.
+
+    A body is a robot or an obstacle in one replica; bodies are in order of replica, robots by name before obstacles by
+    name. The robots are rows of groups, wherever their bodies are.
+
+    Attributes
+    ----------
+    replicas
+        The replicas' numbers.
+    ticks, episodes
+        `(R,)` of each replica.
+    events
+        What happened, in order.
+    """
+
+    def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...]) -> None:
+        self.scenario = scenario
+        self.seed = seed
+        self.dt = scenario.dt
+        self.replicas = replicas
+        self.events: list[Event] = []
+        robots = sorted(scenario.robots, key=lambda robot: robot.name)
+        obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
+        self.names = tuple(robot.name for robot in robots)
+        check_collisions(seed, [(robot.name, *stream) for robot in robots for stream in _stream_names(robot)])
+        bodies: list[Robot | Obstacle] = [*robots, *obstacles]
+        self.world = World(scenario.map, [body.name for body in bodies], [body.shape for body in bodies], len(replicas))
+        self.groups = [
+            Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt)
+            for members in _partition(robots, group_key)
+        ]
+        self.obstacles = [
+            ObstacleGroup(*self._rows(members, len(robots)), world=self.world, seed=seed, dt=self.dt)
+            for members in _partition(obstacles, lambda obstacle: type(obstacle.motion))
+        ]
+        self.everything: list[Group | ObstacleGroup] = [*self.groups, *self.obstacles]
+        self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
+        self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
+        self.place()
+        self._check_starts()
+
+    def _rows(self, members: Sequence[tuple[int, Any]], offset: int = 0) -> tuple[list[Any], Ints, Ints]:
+        """What is specified of each row, its body in the world, and its replica's number."""
+        specified, bodies, replica = [], [], []
+        for index, number in enumerate(self.replicas):
+            for position, thing in members:
+                specified.append(thing)
+                bodies.append(index * self.world.count + offset + position)
+                replica.append(number)
+        return specified, np.array(bodies, dtype=np.int64), np.array(replica, dtype=np.int64)
+
+    def place(self) -> None:
+        """Put the bodies of the world where the groups have them."""
+        poses = self.world.poses.copy()
+        for group in self.groups:
+            poses[group.bodies] = group.true_pose
+        for obstacles in self.obstacles:
+            poses[obstacles.bodies] = obstacles.pose
+        self.world.poses = poses
+
+    def _check_starts(self) -> None:
+        world = self.world
+        none = np.zeros(len(world.everyone))
+        gaps, where = world.wall_gaps(world.everyone, world.poses, none)
+        faults = []
+        for body in np.flatnonzero(gaps < 0.0).tolist():
+            (x, y, _), (near_x, near_y) = world.poses[body], where[body]
+            message = (
+                f"at ({x:.3f}, {y:.3f}) m the footprint overlaps a wall near ({near_x:.3f}, {near_y:.3f}) m; "
+                "expected a free place"
+            )
+            faults.append(self._start_fault(body, message))
+        a, b = world.pairs_within(world.poses, none)
+        overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
+        for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
+            faults.append(self._start_fault(second, f"overlaps {world.name(first)!r}; expected room between them"))
+        if faults:
+            raise ScenarioError(dict.fromkeys(faults))
+
+    def _start_fault(self, body: int, message: str) -> Fault:
+        kind = "robots" if body % self.world.count < len(self.names) else "obstacles"
+        source = self.scenario.source
+        return Fault(file=str(source) if source else "", path=f"{kind}.{self.world.name(body)}.pose", message=message)
+
+    def tell_time(self) -> None:
+        """Let everyone know the present ticks and episodes, and start the tick's draws."""
+        for group in self.everything:
+            index = self.world.replica_index[group.bodies]
+            group.moment.set_tick(self.ticks[index][:, None])
+            group.moment.set_episode(self.episodes[index])
+            group.streams.rewind()
+
+    def row_of(self, body: int) -> tuple[Group | ObstacleGroup, int]:
+        """The group of a body, and its row there."""
+        for group in self.everything:
+            row = int(np.searchsorted(group.bodies, body))
+            if row < len(group.bodies) and group.bodies[row] == body:
+                return group, row
+        raise LookupError(body)
+
+    def robot_row(self, name: str, index: int) -> tuple[Group, int]:
+        """The group and row of a robot in the replica of that index."""
+        group, row = self.row_of(index * self.world.count + self.names.index(name))
+        assert isinstance(group, Group)
+        return group, row
+
+
+def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:
+    """Things with their positions, those of equal keys together, in order of their first."""
+    parts: dict[Any, list[tuple[int, Any]]] = {}
+    for position, thing in enumerate(things):
+        parts.setdefault(key(thing), []).append((position, thing))
+    return list(parts.values())
+
+
+def _stream_names(robot: Robot) -> list[tuple[str, ...]]:
+    names: list[tuple[str, ...]] = [("drive",), ("controller",)]
+    names += [("estimator", name) for name in robot.estimators]
+    names += [("ground", "noise", element.name) for element in robot.ground]
+    for name, unit in robot.sensors.items():
+        names += [("sensor", name), *(("sensor", name, "noise", element.name) for element in unit.noise)]
+    names += [("errors", path, role) for path in robot.errors for role in ("scale", "add", "value")]
+    return names

@@ -1,0 +1,105 @@
+"""The phases of a step: what happens to all rows, one phase after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import attrs
+
+from amorsim.simulation.contact import WALL, Contact, move
+from amorsim.simulation.events import Event
+from amorsim.simulation.fleet import Fleet
+from amorsim.simulation.group import Group
+from amorsim.simulation.obstacles import ObstacleGroup
+
+__all__ = ["PHASES", "first_look", "step"]
+
+PHASES = ("control", "actuate", "move", "sense", "estimate", "record")
+"""The phases of a step, in order. All rows finish one before the next begins."""
+
+
+def step(fleet: Fleet) -> None:
+    """Make one step."""
+    for phase in PHASES:
+        _DOES[phase](fleet)
+
+
+def first_look(fleet: Fleet) -> None:
+    """Sense and estimate at the start of an episode, so that a controller never sees an empty reading."""
+    fleet.tell_time()
+    for phase in ("sense", "estimate", "record"):
+        _DOES[phase](fleet)
+
+
+def _control(fleet: Fleet) -> None:
+    for group in fleet.groups:
+        group.control()
+
+
+def _actuate(fleet: Fleet) -> None:
+    for group in fleet.everything:
+        group.actuate()
+
+
+def _move(fleet: Fleet) -> None:
+    movers: list[Group | ObstacleGroup] = [*fleet.groups, *(o for o in fleet.obstacles if o.motion is not None)]
+    poses, stop, contacts = move(fleet.world, movers)
+    for contact in contacts:
+        _log_contact(fleet, contact)
+    fleet.world.poses = poses
+    for mover in movers:
+        mover.arrive(poses[mover.bodies], stop[mover.bodies])
+    fleet.ticks = fleet.ticks + 1
+    fleet.tell_time()
+
+
+def _sense(fleet: Fleet) -> None:
+    for group in fleet.groups:
+        group.sense()
+
+
+def _estimate(fleet: Fleet) -> None:
+    for group in fleet.groups:
+        group.estimate_pose()
+
+
+def _record(fleet: Fleet) -> None:
+    for group in fleet.groups:
+        group.record()
+
+
+_DOES: Mapping[str, Callable[[Fleet], None]] = {
+    "control": _control,
+    "actuate": _actuate,
+    "move": _move,
+    "sense": _sense,
+    "estimate": _estimate,
+    "record": _record,
+}
+
+
+def _log_contact(fleet: Fleet, contact: Contact) -> None:
+    """An event for each body that met something, and one for each controller that ends by it."""
+    for body, other in ((contact.body, contact.other), (contact.other, contact.body)):
+        if body == WALL:
+            continue
+        index = int(fleet.world.replica_index[body])
+        tick = int(fleet.ticks[index])
+        group, row = fleet.row_of(body)
+        event = Event(
+            tick=tick,
+            time=(tick + contact.fraction) * fleet.dt,
+            replica=fleet.replicas[index],
+            kind="collision",
+            name=fleet.world.name(body),
+            other="wall" if other == WALL else fleet.world.name(other),
+            point=contact.point,
+            speed=float(group.travel()[row, 0] / fleet.dt),
+        )
+        fleet.events.append(event)
+        if isinstance(group, Group) and group.ends_on_collision and group.active[row, 0]:
+            group.active = group.active.copy()
+            group.active[row] = False
+            if group.controller is not None:
+                ended = attrs.evolve(event, kind="controller_ended", other="", point=None, speed=None)
+                fleet.events.append(ended)
