@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.poses import compose
-from amorsim.kernels import body_rays, poses, rays
+from amorsim.kernels import body_rays, cones, poses, rays
 
 if TYPE_CHECKING:
     from amorsim.simulation.bodies import World
@@ -67,21 +68,7 @@ class GroupView:
         origin = world.map.origin
         rays.cast(world.map.grid, origin[0], origin[1], origin[2], origins, cos_b, sin_b, limits, out)
         if world.has_company:
-            own = np.repeat(self._bodies, per_row) if per_row > 1 else self._bodies
-            hit = np.full(out.shape, -1, dtype=np.int64)
-            body_rays.cast_bodies(
-                world.bodies,
-                world.poses,
-                world.first,
-                world.replica_index[own],
-                own,
-                origins,
-                cos_b,
-                sin_b,
-                limits,
-                out,
-                hit,
-            )
+            self._cast_bodies(origins, cos_b, sin_b, limits, out)
         return out
 
     def _table(self, bearings: Array) -> tuple[Array, Array]:
@@ -101,20 +88,42 @@ class GroupView:
     def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
         per_row = len(origins) // self.rows
-        out = np.empty((self.rows, per_row))
         angles = np.broadcast_to(half_angle, (self.rows, 1))[:, 0]
-        limits = np.broadcast_to(range_max, (self.rows, 1))
+        limits = np.repeat(np.broadcast_to(range_max, (self.rows, 1))[:, 0], per_row)
+        widest = float(angles[0])
+        if (angles == widest).all():
+            return self._cones(origins, widest, limits).reshape(self.rows, per_row)
+        out = np.empty((self.rows, per_row))
         for angle in np.unique(angles):
-            bearings = cone_bearings(float(angle))
-            if (angles == angle).all():
-                out[:] = self.cast(origins, bearings, limits).min(axis=1).reshape(self.rows, per_row)
-            else:
-                # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
-                found = self.cast(origins, bearings, limits).min(axis=1).reshape(self.rows, per_row)
-                out = np.where((angles == angle)[:, None], found, out)
+            # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
+            found = self._cones(origins, float(angle), limits).reshape(self.rows, per_row)
+            out = np.where((angles == angle)[:, None], found, out)
         return out
 
+    def _cones(self, origins: Array, half_angle: float, limits: Array) -> Array:
+        bearings = cone_bearings(half_angle)
+        cos_b, sin_b = self._table(bearings)
+        world = self._world
+        least = np.empty(len(origins))
+        cones.cast_cones(world.map.grid, *world.map.origin, origins, half_angle, cos_b, sin_b, limits, least)
+        if not world.has_company:
+            return least
+        out = np.repeat(least[:, None], bearings.shape[1], axis=1)
+        self._cast_bodies(origins, cos_b, sin_b, limits, out)
+        return out.min(axis=1)
 
+    def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
+        """Lower `out` where another body of the same replica is nearer than what it holds."""
+        world = self._world
+        own = np.repeat(self._bodies, len(origins) // self.rows)
+        replica = world.replica_index[own]
+        hit = np.full(out.shape, -1, dtype=np.int64)
+        body_rays.cast_bodies(
+            world.bodies, world.poses, world.first, replica, own, origins, cos_b, sin_b, limits, out, hit
+        )
+
+
+@functools.lru_cache(maxsize=64)
 def cone_bearings(half_angle: float) -> Array:
     """The rays of a cone `(1, k)`: both edges, and between them at most 0.05 degrees apart."""
     count = max(2, math.ceil(2.0 * half_angle / CONE_STEP - 1e-9) + 1)

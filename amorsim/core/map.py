@@ -1,0 +1,406 @@
+"""A map: which cells of the plane are occupied, where they lie, and the walls they were drawn from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, Self
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from amorsim.core.errors import MapError
+from amorsim.core.room import roomiest
+from amorsim.kernels.draft import grid_from_array
+from amorsim.kernels.grid import Grid, occupied_boxes
+from amorsim.kernels.rasterise import MOST_CELLS, grid_from_segments, snapped
+from amorsim.kernels.rays import cast, occupied_points
+
+__all__ = ["Map"]
+
+_MOST_BYTES = 10**9
+# There a double still tells a thousandth of a cell.
+_FARTHEST_CELL = 2**43
+_MOST_TABLES = 2**24
+_TABLE_CELLS = 4096
+# A page of 64 x 64 cells takes 512 bytes of bits and 128 of room.
+_PAGE_CELLS = 64
+_PAGE_BYTES = 640
+_MOST_WALL_BYTES = 4 * 10**9
+
+Window = tuple[float, float, float, float]
+"""xmin, ymin, xmax, ymax [m]."""
+Place = tuple[float, float, float]
+"""x, y [m], heading [rad]."""
+
+
+@attrs.frozen(kw_only=True, eq=False, repr=False)
+class Map:
+    """Cells of the plane, each free or occupied; outside the map everything is occupied.
+
+    Made by `from_segments` or `from_array`. It never changes, so copies are the map itself.
+    """
+
+    grid: Grid
+    """The cells, as kernels read them; never written to."""
+    origin: Place
+    """The lower left corner in the world, and how far the map is turned about it."""
+    segments: NDArray[np.float64] | None = None
+    """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
+    start: Place | None = None
+    """Where the map says a robot starts, in the world, or None."""
+    warnings: tuple[str, ...] = ()
+    """What its file says that was left out, one message each."""
+    name: str = ""
+
+    @classmethod
+    def from_segments(
+        cls,
+        segments: ArrayLike,
+        *,
+        resolution: float = 0.001,
+        extent: Sequence[float] | None = None,
+        start: Sequence[float] | None = None,
+        warnings: Iterable[str] = (),
+        name: str = "",
+    ) -> Self:
+        """The map whose cells are those that closed line segments touch.
+
+        Parameters
+        ----------
+        segments
+            (M, 4) x0, y0, x1, y1 [m] in the world; none at all is an empty room, if there is an extent.
+        resolution
+            Side of a cell [m]. Borders of cells lie at whole multiples of it in the world.
+        extent
+            xmin, ymin, xmax, ymax [m]: the map covers this and all walls, outward to whole cells.
+        start
+            x, y [m] and heading [rad] of a robot's start.
+
+        Raises
+        ------
+        MapError
+            If a number is not finite, the resolution is not positive, there is nothing to cover, or the map
+            would be too large.
+        """
+        side = _resolution(resolution)
+        walls = _numbers(segments, "segments")
+        if walls.size == 0:
+            walls = walls.reshape(0, 4)
+        if walls.ndim != 2 or walls.shape[1] != 4:
+            raise MapError(f"segments have shape {walls.shape}; expected (M, 4): x0, y0, x1, y1 in metres")
+        _refuse_not_finite(walls, "segment")
+        corners = walls.reshape(-1, 2)
+        if extent is not None:
+            xmin, ymin, xmax, ymax = _finite(extent, 4, "extent", "xmin, ymin, xmax, ymax in metres")
+            if xmin > xmax or ymin > ymax:
+                raise MapError(
+                    f"extent ({xmin}, {ymin}, {xmax}, {ymax}) is empty; expected xmin, ymin, xmax, ymax with "
+                    "xmin < xmax and ymin < ymax"
+                )
+            corners = np.concatenate([corners, [[xmin, ymin], [xmax, ymax]]])
+        if len(corners) == 0:
+            raise MapError("the map is empty: no wall and no extent; give at least one of them")
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
+            low = np.floor(snapped(corners.min(axis=0) / side))
+            high = np.ceil(snapped(corners.max(axis=0) / side))
+            cols, rows = (float(n) for n in np.maximum(high - low, 1.0))
+        _refuse_too_large(rows, cols, side)
+        _refuse_too_far(low, high, side)
+        _refuse_too_much_wall(walls, side)
+        offset = (int(low[0]), int(low[1]))
+        kept = walls.copy()
+        kept.flags.writeable = False
+        return cls(
+            grid=grid_from_segments(walls, int(rows), int(cols), side, offset),
+            origin=(offset[0] * side, offset[1] * side, 0.0),
+            segments=kept,
+            start=_start(start),
+            warnings=tuple(warnings),
+            name=name,
+        )
+
+    @classmethod
+    def from_array(
+        cls,
+        array: ArrayLike,
+        *,
+        resolution: float,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        start: Sequence[float] | None = None,
+        warnings: Iterable[str] = (),
+        name: str = "",
+    ) -> Self:
+        """The map of an array (rows, cols), row 0 lowest, whose cells that are not zero are occupied.
+
+        Parameters
+        ----------
+        resolution
+            Side of a cell [m].
+        origin
+            x, y [m] of the lower left corner in the world, and the yaw [rad] of the rows.
+        start
+            x, y [m] and heading [rad] of a robot's start in the world.
+
+        Raises
+        ------
+        MapError
+            If a number is not finite, the resolution is not positive, or the array is not of two dimensions
+            or is empty.
+        """
+        side = _resolution(resolution)
+        place = _finite(origin, 3, "origin", "x, y in metres and yaw in radians")
+        cells = np.asarray(array)
+        if cells.ndim != 2 or cells.size == 0:
+            raise MapError(f"the array has shape {cells.shape}; expected (rows, cols), at least one of each")
+        if cells.dtype.kind not in "buif":
+            raise MapError(f"the array holds {cells.dtype}; expected numbers, 0 where a cell is free")
+        if cells.dtype.kind == "f" and np.isnan(cells).any():
+            raise MapError("the array has nan in it; expected numbers, 0 where a cell is free")
+        rows, cols = cells.shape
+        _refuse_too_large(rows, cols, side)
+        return cls(
+            grid=grid_from_array((cells != 0).view(np.uint8), side),
+            origin=(place[0], place[1], place[2]),
+            start=_start(start),
+            warnings=tuple(warnings),
+            name=name,
+        )
+
+    @property
+    def resolution(self) -> float:
+        """Side of a cell [m]."""
+        return float(self.grid.resolution)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.grid.rows, self.grid.cols
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height [m]."""
+        return self.grid.cols * self.resolution, self.grid.rows * self.resolution
+
+    def to_array(self, window: Sequence[float] | None = None, resolution: float | None = None) -> NDArray[np.uint8]:
+        """Cells as an array (rows, cols), row 0 lowest, 1 where occupied.
+
+        Parameters
+        ----------
+        window
+            xmin, ymin, xmax, ymax [m] in the map's frame (the lower left corner is 0, 0); the whole map where
+            not given. What of it is outside the map is occupied.
+        resolution
+            Side [m] of the array's cells, the map's where not given. A coarser cell is occupied if any cell
+            in it is.
+
+        Raises
+        ------
+        MapError
+            If the array would take more than 1 GB, or a number makes no sense.
+        """
+        side = self.resolution if resolution is None else _resolution(resolution)
+        if window is None:
+            window = (0.0, 0.0, *self.size)
+        xmin, ymin, xmax, ymax = _finite(window, 4, "window", "xmin, ymin, xmax, ymax in metres")
+        if not (xmin < xmax and ymin < ymax):
+            raise MapError(f"window ({xmin}, {ymin}, {xmax}, {ymax}) is empty; expected xmin < xmax and ymin < ymax")
+        wide, high = (xmax - xmin) / side, (ymax - ymin) / side
+        if wide * high > _MOST_BYTES or max(wide, high) > _MOST_BYTES:
+            coarser = max(side * math.sqrt(wide * high / _MOST_BYTES), side * max(wide, high) / _MOST_BYTES)
+            raise MapError(
+                f"an array of {high:.6g} x {wide:.6g} cells takes more than 1 GB; pass a smaller window [m], "
+                f"or a resolution of {coarser:.3g} m or coarser"
+            )
+        cols, rows = np.ceil(snapped(np.array([wide, high]))).astype(int).tolist()
+        row0, row1 = self._fine(ymin, side, rows)
+        col0, col1 = self._fine(xmin, side, cols)
+        out = np.empty((rows, cols), dtype=np.uint8)
+        occupied_boxes(self.grid, row0, row1, col0, col1, out)
+        return out
+
+    def _fine(self, low: float, side: float, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """First and last cell of the map in each of `count` spans of `side` [m], from `low` [m] on."""
+        edges = snapped((low + np.arange(count + 1, dtype=np.float64) * side) / self.resolution)
+        first = np.floor(edges[:-1]).astype(np.int64)
+        last = np.ceil(edges[1:]).astype(np.int64) - 1
+        return first, np.maximum(first, last)
+
+    def occupied(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each of the points (M, 2) [m] of the world is in an occupied cell; nan and outside are."""
+        places = np.ascontiguousarray(points, dtype=np.float64)
+        if places.ndim != 2 or places.shape[1] != 2:
+            raise MapError(f"points have shape {places.shape}; expected (M, 2): x, y in metres")
+        out = np.empty(len(places), dtype=np.bool_)
+        occupied_points(self.grid, *self.origin, places, out)
+        return out
+
+    def cast_rays(self, poses: ArrayLike, bearings: ArrayLike, range_max: float) -> NDArray[np.float64]:
+        """Distance [m] along each beam to where it enters the first occupied cell, (N, k); inf beyond
+        `range_max`.
+
+        Parameters
+        ----------
+        poses
+            (N, 3) x, y [m] and heading [rad] in the world. From an occupied cell or outside the map distances
+            are 0.
+        bearings
+            (k,) [rad], anticlockwise from the heading.
+        range_max
+            [m]; may be inf.
+        """
+        places = np.ascontiguousarray(poses, dtype=np.float64)
+        if places.ndim != 2 or places.shape[1] != 3:
+            raise MapError(f"poses have shape {places.shape}; expected (N, 3): x, y in metres, heading in radians")
+        angles = np.asarray(bearings, dtype=np.float64)
+        if angles.ndim != 1:
+            raise MapError(f"bearings have shape {angles.shape}; expected (k,) radians")
+        if not range_max >= 0.0:
+            raise MapError(f"range_max is {range_max} m; expected 0 or more")
+        out = np.empty((len(places), len(angles)))
+        with np.errstate(invalid="ignore"):  # an infinite bearing has no cosine, and so no distance: nan
+            cosines, sines = np.cos(angles)[None], np.sin(angles)[None]
+        reach = np.array([range_max], dtype=np.float64)
+        cast(self.grid, *self.origin, places, cosines, sines, reach, out)
+        return out
+
+    def freest_place(self) -> tuple[float, float]:
+        """A free place (x, y) [m] of the world with most room about it, the same one every time.
+
+        Places that walls shut off from the map's border are preferred where they make up a fair part of what
+        is free; so the place is in the building and not around it. Looks at cells of at most 1/256 of the map
+        first, and at finer ones, up to 1/4096, only while there is hardly a free one.
+
+        Raises
+        ------
+        MapError
+            If nothing is free at the finest of these.
+        """
+        longest = max(self.size)
+        side = self.resolution
+        for pieces in (256, 1024, 4096):
+            # A little more than 1/pieces, so that rounding makes no piece more.
+            side = max(self.resolution, longest / pieces * (1.0 + 1e-9))
+            free = self.to_array(resolution=side) == 0
+            # Cells that reach beyond the map may have their middle there.
+            free[int((self.size[1] + 0.01 * side) / side) :] = False
+            free[:, int((self.size[0] + 0.01 * side) / side) :] = False
+            found = roomiest(free)
+            if found is not None and (found[2] > 1 or side == self.resolution or pieces == 4096):
+                row, col, _ = found
+                return self._to_world((col + 0.5) * side, (row + 0.5) * side)
+            if side == self.resolution:
+                break
+        raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m; give the robot a pose")
+
+    def _to_world(self, x: float, y: float) -> tuple[float, float]:
+        origin_x, origin_y, yaw = self.origin
+        if yaw == 0.0:
+            return origin_x + x, origin_y + y
+        c, s = math.cos(yaw), math.sin(yaw)
+        return origin_x + c * x - s * y, origin_y + s * x + c * y
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Map):
+            return NotImplemented
+        return self is other or (self._said() == other._said() and self._same_arrays(other))
+
+    def __hash__(self) -> int:
+        return hash(self._said())
+
+    def _said(self) -> tuple[object, ...]:
+        return self.resolution, self.shape, self.origin, self.start, self.warnings, self.name
+
+    def _same_arrays(self, other: Map) -> bool:
+        if (self.segments is None) != (other.segments is None):
+            return False
+        if self.segments is not None and not np.array_equal(self.segments, np.asarray(other.segments)):
+            return False
+        # The same walls in the same order number pages alike, so the arrays themselves can be compared.
+        ours, theirs = self.grid, other.grid
+        return all(
+            np.array_equal(mine, its)
+            for mine, its in (
+                (ours.supers, theirs.supers),
+                (ours.tables, theirs.tables),
+                (ours.pages, theirs.pages),
+            )
+        )
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __repr__(self) -> str:
+        rows, cols = self.shape
+        return f"Map({self.name!r}, {rows} x {cols} cells of {self.resolution:g} m, origin {self.origin})"
+
+
+def _resolution(given: float) -> float:
+    try:
+        side = float(given)
+    except (TypeError, ValueError):
+        side = math.nan
+    if not (math.isfinite(side) and side > 0.0):
+        raise MapError(f"resolution is {given!r}; expected a positive number of metres, such as 0.001")
+    return side
+
+
+def _numbers(given: ArrayLike, what: str) -> NDArray[np.float64]:
+    try:
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise MapError(f"{what} are not numbers: {error}") from None
+
+
+def _finite(given: Sequence[float], count: int, what: str, meaning: str) -> tuple[float, ...]:
+    values = _numbers(given, what)
+    if values.shape != (count,) or not np.isfinite(values).all():
+        raise MapError(f"{what} is {given!r}; expected {count} finite numbers: {meaning}")
+    return tuple(values.tolist())
+
+
+def _start(given: Sequence[float] | None) -> Place | None:
+    if given is None:
+        return None
+    x, y, heading = _finite(given, 3, "start", "x, y in metres and heading in radians")
+    return x, y, heading
+
+
+def _refuse_not_finite(walls: NDArray[np.float64], what: str) -> None:
+    bad = ~np.isfinite(walls).all(axis=1)
+    if bad.any():
+        m = int(np.argmax(bad))
+        raise MapError(f"{what} {m} is {tuple(walls[m].tolist())}; expected finite x0, y0, x1, y1 in metres")
+
+
+def _refuse_too_large(rows: float, cols: float, side: float) -> None:
+    # Also true of rows or columns that overflowed to inf or nan.
+    tables = (rows // _TABLE_CELLS + 1) * (cols // _TABLE_CELLS + 1)
+    if not (rows <= MOST_CELLS and cols <= MOST_CELLS and tables <= _MOST_TABLES):
+        raise MapError(
+            f"the map is {cols * side:.6g} m x {rows * side:.6g} m: too large for cells of {side:g} m; "
+            "pass a coarser resolution, or leave out what lies far away"
+        )
+
+
+def _refuse_too_far(low: NDArray[np.float64], high: NDArray[np.float64], side: float) -> None:
+    farthest = float(np.maximum(np.abs(low), np.abs(high)).max())
+    if farthest > _FARTHEST_CELL:
+        raise MapError(
+            f"the map reaches to {farthest * side:.6g} m from the world's origin, where doubles do not tell "
+            f"cells of {side:g} m apart; move it nearer"
+        )
+
+
+def _refuse_too_much_wall(walls: NDArray[np.float64], side: float) -> None:
+    length = np.abs(walls[:, 2] - walls[:, 0]) + np.abs(walls[:, 3] - walls[:, 1])
+    size = float(np.sum(length / (side * _PAGE_CELLS) + 1.0)) * _PAGE_BYTES
+    if size > _MOST_WALL_BYTES:
+        raise MapError(
+            f"{len(walls)} walls of {float(length.sum()):.6g} m in all would take about {size / 1e9:.3g} GB "
+            f"in cells of {side:g} m; pass a resolution of {side * size / _MOST_WALL_BYTES:.3g} m or coarser"
+        )

@@ -1,0 +1,57 @@
+"""The middle of the roomiest free part of an array of cells, inside a building rather than around it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["roomiest"]
+
+
+def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
+    """`(row, col, room)` of the free cell with most room: in the middle of a free square of 2 room - 1 cells.
+
+    None where nothing is free.
+    """
+    padded = np.pad(free, 1)
+    enclosed = _enclosed(padded)
+    # A hollow pillar is enclosed too; only where much of the free area is, its walls are taken for those of a
+    # building.
+    left = enclosed if 4 * np.count_nonzero(enclosed) >= np.count_nonzero(padded) else padded
+    room = 0
+    middle = left
+    while left.any():
+        room += 1
+        middle = left
+        across = np.zeros_like(left)
+        across[:, 1:-1] = left[:, :-2] & left[:, 1:-1] & left[:, 2:]
+        left = np.zeros_like(left)
+        left[1:-1] = across[:-2] & across[1:-1] & across[2:]
+    if room == 0:
+        return None
+    places = np.argwhere(middle)
+    # Of the equally roomy the one nearest to their mean: the middle of a long hall, not its end.
+    row, col = places[np.argmin(((places - places.mean(axis=0)) ** 2).sum(axis=1))]
+    return int(row) - 1, int(col) - 1, room
+
+
+def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Free cells of a padded array that no way joins to its border; none where finding out takes too long."""
+    reached = np.zeros_like(padded)
+    for edge in (np.s_[1], np.s_[-2], np.s_[:, 1], np.s_[:, -2]):
+        reached[edge] = padded[edge]
+    # Each blocked cell begins a run of its row (or column); what reaches one free cell of a run reaches all
+    # of it.
+    row_runs = np.cumsum(~padded.ravel()).reshape(padded.shape)
+    col_runs = np.cumsum(~padded.T.ravel()).reshape(padded.T.shape).T
+    runs = int(row_runs[-1, -1]) + 1
+    count = -1
+    for _ in range(64 if padded.size < 2 * 10**6 else 8):
+        for numbers in (row_runs, col_runs):
+            hit = np.zeros(runs, dtype=np.bool_)
+            hit[numbers[reached]] = True
+            reached = hit[numbers] & padded
+        before, count = count, int(np.count_nonzero(reached))
+        if count == before:
+            return padded & ~reached
+    return np.zeros_like(padded)

@@ -1,0 +1,187 @@
+"""What a wandering robot sees of free space, and where it turns next.
+
+The robot is taken as a disc about its base point, as wide as it sweeps when it turns in place. The disc that
+it stands on is free (it came there along a checked corridor), so turning is always safe; driving is checked
+against every point seen.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+
+__all__ = ["choose_direction", "find_opening", "free_way", "nearest_point", "see_points"]
+
+Floats = npt.NDArray[np.float64]
+
+_ARC_SAMPLES = 7  # points that stand for the arc on which a sonar's return lies
+_DOUBT = 0.05  # [m] by which a point must be nearer than another cone's reading to be ruled out by it
+_LOOK_STEP = 0.5  # [m] between the places along a direction whose novelty is weighed
+_NEAR = 0.7  # [m] within which a place counts as visited
+_KNOWN = 0.12  # worth of a visited place, of a new one's
+_USEFUL = 0.4  # [m] a direction with less room is not taken
+_AHEAD = 6.0  # [m] beyond which room counts no more
+_NARROW = 0.02  # [m] by which a direction is asked to be wider than the way that is driven
+_SPREAD = math.radians(2.0)  # between directions that are weighed
+_ABEAM_FIRST = math.radians(62.0)
+_ABEAM_COUNT = 8  # directions about abeam, twice that far between
+
+
+@kernel
+def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
+    """Where something was seen, into `points` (p, 2) [m] in the robot's frame; inf for no return.
+
+    `ranges` (k,) [m] are seen from `beams` (k, 3), poses in the robot's frame. With a `half_angle` [rad] a
+    return may come from anywhere on an arc: there are `p // k` points on each, less those that another cone
+    saw past.
+    """
+    k = ranges.shape[0]
+    samples = points.shape[0] // k
+    for j in range(k):
+        for n in range(samples):
+            index = j * samples + n
+            points[index, 0] = math.inf
+            points[index, 1] = math.inf
+            if not math.isfinite(ranges[j]):
+                continue
+            bearing = beams[j, 2]
+            if samples > 1:
+                bearing += half_angle * (2.0 * n / (samples - 1) - 1.0)
+            x = beams[j, 0] + ranges[j] * math.cos(bearing)
+            y = beams[j, 1] + ranges[j] * math.sin(bearing)
+            if samples == 1 or not _seen_past(ranges, beams, half_angle, j, x, y):
+                points[index, 0] = x
+                points[index, 1] = y
+
+
+@kernel
+def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: float, y: float) -> bool:
+    """Whether another cone than `own` holds the point, and its nearest return lies farther away."""
+    for j in range(ranges.shape[0]):
+        if j == own or math.isnan(ranges[j]):
+            continue
+        dx = x - beams[j, 0]
+        dy = y - beams[j, 1]
+        distance = math.sqrt(dx * dx + dy * dy)
+        if distance + _DOUBT < ranges[j]:
+            along = dx * math.cos(beams[j, 2]) + dy * math.sin(beams[j, 2])
+            if along >= distance * math.cos(half_angle):
+                return True
+    return False
+
+
+@kernel
+def free_way(points: Floats, bearing: float, half_width: float, spread: float) -> float:
+    """How far [m] a disc of radius `half_width` goes along `bearing` before it meets a point.
+
+    With a `spread` above 0 points count as so much nearer to the way, per metre that they are ahead: the robot may
+    not keep the bearing so well.
+    """
+    c = math.cos(bearing)
+    s = math.sin(bearing)
+    free = math.inf
+    square = half_width * half_width
+    for n in range(points.shape[0]):
+        along = c * points[n, 0] + s * points[n, 1]
+        if 0.0 < along < free + half_width:
+            across = max(0.0, abs(c * points[n, 1] - s * points[n, 0]) - spread * along)
+            room = square - across * across
+            if room > 0.0:
+                free = min(free, along - math.sqrt(room))
+    return max(free, 0.0)
+
+
+@kernel
+def nearest_point(points: Floats) -> float:
+    """Distance [m] of the nearest point from the base point."""
+    nearest = math.inf
+    for n in range(points.shape[0]):
+        x = points[n, 0]
+        y = points[n, 1]
+        nearest = min(nearest, x * x + y * y)
+    return math.sqrt(nearest)
+
+
+@kernel
+def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float) -> float:
+    """What a direction promises: places along the free way, those near the robot's trail counting little."""
+    heading = pose[2] + bearing
+    c = math.cos(heading)
+    s = math.sin(heading)
+    kept = min(visits, trail.shape[0])
+    worth = 0.0
+    for step in range(1, int(min(free, _AHEAD) / _LOOK_STEP) + 1):
+        x = pose[0] + c * _LOOK_STEP * step
+        y = pose[1] + s * _LOOK_STEP * step
+        value = 1.0
+        for n in range(kept):
+            dx = trail[n, 0] - x
+            dy = trail[n, 1] - y
+            if dx * dx + dy * dy < _NEAR * _NEAR:
+                value = _KNOWN
+                break
+        worth += value
+    return worth
+
+
+@kernel
+def find_opening(points: Floats, view: Floats, half_width: float, side: float) -> tuple[float, float]:
+    """The longest way [m] about abeam on one side (1 for the left, -1 for the right), and its bearing [rad]."""
+    longest = 0.0
+    found = side * _ABEAM_FIRST
+    for n in range(_ABEAM_COUNT):
+        bearing = side * (_ABEAM_FIRST + 2.0 * _SPREAD * n)
+        if view[0] <= bearing <= view[1]:
+            free = min(_AHEAD, free_way(points, bearing, half_width + _NARROW, 0.0))
+            if free > longest:
+                longest = free
+                found = bearing
+    return longest, found
+
+
+@kernel
+def choose_direction(
+    points: Floats,
+    view: Floats,
+    half_width: float,
+    pose: Floats,
+    trail: Floats,
+    visits: int,
+    draw: float,
+    bar: float,
+) -> float:
+    """A bearing [rad] with room ahead, or nan if there is none.
+
+    Drawn among all directions within `view` (least, greatest bearing) by the cube of what they promise: room,
+    and places that are not on the `trail` (places, 2) [m] of the last `visits`. With a `bar` above 0 none is
+    taken that promises less than so many times what straight ahead does.
+    """
+    least = view[0]
+    count = int((view[1] - least) / _SPREAD) + 1
+    weights = np.zeros(count)
+    bar *= _worth(pose, trail, visits, 0.0, free_way(points, 0.0, half_width, 0.0))
+    for spare in (_NARROW, 0.0):
+        total = 0.0
+        for n in range(count):
+            bearing = least + _SPREAD * n
+            free = free_way(points, bearing, half_width + spare, 0.0)
+            weights[n] = 0.0
+            # Not worth the looking up where even wholly new places would not do.
+            if free > _USEFUL and min(free, _AHEAD) / _LOOK_STEP > bar:
+                worth = _worth(pose, trail, visits, bearing, free) * (1.0 - 0.1 * abs(bearing))
+                if worth > bar:
+                    weights[n] = worth * worth * worth
+            total += weights[n]
+        if total > 0.0:
+            mark = draw * total
+            for n in range(count):
+                mark -= weights[n]
+                if mark < 0.0:
+                    return float(least + _SPREAD * n)
+        if bar > 0.0:
+            break
+    return math.nan

@@ -1,0 +1,106 @@
+"""A cone's nearest return against the definition: the least over its rays, cast one by one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import amorsim as am
+from amorsim.core.map import Map
+from amorsim.kernels import poses as pose_kernels
+from amorsim.kernels import rays
+from amorsim.kernels.cones import cast_cones
+from amorsim.simulation.view import cone_bearings
+
+
+def both(map_: Map, poses: np.ndarray, half_angle: float, range_max: float) -> tuple[np.ndarray, np.ndarray]:
+    bearings = cone_bearings(half_angle)
+    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
+    pose_kernels.directions(bearings, cos_b, sin_b)
+    limits = np.full(len(poses), range_max)
+    every, least = np.empty((len(poses), bearings.shape[1])), np.empty(len(poses))
+    rays.cast(map_.grid, *map_.origin, poses, cos_b, sin_b, limits, every)
+    cast_cones(map_.grid, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least)
+    return least, every.min(axis=1)
+
+
+def clutter(seed: int, resolution: float, yaw: float = 0.0, share: float = 0.003) -> Map:
+    cells = np.random.default_rng(seed).random((300, 400)) < share
+    return Map.from_array(cells, resolution=resolution, origin=(-1.0, 2.0, yaw))
+
+
+def somewhere(map_: Map, seed: int, count: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    x, y, yaw = map_.origin
+    inside = rng.uniform((0.0, 0.0), map_.size, (count, 2))
+    turned = inside @ np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
+    return np.column_stack((turned + (x, y), rng.uniform(-math.pi, math.pi, count)))
+
+
+@pytest.mark.parametrize("half_deg", [0.02, 0.5, 7.5, 15.0, 40.0, 85.0, 100.0])
+@pytest.mark.parametrize("resolution", [0.001, 0.05])
+def test_in_clutter_the_bits_are_the_same(half_deg: float, resolution: float) -> None:
+    for seed, yaw in ((1, 0.0), (2, 0.7)):
+        map_ = clutter(seed, resolution, yaw)
+        poses = somewhere(map_, seed, 60)
+        for range_max in (20 * resolution, 1000 * resolution):
+            least, expected = both(map_, poses, math.radians(half_deg), range_max)
+            np.testing.assert_array_equal(least, expected)
+
+
+def test_in_the_office_the_bits_are_the_same() -> None:
+    map_ = am.load("demo").map
+    least, expected = both(map_, somewhere(map_, 3, 400), math.radians(15.0), 5.0)
+    np.testing.assert_array_equal(least, expected)
+    assert 0.3 < np.isfinite(expected).mean() <= 1.0
+
+
+@pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2, math.pi / 4])
+@pytest.mark.parametrize("start", [(0.5, 0.5), (1.0, 1.0), (0.3, 1.0), (0.001, 0.001), (1.999, 0.25)])
+def test_along_axes_borders_and_corners(heading: float, start: tuple[float, float]) -> None:
+    walls = np.array([[0.0, 0.0, 2.0, 0.0], [0.0, 2.0, 2.0, 2.0], [1.5, 0.5, 1.5, 1.5]])
+    for resolution in (0.001, 0.25):
+        map_ = Map.from_segments(walls, resolution=resolution)
+        poses = np.array([[*start, heading]])
+        for half_deg in (5.0, 15.0, 60.0):
+            least, expected = both(map_, poses, math.radians(half_deg), 10.0)
+            np.testing.assert_array_equal(least, expected)
+
+
+def test_where_there_is_no_wall_the_end_of_the_map_is_heard() -> None:
+    map_ = Map.from_segments(np.empty((0, 4)), resolution=0.001, extent=(0.0, 0.0, 3.0, 2.0))
+    least, expected = both(map_, np.array([[1.0, 1.0, 0.4], [2.9, 1.9, 2.0], [9.0, 9.0, 0.0]]), 0.2, 10.0)
+    np.testing.assert_array_equal(least, expected)
+    assert np.isfinite(least).all()
+    assert least[2] == 0.0
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10_000),
+    half_deg=st.floats(0.1, 80.0),
+    range_max=st.floats(0.0, 1.0),
+    share=st.sampled_from([0.0, 0.0005, 0.05]),
+)
+def test_anything(seed: int, half_deg: float, range_max: float, share: float) -> None:
+    map_ = clutter(seed, 0.001, share=share)
+    least, expected = both(map_, somewhere(map_, seed, 8), math.radians(half_deg), range_max)
+    np.testing.assert_array_equal(least, expected)
+
+
+def test_a_range_that_ends_just_at_the_wall_still_hears_it() -> None:
+    map_ = clutter(5, 0.001)
+    poses = somewhere(map_, 5, 50)
+    _, expected = both(map_, poses, math.radians(10.0), 10.0)
+    for pose, distance in zip(poses, expected, strict=True):
+        least, _ = both(map_, pose[None], math.radians(10.0), float(distance))
+        assert least[0] == distance
+
+
+def test_nan_gives_nan() -> None:
+    least, _ = both(clutter(1, 0.001), np.array([[np.nan, 2.1, 0.0], [-0.9, 2.1, np.nan]]), 0.2, 5.0)
+    assert np.isnan(least).all()
