@@ -32,11 +32,13 @@ from amorsim.core.shapes import Shape
 
 __all__ = [
     "Aim",
+    "BodyStates",
     "Clock",
     "Context",
     "Controller",
     "Draws",
     "Drive",
+    "Emissions",
     "Estimate",
     "Estimator",
     "Frame",
@@ -83,17 +85,21 @@ class RobotModel:
     drive: Drive
     shape: Shape
     sensors: Mapping[str, SensorModel]
+    channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
     map: Map | None = None  # `knowledge.map` of the scenario
     landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
 
 
 @attrs.frozen(kw_only=True)
 class Context:
-    """What `start` is given: how many rows, the step, the nominal robot, and where the robot was told it stands."""
+    """What `start` is given: how many rows, the step, the nominal robot, and where the robot was told it stands.
+
+    There are no draws at the start: what begins at random is drawn at the first call, where `elapsed` is 0.
+    """
 
     rows: int
     dt: float  # [s]
-    robot: RobotModel
+    robot: RobotModel  # an obstacle's motion has none, and must not ask
     pose: Array  # (N, 3) [m, m, rad]
     size: int = 0  # values in a sample: for a sensor, and for the elements of a chain
 
@@ -128,6 +134,24 @@ class Aim(NamedTuple):
     bearing: Array | None = None
 
 
+class Emissions(NamedTuple):
+    """Every emitter of a medium (ultrasound ...) in each row's replica; e of them, the same in all replicas."""
+
+    poses: Array  # (N, e, 3) where it stands in the world, and looks
+    half_angle: Array  # (N, e) [rad] of its cone
+    fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
+    own: npt.NDArray[np.bool_]  # (N, e) whether it is of the row's own sensor
+
+
+class BodyStates(NamedTuple):
+    """All bodies of each row's replica, robots and obstacles, the row's own among them; B of them."""
+
+    poses: Array  # (N, B, 3) true, in the world
+    twists: Array  # (N, B, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
+    reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
+    own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
+
+
 class View(Protocol):
     """All that a sensor or a motion may ask of the world, for its N rows: the truth, read-only."""
 
@@ -155,6 +179,12 @@ class View(Protocol):
 
         The least over rays at both edges of the cone and at most 0.05 degrees apart; `half_angle` [rad] `(N, 1)`.
         """
+
+    def bodies(self) -> BodyStates:
+        """Where all bodies of each row's replica are, and how they move."""
+
+    def emissions(self, medium: str) -> Emissions:
+        """Who fires at this tick, of all sensors whose `medium` it is; for sensors, not for motions."""
 
 
 # -------------------------------------------------------------------------------------------- kinds of component
@@ -216,7 +246,10 @@ class Drive(Component, abc.ABC):
         return before + (after - before) * fraction
 
     def travel(self, before: Array, after: Array) -> Array:
-        """Length of the base point's path [m] and total turning [rad] over the step `(N, 2)`; upper bounds suffice."""
+        """Bounds on the path `(N, 2)`: a part f of the step covers at most f times this length [m] and turning [rad].
+
+        A drive that moves unevenly within a step must bound its fastest part. Contact is found by these.
+        """
         twist = self.twist(before, after)
         return np.stack((np.sqrt(twist[:, 0] ** 2 + twist[:, 1] ** 2), np.abs(twist[:, 2])), axis=1)
 
@@ -229,6 +262,8 @@ class Sensor(Component, abc.ABC):
     """What an ideal device would read. Mounting, rate, latency and noise belong to every sensor, outside its class."""
 
     unit: ClassVar[str]  # of the values: "m", "rad", "rad/s", "count" ...
+    medium: ClassVar[str] = ""  # what it fires into, where others may hear it: "ultrasound" ...
+    channels: ClassVar[tuple[str, ...]] = ()  # of its own commands, where it takes any: ("pan", "tilt")
 
     @abc.abstractmethod
     def size(self, drive: Drive) -> int:
@@ -240,6 +275,16 @@ class Sensor(Component, abc.ABC):
 
     def bearings(self) -> Array | None:
         """Where each value looks [rad], `(1, k)` or `(N, k)` from the mount's heading; for range sensors."""
+        return None
+
+    def actuate(self, command: Array, dt: float, state: State, draws: Draws) -> None:
+        """Follow the command `(N, c)` of its own `channels` for a step; where that leads is kept in `state`."""
+
+    def emit(self, view: View, state: State) -> tuple[Array, Array, npt.NDArray[np.bool_]] | None:
+        """What it fires into its `medium`: poses `(N, e, 3)`, half angles `(N, e)`, whether it fires now `(N, e)`.
+
+        Asked of all sensors before any senses.
+        """
         return None
 
 
@@ -284,7 +329,7 @@ class Controller(Component, abc.ABC):
         state: State,
         draws: Draws,
     ) -> Array:
-        """The command `(N, c)`, the channels of ``robot.drive`` in order."""
+        """The command `(N, c)`: ``robot.channels`` in order, or the drive's alone, which leaves devices at 0."""
 
 
 class Motion(Component, abc.ABC):

@@ -102,7 +102,7 @@ def _is_near(x0: float, y0: float, side: float, cos_h: float, sin_h: float, edge
     ahead = cos_h * middle_x + sin_h * middle_y
     left = cos_h * middle_y - sin_h * middle_x
     outside = abs(left) * edge[0] - ahead * edge[1]
-    return outside <= 0.7072 * side + _SAFETY * (abs(ahead) + abs(left))
+    return bool(outside <= 0.7072 * side + _SAFETY * (abs(ahead) + abs(left)))
 
 
 @kernel

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,10 +13,20 @@ from amorsim.core.shapes import Shape, pack
 from amorsim.kernels import bodies as body_kernels
 from amorsim.kernels import contact as contact_kernels
 
-__all__ = ["World"]
+__all__ = ["Emitted", "World"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+
+class Emitted(NamedTuple):
+    """All emitters of a medium, by replica: e of them, in order of body."""
+
+    poses: Array  # (R, e, 3)
+    half_angle: Array  # (R, e)
+    fired: npt.NDArray[np.bool_]  # (R, e)
+    body: Ints  # (R, e)
+    sensor: npt.NDArray[np.str_]  # (e,)
 
 
 class World:
@@ -23,8 +34,11 @@ class World:
 
     Attributes
     ----------
-    poses
-        `(T, 3)` true poses in the world; replaced, never changed.
+    poses, twists
+        `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
+        replaced, never changed.
+    emissions
+        What fires at this tick, by medium; see `amorsim.simulation.emissions`.
     first
         `(R + 1,)` the first body of each replica.
     everyone
@@ -45,6 +59,8 @@ class World:
         self.replica_index: Ints = np.repeat(np.arange(replicas, dtype=np.int64), self.count)
         self.everyone: Ints = np.arange(replicas * self.count, dtype=np.int64)
         self.poses: Array = np.zeros((replicas * self.count, 3))
+        self.twists: Array = np.zeros((replicas * self.count, 3))
+        self.emissions: dict[str, Emitted] = {}
 
     def name(self, body: int) -> str:
         """The name of a body, the same in every replica."""

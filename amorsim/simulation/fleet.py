@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
+from amorsim.core.rows import signature
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation.bodies import World
 from amorsim.simulation.events import Event
@@ -35,6 +36,8 @@ class Fleet:
         `(R,)` of each replica.
     events
         What happened, in order.
+    touching
+        The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
     """
 
     def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...]) -> None:
@@ -46,7 +49,8 @@ class Fleet:
         robots = sorted(scenario.robots, key=lambda robot: robot.name)
         obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
         self.names = tuple(robot.name for robot in robots)
-        check_collisions(seed, [(robot.name, *stream) for robot in robots for stream in _stream_names(robot)])
+        streams = [(robot.name, *stream) for robot in robots for stream in _stream_names(robot)]
+        check_collisions(seed, [*streams, *((obstacle.name, "motion") for obstacle in obstacles)])
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
         self.world = World(scenario.map, [body.name for body in bodies], [body.shape for body in bodies], len(replicas))
         self.groups = [
@@ -55,9 +59,11 @@ class Fleet:
         ]
         self.obstacles = [
             ObstacleGroup(*self._rows(members, len(robots)), world=self.world, seed=seed, dt=self.dt)
-            for members in _partition(obstacles, lambda obstacle: type(obstacle.motion))
+            for members in _partition(obstacles, lambda obstacle: obstacle.motion and signature(obstacle.motion))
         ]
         self.everything: list[Group | ObstacleGroup] = [*self.groups, *self.obstacles]
+        self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
+        self.touching: frozenset[tuple[int, int]] = frozenset()
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.place()
@@ -75,12 +81,11 @@ class Fleet:
 
     def place(self) -> None:
         """Put the bodies of the world where the groups have them."""
-        poses = self.world.poses.copy()
-        for group in self.groups:
+        poses, twists = self.world.poses.copy(), self.world.twists.copy()
+        for group in self.everything:
             poses[group.bodies] = group.true_pose
-        for obstacles in self.obstacles:
-            poses[obstacles.bodies] = obstacles.pose
-        self.world.poses = poses
+            twists[group.bodies] = group.true_twist
+        self.world.poses, self.world.twists = poses, twists
 
     def _check_starts(self) -> None:
         world = self.world

@@ -93,6 +93,14 @@ class Group:
         self.controller_draws = self.streams.draws("controller")
         self.true: list[Robot] = []
         self.drive: Drive = first.drive
+        # The columns of a command that are each commanded device's, after the drive's.
+        self.devices: dict[str, slice] = {}
+        channels = list(first.drive.channels)
+        for name, unit in first.sensors.items():
+            if unit.sensor.channels:
+                self.devices[name] = slice(len(channels), len(channels) + len(unit.sensor.channels))
+                channels += [f"{name}.{channel}" for channel in unit.sensor.channels]
+        self.channels = tuple(channels)
         self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
         self.set_parameters()
         self.start()
@@ -136,6 +144,7 @@ class Group:
                 )
                 for name, unit in self.sensors.items()
             },
+            channels=self.channels,
             map=knowledge.map,
             landmarks=np.array(knowledge.landmarks, dtype=float) if knowledge.landmarks else None,
         )
@@ -152,12 +161,11 @@ class Group:
         told = _poses(self.specified)
         context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told)
         joints = len(self.drive.joints)
-        channels = len(self.drive.channels)
         self.true_pose = _poses(self.true)
         self.true_twist = np.zeros((rows, 3))
         self.joints = np.zeros((rows, joints))
         self.joint_rates = np.zeros((rows, joints))
-        self.command = np.zeros((rows, channels))
+        self.command = np.zeros((rows, len(self.channels)))
         self.active = np.ones((rows, 1), dtype=bool)
         self.drive_state: State = dict(self.drive.start(context))
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
@@ -188,13 +196,16 @@ class Group:
             self.controller_state,
             self.controller_draws,
         )
+        if self.devices and command.shape == (self.rows, len(self.drive.channels)):
+            missing = self.command.shape[1] - command.shape[1]
+            command = np.concatenate((command, np.zeros((self.rows, missing))), axis=1)
         if command.shape != self.command.shape or not np.isfinite(command).all():
             raise self._bad_command(command)
         self.command = np.where(self.active, command, 0.0)
 
     def _bad_command(self, command: Array) -> ComponentError:
         who = f"controller {type(self.controller).__name__} of {', '.join(sorted(set(self.names))[:3])}"
-        channels = ", ".join(self.drive.channels)
+        channels = ", ".join(self.channels)
         if command.shape != self.command.shape:
             return ComponentError(
                 f"{who}: expected a command of shape {self.command.shape} ({channels}), got {command.shape}"
@@ -207,8 +218,14 @@ class Group:
     def actuate(self) -> None:
         """Let the joints follow the command, and the ground have its way with what rolls."""
         self._before = self.joints
+        command = self.command
+        if self.devices:
+            command = np.ascontiguousarray(command[:, : len(self.drive.channels)])
+            for name, columns in self.devices.items():
+                unit = self.sensors[name]
+                unit.sensor.actuate(self.command[:, columns], self.dt, unit.state, unit.draws)
         self._after, self.joint_rates = self.drive.advance(
-            self.joints, self.joint_rates, self.command, self.dt, self.drive_state, self.drive_draws
+            self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
         )
         self._ground_after = self._after
         if self.ground.elements:
@@ -251,19 +268,25 @@ class Group:
             self._after = np.where(stopped[:, None], between, self._after)
             self.joint_rates = np.where(stopped[:, None], 0.0, self.joint_rates)
         self.true_pose = poses
-        self.joints = self.drive.follow(self._after, displacement)
+        self.joints = self._after
+        if type(self.drive).follow is not Drive.follow:
+            self.joints = self.drive.follow(self._after, displacement)
+            self.joint_rates = self.joint_rates + (self.joints - self._after) / self.dt
         self.true_twist = logarithm(displacement) / self.dt
 
-    def sense(self) -> None:
-        """Read all sensors."""
+    def look(self) -> None:
+        """Show the sensors where the robot is now."""
         view = self.view
         view.tick = self.moment.tick
         view.body_pose = self.true_pose
         view.twist = self.true_twist
         view.joints = self.joints
         view.joint_rates = self.joint_rates
+
+    def sense(self) -> None:
+        """Read all sensors."""
         for name, unit in self.sensors.items():
-            unit.sample(view, self.moment)
+            unit.sample(self.view, self.moment)
             self.readings[name] = unit.reading
 
     def estimate_pose(self) -> None:
@@ -312,7 +335,7 @@ class Group:
             joint_rates=self.joint_rates,
             estimates=self.estimates,
             readings={name: (unit.true, unit.reading) for name, unit in self.sensors.items()},
-            channels=self.drive.channels,
+            channels=self.channels,
             command=self.command,
             robot=self.robot,
         )

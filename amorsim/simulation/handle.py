@@ -12,8 +12,9 @@ from amorsim.core.errors import AmorsimError, did_you_mean
 
 if TYPE_CHECKING:
     from amorsim.simulation.group import Group
+    from amorsim.simulation.obstacles import ObstacleGroup
 
-__all__ = ["Reading", "Readings", "RobotHandle"]
+__all__ = ["ObstacleHandle", "Reading", "Readings", "RobotHandle"]
 
 Array = npt.NDArray[np.float64]
 
@@ -116,12 +117,13 @@ class RobotHandle:
         group, row = self._group, self._row
         twists = np.zeros((group.rows, 3))
         twists[row] = forward, 0.0, turn
-        self.command(*group.robot.drive.command_for(twists, group.joints)[row].tolist())
+        wheels = group.robot.drive.command_for(twists, group.joints)[row].tolist()
+        self.command(*wheels, *group.command[row, len(wheels) :].tolist())
 
     def command(self, *channels: float) -> None:
         """Set the command of a robot with the `manual` controller, channel by channel [rad/s], held until the next."""
         group = self._group
-        names = group.drive.channels
+        names = group.channels
         if "command" not in group.controller_state:
             raise AmorsimError(
                 f"robot {self.name!r}: only the 'manual' controller takes commands from outside, and this is "
@@ -132,6 +134,24 @@ class RobotHandle:
                 f"robot {self.name!r}: expected a finite number for each of {', '.join(names)}, got {channels}"
             )
         group.controller_state["command"][self._row] = channels
+
+
+class ObstacleHandle:
+    """One obstacle in one replica. What it gives is of the present step; ask again after the next."""
+
+    def __init__(self, group: Group | ObstacleGroup, row: int) -> None:
+        self._group = group
+        self._row = row
+
+    @property
+    def true_pose(self) -> Array:
+        """Where it is: (x [m], y [m], heading [rad]) in the world."""
+        return _read_only(self._group.true_pose[self._row])
+
+    @property
+    def true_twist(self) -> Array:
+        """Its mean velocity over the last step: (forward [m/s], left [m/s], turn [rad/s])."""
+        return _read_only(self._group.true_twist[self._row])
 
 
 def _read_only(array: npt.NDArray[np.generic]) -> npt.NDArray:  # type: ignore[type-arg]

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Motion, RobotModel, State
+from amorsim.contracts import Context, Motion, State
+from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
+from amorsim.kernels import digest
 from amorsim.scenario.spec import Obstacle
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Streams
@@ -29,6 +32,8 @@ class ObstacleGroup:
         self, obstacles: Sequence[Obstacle], bodies: Ints, replica: Ints, world: World, seed: int, dt: float
     ) -> None:
         self.obstacles = list(obstacles)
+        self.names = [obstacle.name for obstacle in obstacles]
+        self.specified = self.obstacles
         self.bodies = bodies
         self.moment = Moment(replica, dt)
         self.view = GroupView(world, bodies, dt)
@@ -42,21 +47,31 @@ class ObstacleGroup:
     def start(self) -> None:
         """Put every obstacle where it starts."""
         rows = len(self.obstacles)
-        self.pose = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in self.obstacles], dtype=np.float64)
-        self.twist = np.zeros((rows, 3))
+        self.true_pose = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in self.obstacles], dtype=np.float64)
+        self.true_twist = np.zeros((rows, 3))
         self.proposed = np.zeros((rows, 3))
+        self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
-            self.state = dict(self.motion.start(_context(rows, self.moment.dt, self.pose)))
+            nobody: Any = None  # an obstacle is no robot, and is told nothing
+            context = Context(rows=rows, dt=self.moment.dt, pose=self.true_pose, robot=nobody)
+            self.state = dict(self.motion.start(context))
 
     def actuate(self) -> None:
         """Ask the motions where the obstacles want to go."""
         if self.motion is None:
             return
         self.view.tick = self.moment.tick
-        self.view.body_pose = self.pose
-        self.view.mount = np.zeros_like(self.pose)
-        self.view.twist = self.twist
-        self.proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
+        self.view.body_pose = self.true_pose
+        self.view.mount = np.zeros_like(self.true_pose)
+        self.view.twist = self.true_twist
+        proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
+        if proposed.shape != self.true_pose.shape or not np.isfinite(proposed).all():
+            names = ", ".join(sorted({obstacle.name for obstacle in self.obstacles})[:3])
+            raise ComponentError(
+                f"motion {type(self.motion).__name__} of {names}: expected finite displacements of shape "
+                f"{self.true_pose.shape}, got {proposed.tolist() if proposed.size < 10 else proposed.shape}"
+            )
+        self.proposed = proposed
 
     def travel(self) -> Array:
         """Lengths [m] and turnings [rad] `(N, 2)` of the wanted displacements."""
@@ -65,21 +80,32 @@ class ObstacleGroup:
 
     def end_poses(self) -> Array:
         """Where they are if nothing stops them."""
-        return compose(self.pose, self.proposed)
+        return compose(self.true_pose, self.proposed)
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of them are at fractions of the step: straight ahead, turning evenly."""
-        return compose(self.pose[which], self.proposed[which] * fraction[:, None])
+        return compose(self.true_pose[which], self.proposed[which] * fraction[:, None])
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses after contact."""
-        self.twist = self.proposed * stop[:, None] / self.moment.dt
-        self.pose = poses
+        self.true_twist = self.proposed * stop[:, None] / self.moment.dt
+        self.true_pose = poses
 
+    def record(self) -> None:
+        """Mix the step's exact results into the fingerprint of each row."""
+        digest.absorb(self.true_pose, self.fingerprint)
 
-def _context(rows: int, dt: float, pose: Array) -> Context:
-    # An obstacle is no robot and is told nothing; a motion gets what it needs from its view.
-    return Context(rows=rows, dt=dt, robot=_NOBODY, pose=pose)
+    _ARRAYS = ("true_pose", "true_twist", "fingerprint")
 
+    def arrays(self) -> dict[str, dict[str, npt.NDArray[Any]]]:
+        """All arrays that change and are the engine's own; not to be changed."""
+        return {"body": {name: getattr(self, name) for name in self._ARRAYS}}
 
-_NOBODY: RobotModel = None  # type: ignore[assignment]
+    def set_arrays(self, arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> None:
+        """Put back what `arrays` gave."""
+        for name in self._ARRAYS:
+            setattr(self, name, arrays["body"][name])
+
+    def states(self) -> Mapping[str, State]:
+        """The state of the motion; the dict itself, not a copy."""
+        return {"motion": self.state}

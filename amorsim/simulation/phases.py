@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import attrs
 
 from amorsim.simulation.contact import WALL, Contact, move
+from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
@@ -44,16 +45,26 @@ def _actuate(fleet: Fleet) -> None:
 def _move(fleet: Fleet) -> None:
     movers: list[Group | ObstacleGroup] = [*fleet.groups, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
+    touching = frozenset((contact.body, contact.other) for contact in contacts)
     for contact in contacts:
-        _log_contact(fleet, contact)
+        # Whoever keeps leaning on something collides with it once.
+        if (contact.body, contact.other) not in fleet.touching:
+            _log_contact(fleet, contact)
+    fleet.touching = touching
     fleet.world.poses = poses
     for mover in movers:
         mover.arrive(poses[mover.bodies], stop[mover.bodies])
+    if fleet.world.has_company:
+        fleet.place()
     fleet.ticks = fleet.ticks + 1
     fleet.tell_time()
 
 
 def _sense(fleet: Fleet) -> None:
+    for group in fleet.groups:
+        group.look()
+    if fleet.has_emitters:
+        collect(fleet.groups, fleet.world)
     for group in fleet.groups:
         group.sense()
 
@@ -64,7 +75,7 @@ def _estimate(fleet: Fleet) -> None:
 
 
 def _record(fleet: Fleet) -> None:
-    for group in fleet.groups:
+    for group in fleet.everything:
         group.record()
 
 

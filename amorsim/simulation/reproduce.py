@@ -111,7 +111,7 @@ class _Replay(Simulation):
                 replica = int(row.get("replica", self.replicas[0]))
                 handle = self.robot(row["robot"], replica)
                 if any(handle._group is group for group in self._by_hand) and handle.is_active:
-                    channels = handle._group.drive.channels
+                    channels = handle._group.channels
                     handle.command(*(float(row[name]) for name in channels))
             self._next = next(self._commands, None)
 

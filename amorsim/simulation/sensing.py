@@ -75,7 +75,7 @@ class SensorUnit:
 
     def sample(self, view: GroupView, moment: Moment) -> None:
         """Read where a reading is due, take delivery of what arrives, and hold the rest."""
-        due = self._due(moment)
+        due = self.due(moment)
         if due is None:
             true, measured = self._read(view, moment)
         elif not due.any():
@@ -93,7 +93,7 @@ class SensorUnit:
         self._last = moment.tick if due is None else np.where(due, moment.tick, self._last)
         self._deliver(due, true, measured, moment)
 
-    def _due(self, moment: Moment) -> npt.NDArray[np.bool_] | None:
+    def due(self, moment: Moment) -> npt.NDArray[np.bool_] | None:
         """The rows that read at this tick: the first at or after each due time; none for all of them."""
         if self._rate is None:
             return None
@@ -108,7 +108,7 @@ class SensorUnit:
             elapsed = moment.elapsed
         else:
             elapsed = np.where(self._last < 0, 0.0, (moment.tick - self._last) * moment.dt)
-        view.mount = self.mount
+        view.mount, view.sensor = self.mount, self.name
         ideal = Aim()
         if self.chain.aims:
             before = {key: value.copy() for key, value in self.state.items()}

@@ -19,7 +19,7 @@ from amorsim.simulation import phases
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group, group_key
-from amorsim.simulation.handle import Reading, Readings, RobotHandle
+from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle
 from amorsim.simulation.occupancy import occupancy
 from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
 
@@ -151,6 +151,15 @@ class Simulation:
             raise AmorsimError(f"there is no robot {name!r}, but: {known}.{did_you_mean(name, self.names)}")
         return RobotHandle(*self._fleet.robot_row(name, self._replica_index(replica)))
 
+    def obstacle(self, name: str, replica: int | None = None) -> ObstacleHandle:
+        """One obstacle; `replica` as for `robot`."""
+        names = self._fleet.world.names[len(self.names) :]
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise AmorsimError(f"there is no obstacle {name!r}, but: {known}.{did_you_mean(name, names)}")
+        first = int(self._fleet.world.first[self._replica_index(replica)])
+        return ObstacleHandle(*self._fleet.row_of(first + len(self.names) + names.index(name)))
+
     def _replica_index(self, replica: int | None) -> int:
         if replica is None:
             if len(self.replicas) > 1:
@@ -169,9 +178,11 @@ class Simulation:
         wanted = self.replicas if replica is None else (self.replicas[self._replica_index(replica)],)
         whole = hashlib.blake2b(digest_size=16)
         for number in wanted:
-            for name in self.names:
-                group, row = self._fleet.robot_row(name, self.replicas.index(number))
-                whole.update(name.encode() + group.fingerprint[row].astype("<u8").tobytes())
+            world = self._fleet.world
+            first = int(world.first[self.replicas.index(number)])
+            for body in range(first, first + world.count):
+                group, row = self._fleet.row_of(body)
+                whole.update(world.name(body).encode() + group.fingerprint[row].astype("<u8").tobytes())
         return whole.hexdigest()
 
     # ------------------------------------------------------------------------------------------- changes from outside
@@ -263,6 +274,7 @@ class Simulation:
         fleet = self._fleet
         kept = take_snapshot(fleet)
         fleet.ticks = np.zeros_like(fleet.ticks)
+        fleet.touching = frozenset()
         fleet.episodes = fleet.episodes + again
         for group in fleet.everything:
             group.start()
@@ -283,7 +295,7 @@ class Simulation:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to what `snapshot` gave, to the bit; it may be restored any number of times."""
-        if snapshot.replicas != self.replicas or len(snapshot.groups) != len(self._fleet.groups):
+        if snapshot.replicas != self.replicas or len(snapshot.groups) != len(self._fleet.everything):
             raise SnapshotError("this snapshot is of another simulation")
         if snapshot.seed != self.seed:
             self._build(snapshot.seed)

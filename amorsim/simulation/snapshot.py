@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from amorsim.core.errors import SnapshotError
 from amorsim.simulation.fleet import Fleet
+from amorsim.simulation.group import Group
 
 __all__ = ["Snapshot", "copy_state", "put_back", "take_snapshot"]
 
@@ -22,7 +23,7 @@ Bools = npt.NDArray[np.bool_]
 
 @attrs.frozen(kw_only=True)
 class GroupSnapshot:
-    """All that changes of one group."""
+    """All that changes of one group of robots or obstacles."""
 
     specified: tuple[Any, ...]
     arrays: dict[str, Arrays]
@@ -38,7 +39,7 @@ class Snapshot:
     ticks: npt.NDArray[np.int64]
     episodes: npt.NDArray[np.int64]
     groups: tuple[GroupSnapshot, ...]
-    obstacles: tuple[dict[str, Arrays], ...]
+    touching: frozenset[tuple[int, int]]
     events: tuple[Any, ...]
 
 
@@ -54,19 +55,13 @@ def take_snapshot(fleet: Fleet) -> Snapshot:
                 specified=tuple(group.specified),
                 arrays=_copy_arrays(group.arrays()),
                 states={
-                    where: copy_state(f"{where} of robot {group.names[0]!r}", state)
+                    where: copy_state(f"{where} of {group.names[0]!r}", state)
                     for where, state in group.states().items()
                 },
             )
-            for group in fleet.groups
+            for group in fleet.everything
         ),
-        obstacles=tuple(
-            {
-                "body": {"pose": group.pose.copy(), "twist": group.twist.copy()},
-                "state": copy_state("motion of obstacles", group.state),
-            }
-            for group in fleet.obstacles
-        ),
+        touching=fleet.touching,
         events=tuple(fleet.events),
     )
 
@@ -75,8 +70,11 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
     """Put the replicas marked in `which` `(R,)` back to the snapshot, events apart, and leave the others."""
     fleet.ticks = np.where(which, snapshot.ticks, fleet.ticks)
     fleet.episodes = np.where(which, snapshot.episodes, fleet.episodes)
-    for group, held in zip(fleet.groups, snapshot.groups, strict=True):
-        if any(a is not b for a, b in zip(group.specified, held.specified, strict=True)):
+    back = {pair for pair in snapshot.touching if which[fleet.world.replica_index[pair[0]]]}
+    kept = {pair for pair in fleet.touching if not which[fleet.world.replica_index[pair[0]]]}
+    fleet.touching = frozenset(back | kept)
+    for group, held in zip(fleet.everything, snapshot.groups, strict=True):
+        if isinstance(group, Group) and any(a is not b for a, b in zip(group.specified, held.specified, strict=True)):
             group.specified = list(held.specified)
             group.set_parameters()
         rows = which[fleet.world.replica_index[group.bodies]]
@@ -89,11 +87,6 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
         )
         for where, state in group.states().items():
             _merge_state(rows, where, held.states[where], state)
-    for obstacles, kept in zip(fleet.obstacles, snapshot.obstacles, strict=True):
-        rows = which[fleet.world.replica_index[obstacles.bodies]]
-        obstacles.pose = _merge(rows, kept["body"]["pose"], obstacles.pose)
-        obstacles.twist = _merge(rows, kept["body"]["twist"], obstacles.twist)
-        _merge_state(rows, "motion of obstacles", kept["state"], obstacles.state)
     fleet.place()
     fleet.tell_time()
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts import BodyStates, Emissions
 from amorsim.core.poses import compose
 from amorsim.kernels import body_rays, cones, poses, rays
 
@@ -36,6 +37,7 @@ class GroupView:
         self.twist: Array = np.zeros((self.rows, 3))
         self.joints: Array = np.zeros((self.rows, 0))
         self.joint_rates: Array = np.zeros((self.rows, 0))
+        self.sensor = ""  # the name of the one that looks
         self._pose: Array | None = None
         self._mount: Array = np.zeros((self.rows, 3))
 
@@ -62,7 +64,8 @@ class GroupView:
         out = np.empty((len(origins), bearings.shape[1]))
         world = self._world
         per_row = len(origins) // self.rows
-        limits = np.ascontiguousarray(np.broadcast_to(range_max, (self.rows, 1))[:, 0])
+        # A copy, as arrays that cannot be written would have the kernels compiled a second time.
+        limits = np.array(np.broadcast_to(range_max, (self.rows, 1))[:, 0])
         if per_row > 1:
             limits = np.repeat(limits, per_row)
         origin = world.map.origin
@@ -84,6 +87,24 @@ class GroupView:
                 self._bearings.clear()
             table = self._bearings[key] = _cosines(bearings)
         return table
+
+    def bodies(self) -> BodyStates:
+        """All bodies of each row's replica; see `amorsim.contracts.View.bodies`."""
+        world = self._world
+        replica = world.replica_index[self._bodies]
+        return BodyStates(
+            poses=world.poses.reshape(-1, world.count, 3)[replica],
+            twists=world.twists.reshape(-1, world.count, 3)[replica],
+            reach=world.bodies.reach[: world.count],
+            own=self._bodies % world.count,
+        )
+
+    def emissions(self, medium: str) -> Emissions:
+        """Who fires at this tick; see `amorsim.contracts.View.emissions`."""
+        said = self._world.emissions[medium]
+        replica = self._world.replica_index[self._bodies]
+        own = (said.body[replica] == self._bodies[:, None]) & (said.sensor == self.sensor)
+        return Emissions(said.poses[replica], said.half_angle[replica], said.fired[replica], own)
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
@@ -110,7 +131,7 @@ class GroupView:
             return least
         out = np.repeat(least[:, None], bearings.shape[1], axis=1)
         self._cast_bodies(origins, cos_b, sin_b, limits, out)
-        return out.min(axis=1)
+        return np.asarray(out.min(axis=1))
 
     def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""

@@ -1,0 +1,206 @@
+"""A scenario as frozen objects: what a file says, or what a script builds.
+
+Names are checked here, numbers by the fields themselves; whatever needs the map (is the start free?) is checked when
+a simulation is made of it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Sensor, parameter
+from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError, check_value, describe
+from amorsim.core.shapes import Shape
+
+__all__ = [
+    "Deviation",
+    "Distribution",
+    "Knowledge",
+    "MountedSensor",
+    "NoiseElement",
+    "Obstacle",
+    "Pose",
+    "Recording",
+    "Robot",
+    "Scenario",
+]
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+
+
+def _check_name(_: Any, attribute: Any, value: Any) -> None:
+    if not isinstance(value, str) or not _NAME.fullmatch(value):
+        raise ParameterError(
+            attribute.name,
+            "expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), "
+            f"got {value!r}",
+        )
+
+
+@attrs.frozen(kw_only=True)
+class Pose:
+    """A pose in the world."""
+
+    x: float = parameter(0.0, unit="m", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", help="up in the world")
+    heading: float = parameter(0.0, unit="rad", help="anticlockwise from the world's x axis")
+
+
+@attrs.frozen(kw_only=True)
+class Distribution:
+    """A number drawn at random: normal (mean, standard deviation) or uniform (low, high)."""
+
+    kind: str = parameter(choices=("normal", "uniform"), help="the distribution")
+    values: tuple[float, float] = parameter(help="normal: mean and standard deviation; uniform: low and high")
+
+    def __attrs_post_init__(self) -> None:
+        first, second = self.values
+        if self.kind == "normal" and second < 0:
+            raise ParameterError("normal", f"expected a standard deviation >= 0, got {second!r}")
+        if self.kind == "uniform" and second < first:
+            raise ParameterError("uniform", f"expected low <= high, got {first!r} and {second!r}")
+
+
+Number = float | Distribution
+
+
+def _check_number(_: Any, attribute: Any, value: Any) -> None:
+    if value is None and attribute.name == "value":
+        return
+    if not isinstance(value, Distribution):
+        check_value(describe(Pose)["x"], value)
+
+
+@attrs.frozen(kw_only=True)
+class Deviation:
+    """How a true value differs from its nominal one: ``nominal * scale + add``, or `value` in its place.
+
+    Each may be drawn; `per` says whether every replica draws its own, or the study one for all.
+    """
+
+    scale: Number = attrs.field(default=1.0, validator=_check_number)
+    add: Number = attrs.field(default=0.0, validator=_check_number)
+    value: Number | None = attrs.field(default=None, validator=_check_number)
+    per: str = parameter("replica", choices=("replica", "study"), help="who draws: each replica, or the study once")
+
+
+@attrs.frozen(kw_only=True)
+class NoiseElement:
+    """An element of a noise chain, with a name that is unique in it (its draws hang on the name)."""
+
+    name: str = attrs.field(validator=_check_name)
+    noise: Noise
+
+
+@attrs.frozen(kw_only=True)
+class MountedSensor:
+    """A sensor on a robot: the device, where it sits, how often it reads, and what it does to the quantity."""
+
+    sensor: Sensor
+    mount: Mount = attrs.field(factory=Mount)
+    rate: float | None = parameter(None, unit="Hz", gt=0, help="readings a second; none: one every step")
+    latency: float = parameter(0.0, unit="s", ge=0, le=60, live=False, help="from the quantity to the reading's arrival")
+    noise: tuple[NoiseElement, ...] = ()
+
+
+@attrs.frozen(kw_only=True)
+class Knowledge:
+    """What a robot is told of the world; it may differ from it."""
+
+    map: Map | None = None
+    landmarks: tuple[tuple[float, float], ...] = ()
+
+
+def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, MountedSensor]:
+    return {
+        name: given if isinstance(given, MountedSensor) else MountedSensor(sensor=given)
+        for name, given in sensors.items()
+    }
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Robot:
+    """A robot: nominal parameters, how the true ones differ (`errors`), and its software.
+
+    Parameters
+    ----------
+    pose
+        Where it starts; without it, at the map's start or at the free place with most room.
+    errors
+        `Deviation` by path: ``"drive.track"``, ``"sensors.laser.mount.heading"``, ``"pose.x"`` ...
+    ground
+        Noise between wheels and ground: a chain through which each step's travel [m] of every rolling joint goes,
+        where encoders cannot see it.
+    controller
+        A component, or a function ``f(readings, estimate, clock)`` of one robot, or a class with such a `command`.
+    estimators
+        By name; the first is the one that the controller gets.
+    on_collision
+        ``"end"`` ends the controller at the first collision, ``"continue"`` lets it go on.
+    """
+
+    name: str = attrs.field(default="robot", validator=_check_name)
+    model: str = ""
+    shape: Shape
+    drive: Drive
+    sensors: dict[str, MountedSensor] = attrs.field(factory=dict, converter=_mounted)
+    ground: tuple[NoiseElement, ...] = ()
+    estimators: dict[str, Estimator] = attrs.field(factory=dict)
+    controller: Controller | Any = None
+    on_collision: str = parameter("end", choices=("end", "continue"), help="what a collision does to the controller")
+    errors: dict[str, Deviation] = attrs.field(factory=dict)
+    pose: Pose | None = None
+    knowledge: Knowledge = attrs.field(factory=Knowledge)
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Obstacle:
+    """A body that is no robot: it stands, or moves as its motion proposes."""
+
+    name: str = attrs.field(validator=_check_name)
+    shape: Shape
+    pose: Pose = attrs.field(factory=Pose)
+    motion: Motion | None = None
+
+
+@attrs.frozen(kw_only=True)
+class Recording:
+    """What a run writes down."""
+
+    sensors: str = parameter(
+        "auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only"
+    )
+    picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Scenario:
+    """A world, the robots in it, and how time runs.
+
+    `source` is the file it was read from, `document` what stood there with all models and defaults filled in and
+    files named (what a run's folder keeps); both are none for a scenario built in Python.
+    """
+
+    map: Map
+    robots: tuple[Robot, ...] = attrs.field(converter=tuple)
+    obstacles: tuple[Obstacle, ...] = attrs.field(default=(), converter=tuple)
+    dt: float = parameter(0.1, unit="s", gt=0, le=10, help="length of a step")
+    duration: float = parameter(60.0, unit="s", gt=0, help="simulated time of a run")
+    seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")
+    recording: Recording = attrs.field(factory=Recording)
+    source: Path | None = None
+    document: Mapping[str, Any] | None = None
+
+    def __attrs_post_init__(self) -> None:
+        if not self.robots:
+            raise ParameterError("robots", "a scenario needs one robot at least")
+        names = [robot.name for robot in self.robots] + [obstacle.name for obstacle in self.obstacles]
+        for name in names:
+            if names.count(name) > 1:
+                raise ParameterError("robots", f"two robots or obstacles are called {name!r}; names must differ")

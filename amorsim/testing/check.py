@@ -1,0 +1,170 @@
+"""The check of a component against its contract, for plugin authors and for our own registry."""
+
+from __future__ import annotations
+
+import functools
+import pickle
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Sensor
+from amorsim.core.errors import ComponentError
+from amorsim.core.parameters import describe
+from amorsim.core.rows import stack
+from amorsim.plugins.checks import check_class
+from amorsim.testing.drive import DriveTrial
+from amorsim.testing.failure import Who
+from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
+from amorsim.testing.maps import check_map_loader
+from amorsim.testing.rig import ROWS, Rig
+from amorsim.testing.trial import Trial, try_rows
+from amorsim.testing.variants import example, variants
+
+__all__ = ["check_component"]
+
+_KINDS: dict[str, type] = {
+    "drive": Drive,
+    "sensor": Sensor,
+    "noise": Noise,
+    "estimator": Estimator,
+    "controller": Controller,
+    "motion": Motion,
+    "map_loader": MapLoader,
+}
+
+# Units that are not the International System's, or that files alone spell.
+_NOT_SI = {"deg", "degree", "degrees", "°", "mm", "cm", "km", "inch", "in", "ft", "ms", "us", "min", "h", "rpm", "kHz"}
+
+
+def check_component(
+    component: Any,
+    *,
+    drive: Drive | None = None,
+    sensors: Mapping[str, Sensor] | None = None,
+    values_of: str | None = None,
+    side: Mapping[str, float] | None = None,
+    inf: str = "kept",
+    path: str | Path | None = None,
+) -> None:
+    """Try whether a component keeps its contract.
+
+    It is run in a small world for a few steps as 64 rows with slightly different parameters: shapes, types, units;
+    the same bits a second time, for each row alone, for as many rows as there are values, and when going on from a
+    copy of its state in the middle; nothing kept on itself, nothing written into what it was given or has given; it
+    can be pickled. Each kind is also asked for what it promises beyond that: see `amorsim.contracts`.
+
+    Parameters
+    ----------
+    component
+        A drive, sensor, noise element, estimator, controller, motion or map loader; or its class, of which one is made
+        with its defaults, and with some value where it has none.
+    drive
+        On which a sensor, estimator or controller is tried; a differential drive by default.
+    sensors
+        By name, what else an estimator or controller reads. There are an ``encoder``, a ``laser``, a ``sonar``, a
+        ``compass`` and a ``gyro``.
+    values_of
+        The name of the sensor whose values a noise element gets; without it, numbers of no meaning, 5 a row.
+    side
+        What a noise element looks for in `side`, by name, with a value for it.
+    inf
+        What a noise element does with inf, which says that nothing returned: ``"kept"``; ``"changed"`` for one that
+        makes up returns; ``"absent"`` for one whose values are never inf, such as the travel of a wheel.
+    path
+        A file that a map loader is to read.
+
+    Raises
+    ------
+    ComponentError
+        That says which component fails which check, what was expected and what was found.
+    """
+    cls = component if isinstance(component, type) else type(component)
+    who = _who(cls)
+    _check_class(who, cls)
+    if isinstance(component, type):
+        component = example(component)
+    _check_pickling(who, component)
+    if isinstance(component, MapLoader):
+        check_map_loader(who, component, None if path is None else Path(path))
+        return
+    kin = variants(component, ROWS)
+    if isinstance(component, Drive):
+        trial = DriveTrial(who, _plain_rig(), component)
+        try_rows(trial, kin)
+        trial.check_paths(kin)
+        trial.check_inverse(kin)
+        return
+    rig = _plain_rig() if drive is None and sensors is None else Rig(drive, sensors)
+    others: Trial[Any]
+    if isinstance(component, Sensor):
+        others = SensorTrial(who, rig, component, kin)
+    elif isinstance(component, Noise):
+        others = NoiseTrial(who, rig, side or {}, values_of, inf)
+    elif isinstance(component, Estimator):
+        others = EstimatorTrial(who, rig)
+    elif isinstance(component, Controller):
+        others = ControllerTrial(who, rig)
+    else:
+        others = MotionTrial(who, rig)
+    try_rows(others, kin)
+
+
+@functools.cache
+def _plain_rig() -> Rig:
+    return Rig()
+
+
+def _who(cls: type) -> Who:
+    for kind, contract in _KINDS.items():
+        if issubclass(cls, contract):
+            return Who(kind, cls)
+    known = ", ".join(contract.__name__ for contract in _KINDS.values())
+    raise ComponentError(f"{cls.__name__} is no component that can be checked: expected a subclass of one of {known}")
+
+
+def _check_class(who: Who, cls: type) -> None:
+    contract = _KINDS[who.kind]
+    problems = check_class(who.kind, contract, cls)
+    if problems:
+        who.fail("class", "; ".join(problems))
+    _check_fields(who, cls, "")
+
+
+def _check_fields(who: Who, cls: type, within: str) -> None:
+    for name, parameter in describe(cls).items():
+        if not attrs.fields_dict(cls)[name].init:
+            continue
+        where = f"field {within + name!r}"
+        who.require(parameter.help.strip(), "fields", where, "a line of help", "none")
+        words = parameter.unit.replace("^", " ").replace("/", " ").replace("*", " ").split()
+        wrong = [word for word in words if word in _NOT_SI]
+        who.require(not wrong, "fields", where, "an SI unit, angles in rad", repr(parameter.unit))
+        for kind in (parameter.type, *getattr(parameter.type, "__args__", ())):
+            if isinstance(kind, type) and attrs.has(kind):
+                _check_fields(who, kind, f"{within}{name}.")
+
+
+def _check_pickling(who: Who, component: Any) -> None:
+    for what, thing in (("one row", component), ("rows", stack([component, component]))):
+        try:
+            again = pickle.loads(pickle.dumps(thing))
+        except Exception as error:
+            who.fail("pickling", f"{what}: expected it to be pickled, found {type(error).__name__}: {error}")
+        for field in attrs.fields(type(component)):
+            if field.init:
+                same = _same(getattr(thing, field.name), getattr(again, field.name))
+                who.require(same, "pickling", f"field {field.name!r} of {what}", "the same value again", "another")
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.tobytes() == b.tobytes() and a.shape == b.shape
+    if attrs.has(type(a)):
+        return type(a) is type(b) and all(
+            _same(getattr(a, field.name), getattr(b, field.name)) for field in attrs.fields(type(a))
+        )
+    return bool(a == b)

@@ -1,0 +1,183 @@
+"""How drives are tried: their joints under commands, and whether their paths are what the engine takes them for."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Drive, State
+from amorsim.core.poses import wrap_angle
+from amorsim.core.rows import stack
+from amorsim.testing.failure import Who
+from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
+from amorsim.testing.trial import Given, Outputs, Trial
+
+__all__ = ["DriveTrial"]
+
+Array = npt.NDArray[np.float64]
+
+_PARTS = 16  # of a step, into which a path is cut
+_EXACT = 1e-12  # [m, rad] for a step of about a metre
+_SETTLING = 100  # steps until a drive does what it is told
+
+
+class DriveTrial(Trial[Drive]):
+    """Advances the joints under the rig's commands, and asks for the body's motion."""
+
+    def __init__(self, who: Who, rig: Rig, component: Drive) -> None:
+        super().__init__(who, rig)
+        self.joints, self.channels = len(component.joints), len(component.channels)
+        self.rolling = sum(joint.rolls for joint in component.joints)
+        names = [joint.name for joint in component.joints]
+        for what, given in (("joints", names), ("channels", list(component.channels))):
+            who.require(len(set(given)) == len(given) > 0, "joints", what, "names that differ, one at least", given)
+        self.widths = (self.joints, self.channels, 3)
+        random = np.random.default_rng(3)
+        self.commands = random.uniform(-6.0, 6.0, (STEPS, ROWS, self.channels))
+        self.twists = random.uniform(-1.0, 1.0, (ROWS, 3))
+        self.fractions = random.uniform(0.0, 1.0, (STEPS, ROWS, 1))
+
+    def begin(self, component: Drive, session: Session) -> Outputs:
+        """Joints at rest, all at 0."""
+        shape = (len(session.rows), self.joints)
+        return {"joints": np.zeros(shape), "rates": np.zeros(shape)}
+
+    def step(self, component: Drive, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
+        """One step of the joints, and all that the drive tells of it."""
+        rows, index, call = len(session.rows), session.index, self.who.calling
+        before, rates = carried["joints"], carried["rates"]
+        command = self.commands[session.t][index]
+        fraction, one = self.fractions[session.t][index], np.ones((rows, 1))
+        wanted = self.twists[index]
+        for name, array in (("joints", before), ("rates", rates), ("command", command), ("fraction", fraction)):
+            given.add(name, array)
+        given.add("twist", wanted)
+        with call("advance"):
+            found = component.advance(before, rates, command, DT, state, session.draws)
+        pair = isinstance(found, tuple) and len(found) == 2
+        self.who.require(pair, "shapes", "advance()", "joints and their rates", type(found).__name__)
+        after = self.array(found[0], (rows, self.joints), "the joints of advance()")
+        new_rates = self.array(found[1], (rows, self.joints), "the rates of advance()")
+        given.add("joints after", after)
+        finite = np.isfinite(after).all() and np.isfinite(new_rates).all()
+        self.who.require(finite, "finite", "advance()", "finite numbers", "nan or inf")
+        outputs: Outputs = {"joints": after, "rates": new_rates}
+        with call("displacement"):
+            whole = component.displacement(before, after, one)
+            part = component.displacement(before, after, fraction)
+        outputs["whole"] = self.array(whole, (rows, 3), "displacement()")
+        outputs["part"] = self.array(part, (rows, 3), "displacement()")
+        with call("twist"):
+            outputs["twist"] = self.array(component.twist(before, after), (rows, 3), "twist()")
+        with call("travel"):
+            outputs["travel"] = self.array(component.travel(before, after), (rows, 2), "travel()")
+        with call("between"):
+            between = component.between(before, after, fraction)
+        outputs["between"] = self.array(between, (rows, self.joints), "between()")
+        with call("command_for"):
+            asked = component.command_for(wanted, after)
+        outputs["command_for"] = self.array(asked, (rows, self.channels), "command_for()")
+        with call("rolling_radius"):
+            radius = component.rolling_radius()
+        outputs["radius"] = self.array(radius, (rows, self.rolling), "rolling_radius()")
+        positive = (radius > 0).all() and np.isfinite(radius).all()
+        self.who.require(positive, "joints", "rolling_radius()", "lengths > 0", radius[0])
+        with call("follow"):
+            followed = component.follow(after, whole)
+        outputs["follow"] = self.array(followed, (rows, self.joints), "follow()")
+        carried["joints"], carried["rates"] = followed.copy(), new_rates.copy()
+        return outputs
+
+    def check_paths(self, components: list[Drive]) -> None:
+        """Whether displacements start at none, agree with stops, and keep within the travel that is told."""
+        drive, session = stack(components), Session(self.rig, np.arange(ROWS, dtype=np.int64))
+        state = dict(drive.start(session.context()))
+        carried = self.begin(drive, session)
+        given = Given(self.who, "inputs", "")
+        for t in range(STEPS):
+            session.go_to(t)
+            before = carried["joints"].copy()
+            after = self.step(drive, session, state, carried, given)["joints"]
+            nothing = drive.displacement(before, after, np.zeros((ROWS, 1)))
+            worst = float(np.abs(nothing).max())
+            self.who.require(worst == 0.0, "standstill", "displacement() at fraction 0", "none", f"{worst:g}")
+            self._check_stops(drive, before, after, self.fractions[t])
+            self._check_stops(drive, before, after, np.ones((ROWS, 1)))
+            self._check_travel(drive, before, after)
+
+    def _check_stops(self, drive: Drive, before: Array, after: Array, fraction: Array) -> None:
+        path = drive.displacement(before, after, fraction)
+        stop = drive.between(before, after, fraction)
+        stopped = drive.displacement(before, stop, np.ones((ROWS, 1)))
+        off = np.abs(_difference(path, stopped)).max(axis=1)
+        size = 1.0 + np.abs(path).max(axis=1)
+        row = int(np.argmax(off / size))
+        self.who.require(
+            off[row] <= _EXACT * size[row],
+            "between",
+            f"displacement() to the joints that between() tells at fraction {float(fraction[row, 0]):.3g}",
+            f"{path[row].tolist()}, as at that fraction of the whole step",
+            stopped[row].tolist(),
+        )
+
+    def _check_travel(self, drive: Drive, before: Array, after: Array) -> None:
+        bound = drive.travel(before, after) / _PARTS
+        last = np.zeros((ROWS, 3))
+        for part in range(1, _PARTS + 1):
+            now = drive.displacement(before, after, np.full((ROWS, 1), part / _PARTS))
+            moved = np.abs(_difference(last, now))
+            last = now
+            way = np.sqrt(moved[:, 0] ** 2 + moved[:, 1] ** 2)
+            for name, found, most in (("way [m]", way, bound[:, 0]), ("turn [rad]", moved[:, 2], bound[:, 1])):
+                row = int(np.argmax(found - most))
+                self.who.require(
+                    found[row] <= most[row] * (1.0 + 1e-9) + _EXACT,
+                    "travel",
+                    f"the {name} in part {part} of {_PARTS} equal parts of a step",
+                    f"no more than that part of travel(), {float(most[row]):g}, as nothing may be faster than it says",
+                    f"{float(found[row]):g}",
+                )
+
+    def check_inverse(self, components: list[Drive]) -> None:
+        """Whether a motion that was reached by some command is reached by the command that is told for it."""
+        drive, session = stack(components), Session(self.rig, np.arange(ROWS, dtype=np.int64))
+        state = dict(drive.start(session.context()))
+        shape = (ROWS, self.joints)
+        self._place = np.zeros(shape), np.zeros(shape)
+        reached, steady = self._settle(drive, session, state, self.commands[0] / 3.0)
+        asked = drive.command_for(reached, self._place[0])
+        self.who.require(np.isfinite(asked).all(), "command_for", "command_for()", "finite numbers", "nan or inf")
+        again, _ = self._settle(drive, session, state, asked)
+        off = np.abs(again - reached).max(axis=1) / (1.0 + np.abs(reached).max(axis=1))
+        off = np.where(steady, off, 0.0)
+        row = int(np.argmax(off))
+        self.who.require(
+            off[row] <= 1e-6,
+            "command_for",
+            f"the twist after command_for({reached[row].tolist()}), which the drive has reached before",
+            reached[row].tolist(),
+            again[row].tolist(),
+        )
+
+    def _settle(
+        self, drive: Drive, session: Session, state: State, command: Array
+    ) -> tuple[Array, npt.NDArray[np.bool_]]:
+        """The twist [m/s, m/s, rad/s] after a while under a command, and the rows in which it is steady."""
+        joints, rates = self._place
+        last = twist = np.zeros((ROWS, 3))
+        one = np.ones((ROWS, 1))
+        for t in range(_SETTLING):
+            session.draws.rewind()
+            session._counter[:, 2] = t
+            before, last = joints, twist
+            joints, rates = drive.advance(before, rates, command, DT, state, session.draws)
+            twist = drive.twist(before, joints) / DT
+            joints = drive.follow(joints, drive.displacement(before, joints, one))
+        self._place = joints, rates
+        return twist, np.abs(twist - last).max(axis=1) <= 1e-9
+
+
+def _difference(a: Array, b: Array) -> Array:
+    off = b - a
+    off[:, 2] = wrap_angle(off[:, 2])
+    return off

@@ -1,0 +1,54 @@
+"""What a failed check says."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from typing import NoReturn
+
+from amorsim.core.errors import ComponentError
+
+__all__ = ["CheckError", "Who"]
+
+
+class CheckError(ComponentError):
+    """A check that a component fails; `check` is its name."""
+
+    def __init__(self, who: str, check: str, message: str) -> None:
+        self.check = check
+        super().__init__(f"{who} fails the check {check!r}: {message}")
+
+
+class Who:
+    """The component that is tried, by kind and class; failures name it."""
+
+    def __init__(self, kind: str, cls: type) -> None:
+        self.kind = kind
+        self.cls = cls
+
+    def __str__(self) -> str:
+        return f"{self.kind.replace('_', ' ')} {self.cls.__name__}"
+
+    def fail(self, check: str, message: str) -> NoReturn:
+        """Raise a `CheckError` of the named check."""
+        raise CheckError(str(self), check, message)
+
+    def require(self, holds: object, check: str, what: str, expected: object, found: object) -> None:
+        """Fail unless something holds."""
+        if not holds:
+            self.fail(check, f"{what}: expected {expected}, found {found}")
+
+    @contextlib.contextmanager
+    def calling(self, method: str) -> Iterator[None]:
+        """Name the method in which the component raises, while it lasts."""
+        try:
+            yield
+        except CheckError:
+            raise
+        except Exception as error:
+            if isinstance(error, ValueError) and "read-only" in str(error):
+                self.fail("parameters", f"{method}: expected its parameters let alone, found it writing: {error}")
+            try:
+                self.fail("runs", f"{method}: expected it to return, found {type(error).__name__}: {error}")
+            except CheckError as failure:
+                raise failure from error

@@ -1,0 +1,205 @@
+"""How sensors, noise, estimators, controllers and motions are tried."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Controller, Estimator, Motion, Noise, Sensor, State
+from amorsim.testing.failure import Who
+from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
+from amorsim.testing.trial import Given, Outputs, Trial
+
+__all__ = ["ControllerTrial", "EstimatorTrial", "MotionTrial", "NoiseTrial", "SensorTrial"]
+
+Array = npt.NDArray[np.float64]
+
+_MOST_ROWS = 512
+_VIEW = ("tick", "pose", "body_pose", "twist", "joints", "joint_rates")
+
+
+def _watch(given: Given, where: str, things: Any, names: Any) -> None:
+    for name in names:
+        given.add(f"{where}.{name}", getattr(things, name))
+
+
+class SensorTrial(Trial[Sensor]):
+    """Senses in the rig's world, every other time with its beams bent."""
+
+    def __init__(self, who: Who, rig: Rig, component: Sensor, kin: list[Sensor]) -> None:
+        super().__init__(who, rig)
+        unit = component.unit
+        who.require(isinstance(unit, str) and unit, "unit", "unit", "the unit of its values, as in 'm'", repr(unit))
+        sizes = []
+        for one in kin:
+            with who.calling("size"):
+                sizes.append(one.size(rig.specified))
+        first = sizes[0]
+        who.require(isinstance(first, int) and first > 0, "size", "size()", "a whole number > 0", repr(first))
+        wanted = f"{first}, as only static parameters may change it"
+        who.require(set(sizes) == {first}, "size", "size() with other numbers", wanted, sorted(set(sizes)))
+        self.size = first
+        self.widths = (first,) if first <= _MOST_ROWS else ()
+
+    def step(self, component: Sensor, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
+        """One reading."""
+        view, rows = session.view, len(session.rows)
+        aim = Aim()
+        if session.t % 2:
+            bend = 0.01 * np.sin(session.index[:, None] + np.arange(self.size) + session.t)
+            aim = Aim(bearing=bend)
+            given.add("aim.bearing", bend)
+        _watch(given, "view", view, _VIEW)
+        with self.who.calling("sense"):
+            found = component.sense(view, aim, state, session.draws)
+        pair = isinstance(found, tuple) and len(found) == 2 and isinstance(found[1], Mapping)
+        self.who.require(pair, "shapes", "sense()", "values and a mapping of side arrays", type(found).__name__)
+        values, side = found
+        width = getattr(values, "shape", (0, 0))[-1]
+        self.who.require(width == self.size, "size", "sense()", f"{self.size} values a row, as size() says", f"{width}")
+        outputs = {"values": self.array(values, (rows, self.size), "sense()")}
+        self.who.require(not np.isnan(values).any(), "finite", "sense()", "numbers, inf for no return", "nan")
+        for name, array in side.items():
+            outputs[f"side {name}"] = self.array(array, (rows, self.size), f"side[{name!r}]")
+        with self.who.calling("bearings"):
+            bearings = component.bearings()
+        if bearings is not None:
+            wanted = (rows if len(bearings) > 1 else 1, self.size)
+            outputs["bearings"] = np.broadcast_to(self.array(bearings, wanted, "bearings()"), (rows, self.size))
+        return outputs
+
+
+class NoiseTrial(Trial[Noise]):
+    """Corrupts values that grow from step to step, some of them inf, or what a sensor of the rig reads."""
+
+    def __init__(self, who: Who, rig: Rig, side: Mapping[str, float], sensor: str | None, inf: str) -> None:
+        super().__init__(who, rig)
+        random = np.random.default_rng(2)
+        if sensor is None:
+            values = random.uniform(0.2, 2.0, (STEPS, ROWS, 5)).cumsum(axis=0)
+            values *= np.where(random.uniform(size=(1, ROWS, 5)) < 0.3, -1.0, 1.0)
+        else:
+            values = rig.readings[sensor][:STEPS].copy()
+        if inf != "absent":
+            values[random.uniform(size=values.shape) < 0.1] = np.inf
+        self.values = values
+        self.side = dict(side)
+        self.keeps_inf = inf == "kept"
+        self.size = values.shape[2]
+        self.widths = (self.size,) if self.size <= _MOST_ROWS else ()
+
+    def step(self, component: Noise, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
+        """One sample, aimed and corrupted."""
+        rows = len(session.rows)
+        elapsed = session.elapsed() * (1.0 + session.index[:, None] % 3)
+        given.add("elapsed", elapsed)
+        outputs: Outputs = {}
+        if type(component).aim is not Noise.aim:
+            bend = 0.01 * np.cos(session.index[:, None] + np.arange(self.size))
+            aim = Aim(bearing=bend) if session.t % 2 else Aim()
+            given.add("aim.bearing", aim.bearing)
+            with self.who.calling("aim"):
+                aimed = component.aim(aim, elapsed, state, session.draws)
+            self.who.require(isinstance(aimed, Aim), "shapes", "aim()", "an Aim", type(aimed).__name__)
+            if aimed.bearing is not None:
+                outputs["bearing"] = self.array(aimed.bearing, (rows, self.size), "aim().bearing")
+                finite = np.isfinite(aimed.bearing).all()
+                self.who.require(finite, "finite", "aim().bearing", "finite angles", "nan or inf")
+        if type(component).corrupt is not Noise.corrupt:
+            values = self.values[session.t][session.index]
+            side = {name: np.full(values.shape, value) for name, value in self.side.items()}
+            given.add("values", values)
+            for name, array in side.items():
+                given.add(f"side[{name!r}]", array)
+            with self.who.calling("corrupt"):
+                corrupted = component.corrupt(values, side, elapsed, state, session.draws)
+            outputs["values"] = self.array(corrupted, values.shape, "corrupt()")
+            self.who.require(not np.isnan(corrupted).any(), "finite", "corrupt()", "numbers", "nan")
+            if self.keeps_inf:
+                kept = corrupted[np.isinf(values)]
+                self.who.require(
+                    (kept == np.inf).all(), "inf", "corrupt() where nothing returned", "inf", kept[kept != np.inf][:3]
+                )
+        return outputs
+
+
+class EstimatorTrial(Trial[Estimator]):
+    """Estimates from what the rig's sensors read, with what the rig's robots were told."""
+
+    widths = (3,)
+
+    def step(self, component: Estimator, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
+        """One update."""
+        rows = len(session.rows)
+        readings = session.measurements()
+        for name, reading in readings.items():
+            _watch(given, f"readings[{name!r}]", reading, reading._fields)
+        command = session.rig.commands[session.t][session.index]
+        elapsed = session.elapsed()
+        given.add("command", command)
+        given.add("elapsed", elapsed)
+        given.add("robot.landmarks", session.robot.landmarks)
+        with self.who.calling("update"):
+            found = component.update(session.robot, readings, command, elapsed, state, session.draws)
+        pair = isinstance(found, tuple) and len(found) == 2
+        self.who.require(pair, "shapes", "update()", "an Estimate", type(found).__name__)
+        pose = self.array(found[0], (rows, 3), "the estimated pose")
+        covariance = self.array(found[1], (rows, 3, 3), "the covariance")
+        self.who.require(np.isfinite(pose).all(), "finite", "the estimated pose", "finite numbers", "nan or inf")
+        self._check_covariance(covariance)
+        return {"pose": pose, "covariance": covariance}
+
+    def _check_covariance(self, covariance: Array) -> None:
+        require = self.who.require
+        require(np.isfinite(covariance).all(), "covariance", "the covariance", "finite numbers", "nan or inf")
+        size = np.abs(covariance).max(axis=(1, 2), keepdims=True)
+        skew = np.abs(covariance - np.swapaxes(covariance, 1, 2))
+        worst = float(skew.max())
+        fine = (skew <= 1e-9 * size).all()
+        require(fine, "covariance", "the covariance", "a symmetric matrix", f"a skew of {worst:g}")
+        least = np.linalg.eigvalsh(0.5 * (covariance + np.swapaxes(covariance, 1, 2)))[:, 0]
+        fine = (least >= -1e-9 * size[:, 0, 0]).all()
+        require(fine, "covariance", "the covariance", "no negative eigenvalue", f"{float(least.min()):g}")
+
+
+class ControllerTrial(Trial[Controller]):
+    """Commands from what the rig's sensors read and an estimate near the truth."""
+
+    def __init__(self, who: Who, rig: Rig) -> None:
+        super().__init__(who, rig)
+        self.channels = len(rig.specified.channels)
+        self.widths = (self.channels,)
+
+    def step(self, component: Controller, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
+        """One command."""
+        readings, estimate, clock = session.measurements(), session.estimate(), session.clock()
+        for name, reading in readings.items():
+            _watch(given, f"readings[{name!r}]", reading, reading._fields)
+        _watch(given, "estimate", estimate, estimate._fields)
+        _watch(given, "clock", clock, ("tick", "time"))
+        with self.who.calling("command"):
+            found = component.command(session.robot, readings, estimate, clock, state, session.draws)
+        command = self.array(found, (len(session.rows), self.channels), "command()")
+        self.who.require(np.isfinite(command).all(), "finite", "command()", "finite numbers", "nan or inf")
+        return {"command": command}
+
+
+class MotionTrial(Trial[Motion]):
+    """Proposes displacements in the rig's world."""
+
+    widths = (3,)
+    is_robot = False
+
+    def step(self, component: Motion, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
+        """One proposal."""
+        view = session.view
+        view.mount = np.zeros((len(session.rows), 3))
+        _watch(given, "view", view, _VIEW)
+        with self.who.calling("propose"):
+            found = component.propose(view, DT, state, session.draws)
+        wanted = self.array(found, (len(session.rows), 3), "propose()")
+        self.who.require(np.isfinite(wanted).all(), "finite", "propose()", "finite numbers", "nan or inf")
+        return {"displacement": wanted}

@@ -1,0 +1,47 @@
+"""How readers of map files are tried."""
+
+from __future__ import annotations
+
+import random
+import tempfile
+from pathlib import Path
+
+from amorsim.contracts import MapLoader
+from amorsim.core.errors import MapError
+from amorsim.core.map import Map
+from amorsim.testing.failure import Who
+
+__all__ = ["check_map_loader"]
+
+
+def check_map_loader(who: Who, loader: MapLoader, path: Path | None) -> None:
+    """Try a loader with files that are none of its own, and with one that is, if there is one."""
+    noise = random.Random(1)
+    junk = [b"", b"\x00" * 64, bytes(noise.randrange(256) for _ in range(4096)), b"no map at all\n"]
+    for head in junk:
+        with who.calling("sniff"):
+            answer = loader.sniff(head)
+        who.require(isinstance(answer, bool), "sniff", f"sniff() of {head[:8]!r}...", "true or false", repr(answer))
+    with tempfile.TemporaryDirectory() as folder:
+        for i, content in enumerate(junk):
+            file = Path(folder) / f"junk{i}{loader.extensions[0]}"
+            file.write_bytes(content)
+            _load_or_refuse(who, loader, file, f"a file that begins with {content[:8]!r}")
+        missing = Path(folder) / f"none{loader.extensions[0]}"
+        _load_or_refuse(who, loader, missing, "a file that is not there", refuse=True)
+    if path is not None:
+        with who.calling("load"):
+            first, second = loader.load(path), loader.load(path)
+        who.require(isinstance(first, Map), "load", f"load({path.name})", "a Map", type(first).__name__)
+        who.require(first == second, "determinism", f"a second load({path.name})", "the same map", "another one")
+
+
+def _load_or_refuse(who: Who, loader: MapLoader, path: Path, what: str, *, refuse: bool = False) -> None:
+    try:
+        found = loader.load(path)
+    except MapError:
+        return
+    except Exception as error:
+        who.fail("errors", f"load() of {what}: expected a MapError, found {type(error).__name__}: {error}")
+    who.require(isinstance(found, Map), "load", f"load() of {what}", "a Map", type(found).__name__)
+    who.require(not refuse, "errors", f"load() of {what}", "a MapError", "a map")

@@ -1,0 +1,729 @@
+"""Each check fails for a component that is broken in just that way, and a whole one passes."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from amorsim.contracts import (
+    Aim,
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Drive,
+    Estimate,
+    Estimator,
+    Joint,
+    MapLoader,
+    Measurement,
+    Motion,
+    Noise,
+    RobotModel,
+    Sensor,
+    State,
+    View,
+    parameter,
+)
+from amorsim.core.errors import ComponentError, MapError
+from amorsim.core.map import Map
+from amorsim.testing import check_component, example, variants
+
+Array = npt.NDArray[np.float64]
+
+frozen = functools.partial(attrs.frozen, kw_only=True)
+
+
+# ------------------------------------------------------------------------------------------------ whole components
+
+
+@frozen
+class Drift(Noise):
+    """Adds a walk."""
+
+    std: float = parameter(0.1, unit="sensor", ge=0, help="of a step")
+
+    def start(self, context: Context) -> State:
+        return {"walk": np.zeros((context.rows, context.size))}
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        state["walk"] = state["walk"] + self.std * draws.normal(values.shape[1])
+        return values + state["walk"]
+
+
+@frozen
+class Range(Sensor):
+    """Distances straight ahead and astern."""
+
+    unit: ClassVar[str] = "m"
+
+    range_max: float = parameter(5.0, unit="m", gt=0, help="longest range")
+
+    def size(self, drive: Drive) -> int:
+        return 2
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        return view.cast(view.pose, np.array([[0.0, np.pi]]), self.range_max), {}
+
+
+@frozen
+class Cart(Drive):
+    """Two wheels."""
+
+    joints: ClassVar[tuple[Joint, ...]] = (Joint(name="left"), Joint(name="right"))
+    channels: ClassVar[tuple[str, ...]] = ("left", "right")
+
+    radius: float = parameter(0.1, unit="m", gt=0, help="of both wheels")
+    track: float = parameter(0.4, unit="m", gt=0, help="between them")
+
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        return joints + command * dt, command.copy()
+
+    def twist(self, before: Array, after: Array) -> Array:
+        left, right = (after - before)[:, :1] * self.radius, (after - before)[:, 1:] * self.radius
+        return np.concatenate((0.5 * (left + right), 0.0 * left, (right - left) / self.track), axis=1)
+
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        half = 0.5 * self.track * twist[:, 2:]
+        return np.concatenate((twist[:, :1] - half, twist[:, :1] + half), axis=1) / self.radius
+
+    def rolling_radius(self) -> Array:
+        return np.concatenate((self.radius, self.radius), axis=1)
+
+
+@frozen
+class Told(Estimator):
+    """Stays where it was told to be, ever less sure."""
+
+    growth: float = parameter(0.1, unit="m^2/s", ge=0, help="of the variances")
+
+    def start(self, context: Context) -> State:
+        return {"pose": context.pose.copy(), "age": np.zeros((context.rows, 1))}
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        state["age"] = state["age"] + elapsed
+        return Estimate(state["pose"].copy(), self.matrix(state["age"] * self.growth))
+
+    def matrix(self, variance: Array) -> Array:
+        return variance[:, :, None] * np.eye(3)
+
+
+@frozen
+class Ahead(Controller):
+    """Drives on."""
+
+    speed: float = parameter(0.3, unit="m/s", help="forward")
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        twist = np.concatenate((self.speed, 0.0 * self.speed, 0.0 * self.speed), axis=1)
+        return robot.drive.command_for(twist, np.zeros((robot.rows, len(robot.drive.joints))))
+
+
+@frozen
+class Slide(Motion):
+    """Slides along."""
+
+    speed: float = parameter(0.3, unit="m/s", help="forward")
+
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
+        return np.concatenate((self.speed * dt, 0.0 * self.speed, 0.0 * self.speed), axis=1)
+
+
+@frozen
+class Text(MapLoader):
+    """Walls, one a line."""
+
+    extensions: ClassVar[tuple[str, ...]] = (".walls",)
+
+    resolution: float = parameter(0.1, unit="m", gt=0, help="side of a cell")
+
+    def load(self, path: Path) -> Map:
+        try:
+            walls = [[float(word) for word in line.split()] for line in path.read_text("ascii").splitlines()]
+        except (OSError, ValueError) as error:
+            raise MapError(f"{path}: {error}") from error
+        return Map.from_segments(np.array(walls).reshape(-1, 4), resolution=self.resolution)
+
+
+@pytest.mark.parametrize("cls", [Drift, Range, Cart, Told, Ahead, Slide, Text])
+def test_whole_components_pass(cls: type) -> None:
+    check_component(cls)
+    check_component(cls())
+
+
+def test_map_loader_is_tried_with_a_file_of_its_own(tmp_path: Path) -> None:
+    file = tmp_path / "room.walls"
+    file.write_text("0 0 1 0\n1 0 1 1\n")
+    check_component(Text, path=file)
+
+
+# ----------------------------------------------------------------------------------------------- broken components
+
+
+def _corrupted(self: Any, values: Array, state: State, draws: Draws) -> Array:
+    return Drift.corrupt(self, values, {}, np.zeros((len(values), 1)), state, draws)
+
+
+@attrs.frozen
+class Positional(Drift):
+    size: float = parameter(0.1, help="a field that need not be named")
+
+
+@frozen
+class Mute(Drift):
+    size: float = parameter(0.1)
+
+
+@frozen
+class Degrees(Drift):
+    angle: float = parameter(0.1, unit="deg", help="in degrees")
+
+
+class Sealed(Drift):
+    def __reduce__(self) -> Any:
+        raise TypeError("no")
+
+
+Sealed = frozen(Sealed)  # type: ignore[misc]
+
+
+@frozen
+class ListState(Drift):
+    def start(self, context: Context) -> State:
+        return {"walk": [0.0] * context.rows}  # type: ignore[dict-item]
+
+
+@frozen
+class SharedState(Drift):
+    def start(self, context: Context) -> State:
+        return {"walk": np.zeros((context.size, context.rows))}
+
+
+@frozen
+class GrowingState(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        state["walk"] = np.concatenate((state["walk"], values), axis=1)
+        return values
+
+
+@frozen
+class NewKey(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        state["last"] = values.copy()
+        return values
+
+
+@frozen
+class SinglePrecision(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        state["walk"] = np.zeros(values.shape, dtype=np.float32)
+        return values
+
+
+@frozen
+class Raises(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values + side["incidence"]
+
+
+@frozen
+class Narrow(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values[:, :1].copy()
+
+
+@frozen
+class Half(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values.astype(np.float32)  # type: ignore[return-value]
+
+
+@frozen
+class WritesValues(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        values += self.std
+        return values
+
+
+@frozen
+class WritesFields(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        self.std[:] = 0.0  # type: ignore[index]
+        return values
+
+
+@attrs.frozen(kw_only=True, slots=False)
+class KeepsOnItself(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        object.__setattr__(self, "last", values)
+        return values
+
+
+@frozen
+class RewritesResult(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        state["walk"][:] = values
+        return state["walk"]
+
+
+COUNT = {"calls": 0}
+
+
+@frozen
+class Forgetful(Drift):
+    """Other bits in each run."""
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        COUNT["calls"] += 1
+        return values + COUNT["calls"]
+
+
+@frozen
+class HiddenState(Drift):
+    """The same bits in each run, but not when it goes on from a copy of the state."""
+
+    def start(self, context: Context) -> State:
+        COUNT["calls"] = 0
+        return {}
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        COUNT["calls"] += 1
+        return values + COUNT["calls"]
+
+
+@frozen
+class LooksAtOthers(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values + 1e-12 * len(values)
+
+
+@frozen
+class ConfusesRowsWithValues(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        offset = np.arange(values.shape[1], dtype=float)
+        return values + (offset[:, None] if values.shape == (len(offset),) * 2 else offset)
+
+
+@frozen
+class MakesUpReturns(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return np.minimum(values, 100.0)
+
+
+@frozen
+class NotANumber(Drift):
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return np.where(values > 1.0, np.nan, values)
+
+
+@frozen
+class Nothing(Noise):
+    pass
+
+
+@frozen
+class NoUnit(Range):
+    unit: ClassVar[str] = ""
+
+
+@frozen
+class WrongSize(Range):
+    def size(self, drive: Drive) -> int:
+        return 3
+
+
+@frozen
+class MovingSize(Range):
+    count: int = parameter(4, ge=1, help="should have been static")
+
+    def size(self, drive: Drive) -> int:
+        return self.count
+
+
+@frozen
+class NoSide(Range):
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        return super().sense(view, aim, state, draws)[0]  # type: ignore[return-value]
+
+
+@frozen
+class WideSide(Range):
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        return super().sense(view, aim, state, draws)[0], {"incidence": np.zeros((view.rows, 1))}
+
+
+@frozen
+class WritesView(Range):
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        view.body_pose[:, 2] += 0.1
+        return super().sense(view, aim, state, draws)
+
+
+@frozen
+class SameNames(Cart):
+    joints: ClassVar[tuple[Joint, ...]] = (Joint(name="wheel"), Joint(name="wheel"))
+
+
+@frozen
+class NoRadius(Cart):
+    def rolling_radius(self) -> Array:
+        return np.zeros((len(self.radius), 2))  # type: ignore[arg-type]
+
+
+@frozen
+class Creeps(Cart):
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        return super().displacement(before, after, fraction) + np.array([1e-6, 0.0, 0.0])
+
+
+@frozen
+class Hurries(Cart):
+    """Is not at a stop where its path is."""
+
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        return super().displacement(before, after, fraction * fraction)
+
+
+@frozen
+class Understates(Cart):
+    def travel(self, before: Array, after: Array) -> Array:
+        return 0.9 * super().travel(before, after)
+
+
+@frozen
+class Uneven(Cart):
+    """As long as it says, but not evenly: the first half of a step goes farther than half of it."""
+
+    def between(self, before: Array, after: Array, fraction: Array) -> Array:
+        return super().between(before, after, fraction * (1.5 - 0.5 * fraction))
+
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        return super().displacement(before, after, fraction * (1.5 - 0.5 * fraction))
+
+
+@frozen
+class WrongInverse(Cart):
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        return super().command_for(twist, joints)[:, ::-1].copy()
+
+
+@frozen
+class OneRate(Cart):
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        return joints + command * dt, command[:, :1].copy()
+
+
+@frozen
+class Skewed(Told):
+    def matrix(self, variance: Array) -> Array:
+        return variance[:, :, None] * np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+@frozen
+class Negative(Told):
+    def matrix(self, variance: Array) -> Array:
+        return variance[:, :, None] * np.array([[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+@frozen
+class Lost(Told):
+    def start(self, context: Context) -> State:
+        return {"pose": np.full((context.rows, 3), np.nan), "age": np.zeros((context.rows, 1))}
+
+
+@frozen
+class KeepsTold(Told):
+    """Writes into the pose that it was told."""
+
+    def start(self, context: Context) -> State:
+        return {"pose": context.pose, "age": np.zeros((context.rows, 1))}
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        state["pose"] += 0.1
+        return super().update(robot, readings, command, elapsed, state, draws)
+
+
+@frozen
+class Endless(Ahead):
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        return np.full((robot.rows, 2), np.inf)
+
+
+@frozen
+class WritesReading(Ahead):
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        readings["laser"].measured[:, 0] = 0.0
+        return super().command(robot, readings, estimate, clock, state, draws)
+
+
+@frozen
+class Nowhere(Slide):
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
+        return np.full((view.rows, 3), np.nan)
+
+
+@frozen
+class Flat(Slide):
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
+        return np.zeros((view.rows, 2))
+
+
+@frozen
+class Unsure(Text):
+    @classmethod
+    def sniff(cls, head: bytes) -> bool:
+        return head[:1]  # type: ignore[return-value]
+
+
+@frozen
+class Crashes(Text):
+    def load(self, path: Path) -> Map:
+        return Map.from_segments([[float(word) for word in path.read_text("ascii").split()]])
+
+
+@frozen
+class NoMap(Text):
+    def load(self, path: Path) -> Map:
+        return path.read_bytes() if path.exists() else super().load(path)  # type: ignore[return-value]
+
+
+BROKEN = {
+    Positional: "class",
+    Nothing: "class",
+    Mute: "fields",
+    Degrees: "fields",
+    Sealed: "pickling",
+    ListState: "start",
+    SharedState: "start",
+    GrowingState: "state",
+    NewKey: "state",
+    SinglePrecision: "state",
+    Raises: "runs",
+    Narrow: "shapes",
+    Half: "shapes",
+    WritesValues: "inputs",
+    WritesView: "inputs",
+    KeepsTold: "inputs",
+    WritesReading: "inputs",
+    WritesFields: "parameters",
+    KeepsOnItself: "parameters",
+    RewritesResult: "kept",
+    Forgetful: "determinism",
+    HiddenState: "snapshot",
+    LooksAtOthers: "rows",
+    ConfusesRowsWithValues: "width",
+    MakesUpReturns: "inf",
+    NotANumber: "finite",
+    NoUnit: "unit",
+    WrongSize: "size",
+    MovingSize: "size",
+    NoSide: "shapes",
+    WideSide: "shapes",
+    SameNames: "joints",
+    NoRadius: "joints",
+    OneRate: "shapes",
+    Creeps: "standstill",
+    Hurries: "between",
+    Understates: "travel",
+    Uneven: "travel",
+    WrongInverse: "command_for",
+    Skewed: "covariance",
+    Negative: "covariance",
+    Lost: "finite",
+    Endless: "finite",
+    Nowhere: "finite",
+    Flat: "shapes",
+    Unsure: "sniff",
+    Crashes: "errors",
+    NoMap: "load",
+}
+
+
+@pytest.mark.parametrize(("cls", "check"), BROKEN.items(), ids=[cls.__name__ for cls in BROKEN])
+def test_broken_components_fail_their_check(cls: type, check: str) -> None:
+    with pytest.raises(ComponentError) as caught:
+        check_component(cls)
+    message = str(caught.value)
+    assert f"fails the check {check!r}" in message
+    assert cls.__name__ in message
+    assert "expected" in message
+    assert "found" in message or check == "class"
+
+
+def test_what_is_no_component_is_refused() -> None:
+    with pytest.raises(ComponentError, match=r"int is no component.*Drive, Sensor"):
+        check_component(3)
+
+
+# ------------------------------------------------------------------------------------------------------- settings
+
+
+def test_noise_may_be_tried_on_side_arrays_and_values_of_a_sensor() -> None:
+    check_component(Raises, side={"incidence": 0.2})
+    check_component(Drift, values_of="laser")
+
+
+def test_noise_that_makes_up_returns_passes_if_that_is_said() -> None:
+    check_component(MakesUpReturns, inf="changed")
+
+
+@frozen
+class AddsInfinities(Drift):
+    """Has no answer to inf: inf - inf is no number."""
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values - np.where(np.isinf(values), values, 0.0)
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_noise_on_what_is_never_inf_passes_if_that_is_said() -> None:
+    check_component(AddsInfinities, inf="absent")
+    with pytest.raises(ComponentError, match="'finite'"):
+        check_component(AddsInfinities)
+
+
+@frozen
+class ReadsDistance(Estimator):
+    """Uses a sensor of its own."""
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        pose = np.zeros((robot.rows, 3))
+        pose[:, 0] = np.minimum(readings["distance"].measured[:, 0], 9.0)
+        return Estimate(pose, np.zeros((robot.rows, 3, 3)))
+
+
+def test_estimators_get_the_sensors_that_they_need() -> None:
+    check_component(ReadsDistance, sensors={"distance": Range()})
+    with pytest.raises(ComponentError, match=r"'runs'.*KeyError.*distance"):
+        check_component(ReadsDistance)
+
+
+def test_controllers_are_tried_on_the_drive_that_is_given() -> None:
+    @frozen
+    class Third(Cart):
+        joints: ClassVar[tuple[Joint, ...]] = (*Cart.joints, Joint(name="tail", rolls=False))
+        channels: ClassVar[tuple[str, ...]] = (*Cart.channels, "tail")
+
+        def twist(self, before: Array, after: Array) -> Array:
+            return Cart.twist(self, before[:, :2], after[:, :2])
+
+        def command_for(self, twist: Array, joints: Array) -> Array:
+            return np.concatenate((Cart.command_for(self, twist, joints), np.zeros((len(twist), 1))), axis=1)
+
+    check_component(Ahead, drive=Third())
+
+
+# --------------------------------------------------------------------------------------------- examples and variants
+
+
+@frozen
+class Demanding(Noise):
+    high: float = parameter(gt=2, help="above two")
+    between: float = parameter(ge=1, le=2, help="between one and two")
+    low: int = parameter(lt=0, help="below nought")
+    kind: str = parameter(choices=("one", "two"), help="of two")
+    ring: tuple[float, ...] = parameter(gt=0, help="some")
+    pair: tuple[float, float] = parameter(help="two")
+    maybe: float | None = parameter(help="or none")
+    flag: bool = parameter(help="yes or no")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values
+
+
+@frozen
+class Ordered(Noise):
+    low: float = parameter(1.0, help="below high")
+    high: float = parameter(1.01, help="above low")
+
+    def __attrs_post_init__(self) -> None:
+        if self.low >= self.high:
+            raise ValueError("low is not below high")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        return values
+
+
+def test_example_fills_in_what_must_be_given() -> None:
+    made = example(Demanding, kind="two")
+    assert made.kind == "two"
+    assert made.maybe is None
+    assert len(made.ring) == len(made.pair) == 2
+    check_component(Demanding)
+
+
+def test_variants_differ_within_bounds_and_are_the_same_each_time() -> None:
+    component = example(Demanding, between=2.0)
+    made = variants(component, 64)
+    assert made[0] is component
+    assert made == variants(component, 64)
+    assert len({one.high for one in made}) > 2
+    assert len({one.between for one in made}) > 2
+    assert all(1 <= one.between <= 2 for one in made)
+    assert all(one.ring[0] > 0 for one in made)
+    assert {one.kind for one in made} == {"one"}
+
+
+def test_variants_are_nearer_where_the_class_refuses_them() -> None:
+    made = variants(Ordered(), 64)
+    assert len({(one.low, one.high) for one in made}) > 2
+    assert all(one.low < one.high for one in made)
