@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+from typing import Any
 
 import attrs
 
@@ -80,7 +81,8 @@ def _in_degrees(parameter: Parameter) -> Parameter:
     if not parameter.is_angle:
         return parameter
     bounds = {key: getattr(parameter, key) for key in ("gt", "ge", "lt", "le")}
-    return attrs.evolve(parameter, **{k: None if v is None else math.degrees(v) for k, v in bounds.items()})
+    degrees: dict[str, Any] = {key: None if bound is None else math.degrees(bound) for key, bound in bounds.items()}
+    return attrs.evolve(parameter, **degrees)
 
 
 def _default(parameter: Parameter) -> str:

@@ -49,6 +49,6 @@ def command(
         say(document_text(document_of(read)).rstrip())
     else:
         width, height = read.map.size
-        count = "1 robot" if len(read.robots) == 1 else f"{len(read.robots)} robots"
+        how_many = "1 robot" if len(read.robots) == 1 else f"{len(read.robots)} robots"
         robots = ", ".join(robot.name for robot in read.robots[:8]) + (" ..." if len(read.robots) > 8 else "")
-        say(f"{scenario}: no faults; {width:.2f} m x {height:.2f} m, {count} ({robots})")
+        say(f"{scenario}: no faults; {width:.2f} m x {height:.2f} m, {how_many} ({robots})")

@@ -15,11 +15,13 @@ __all__ = ["command"]
 
 def command(
     folder: Annotated[Path, typer.Argument(help="The folder of a run.")],
-    out: Annotated[Path | None, typer.Option(help="Folder for the pictures. [default: plots, in the run's folder]")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the pictures. [default: plots, in the run's folder]")
+    ] = None,
     robot: Annotated[str | None, typer.Option(help="Which robot. [default: the first]")] = None,
     replica: Annotated[int | None, typer.Option(help="Which replica. [default: the first]")] = None,
 ) -> None:
-    """Draw a run: the path, speeds, wheels, heading and every sensor; true, measured and estimated in one colour each."""
+    """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated."""
     try:
         from amorsim.analysis.plot import plot_run
     except ModuleNotFoundError as error:

@@ -22,9 +22,8 @@ def list_all(context: typer.Context) -> None:
     """List the components that are registered, and by whom; `show NAME` prints a component's manual."""
     if context.invoked_subcommand is not None:
         return
-    from amorsim.plugins.manager import default_registry
-
     from amorsim.analysis.reference import summary_of
+    from amorsim.plugins.manager import default_registry
 
     registry = default_registry()
     for kind in dict.fromkeys(entry.kind for entry in registry.entries()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import AmorsimError
 
@@ -22,8 +22,10 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
     path = Path(name)
     is_map = path.suffix.lower() not in ("", ".toml")
     if is_map:
-        options = {} if resolution is None else {"resolution": resolution}
+        options: dict[str, Any] = {} if resolution is None else {"resolution": resolution}
         return scenario_for_map(path, overrides=tuple(changes), **options)
     if resolution is not None:
-        raise AmorsimError("--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)")
+        raise AmorsimError(
+            "--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)"
+        )
     return load(name, overrides=tuple(changes))

@@ -5,7 +5,6 @@ The scenario file, the command line, forms and reference pages are all made from
 
 from __future__ import annotations
 
-import functools
 import math
 import types
 import typing
@@ -120,9 +119,17 @@ def parameter(
     return attrs.field(default=default, validator=_validate, metadata={_KEY: metadata})
 
 
-@functools.cache
+_described: dict[type, Mapping[str, Parameter]] = {}
+
+
 def describe(cls: type) -> Mapping[str, Parameter]:
     """The parameters of a component class by name, in the order of its fields."""
+    if cls not in _described:
+        _described[cls] = types.MappingProxyType(_describe(cls))
+    return _described[cls]
+
+
+def _describe(cls: type) -> dict[str, Parameter]:
     hints = typing.get_type_hints(cls)
     found = {}
     for field in attrs.fields(cls):
@@ -132,7 +139,7 @@ def describe(cls: type) -> Mapping[str, Parameter]:
         found[field.name] = Parameter(
             name=field.name, type=hints[field.name], default=default, **field.metadata.get(_KEY, {})
         )
-    return types.MappingProxyType(found)
+    return found
 
 
 def _validate(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> None:

@@ -32,7 +32,8 @@ def _varies(parameter: Parameter, value: Any) -> bool:
 
 def signature(component: Any) -> Hashable:
     """What must be equal for two components to be rows of one group: class, static fields, lengths of rings."""
-    parts: list[Hashable] = [type(component)]
+    kind: Any = type(component)
+    parts: list[Hashable] = [kind]
     for name, parameter in describe(type(component)).items():
         value = getattr(component, name)
         if not _varies(parameter, value):
@@ -99,7 +100,8 @@ def _assemble(cls: type[T], values: dict[str, Any]) -> T:
 def take(component: T, rows: npt.NDArray[np.intp]) -> T:
     """The same stacked component with only the given rows, in the given order."""
     values = {}
-    for name in _field_names(type(component)):
+    kind: Any = type(component)
+    for name in _field_names(kind):
         value = getattr(component, name)
         if isinstance(value, np.ndarray):
             value = value[rows]
@@ -111,5 +113,5 @@ def take(component: T, rows: npt.NDArray[np.intp]) -> T:
 
 
 @functools.cache
-def _field_names(cls: type) -> tuple[str, ...]:
+def _field_names(cls: Any) -> tuple[str, ...]:
     return tuple(field.name for field in attrs.fields(cls))

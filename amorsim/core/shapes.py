@@ -162,9 +162,7 @@ def _check_finite(points: Sequence[Point], what: str) -> None:
 def _area(ring: Sequence[Point]) -> float:
     """Area [m²], negative if clockwise."""
     x0, y0 = ring[0]
-    return 0.5 * sum(
-        (ax - x0) * (by - y0) - (bx - x0) * (ay - y0) for (ax, ay), (bx, by) in itertools.pairwise(ring)
-    )
+    return 0.5 * sum((ax - x0) * (by - y0) - (bx - x0) * (ay - y0) for (ax, ay), (bx, by) in itertools.pairwise(ring))
 
 
 def _size(ring: Sequence[Point]) -> float:
@@ -190,13 +188,9 @@ def _ring(vertices: ArrayLike | Iterable[Sequence[float]]) -> Ring:
             dtype=np.float64,
         )
     except (TypeError, ValueError):
-        raise ValueError(
-            "the vertices of a polygon are pairs of numbers [m], as in [[0, 0], [1, 0], [0, 1]]"
-        ) from None
+        raise ValueError("the vertices of a polygon are pairs of numbers [m], as in [[0, 0], [1, 0], [0, 1]]") from None
     if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(
-            f"the vertices of a polygon are pairs [m], (V, 2), not an array of shape {array.shape}"
-        )
+        raise ValueError(f"the vertices of a polygon are pairs [m], (V, 2), not an array of shape {array.shape}")
     ring: list[Point] = [(float(x), float(y)) for x, y in array]
     _check_finite(ring, "a vertex of a polygon")
     if len(ring) > 1 and ring[0] == ring[-1]:
@@ -264,7 +258,5 @@ def _best_diagonal(ring: Ring) -> int:
             reflex += _bend(ring[0], ring[end], ring[end + 1]) < 0.0
             choices.append((reflex, math.dist(ring[0], ring[end]), end))
     if not choices:
-        raise ValueError(
-            f"a polygon whose border nearly meets itself cannot be cut into convex parts: {ring}"
-        )
+        raise ValueError(f"a polygon whose border nearly meets itself cannot be cut into convex parts: {ring}")
     return min(choices)[2]

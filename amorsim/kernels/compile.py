@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
-from numba.core import caching
+from numba.core import caching, config
 
 __all__ = ["compile_seconds", "is_cold", "kernel"]
 
@@ -110,7 +110,7 @@ class _KernelLocator(caching._CacheLocator):  # type: ignore[misc, unused-ignore
 
 
 class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc, unused-ignore]
-    _locator_classes = (_KernelLocator,)
+    _locator_classes = [_KernelLocator]  # noqa: RUF012 - as numba declares it
 
 
 class _KernelCache(caching.FunctionCache):  # type: ignore[misc, unused-ignore]
@@ -146,9 +146,10 @@ def kernel(function: F) -> F:
     Division by zero gives `inf` or `nan` as NumPy does. Arguments are numbers and C-contiguous arrays; callers keep
     to one dtype and dimension per argument, so that each kernel compiles once.
     """
-    dispatcher = numba.njit(nogil=True, error_model="numpy", fastmath=False)(function)
-    if not numba.config.DISABLE_JIT and _cache_folder() is not None:
-        dispatcher._cache = _KernelCache(function)
+    dispatcher: Any = numba.njit(nogil=True, error_model="numpy", fastmath=False)(function)
+    if not getattr(config, "DISABLE_JIT", False) and _cache_folder() is not None:
+        cache: Any = _KernelCache
+        dispatcher._cache = cache(function)
         compile_ = dispatcher._compile_for_args
 
         @functools.wraps(compile_)

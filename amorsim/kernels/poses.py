@@ -26,7 +26,7 @@ def wrap(angle: float) -> float:
     """The same direction in [-pi, pi]; angles already there keep their bits."""
     if -math.pi <= angle <= math.pi:
         return angle
-    return angle - _TURN * np.floor((angle + math.pi) / _TURN)
+    return angle - _TURN * math.floor((angle + math.pi) / _TURN)
 
 
 @kernel
@@ -45,7 +45,7 @@ def compose(poses: Array, displacements: Array, out: Array) -> None:
 
 @kernel
 def exponential(twists: Array, fraction: Array, out: Array) -> None:
-    """Displacements `(N, 3)` by a fraction `(N, 1)` of constant twists (forward, left, turn) `(N, 3)` over a unit of time.
+    """Displacements `(N, 3)` by a fraction `(N, 1)` of constant twists (forward, left, turn) `(N, 3)`.
 
     The exponential map of the plane's rigid motions: an arc of a circle, or a line where nothing turns.
     """

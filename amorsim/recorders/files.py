@@ -3,44 +3,126 @@
 from __future__ import annotations
 
 import os
-import time
+import threading
 from pathlib import Path
 
-__all__ = ["LineFile"]
+from amorsim.core.errors import RunError
 
-LONGEST_WAIT = 0.5  # [s] of the clock on the wall, between a line and the disk
-LARGEST_BUFFER = 1 << 20  # bytes
+__all__ = ["LineFile", "LineFiles"]
+
+LONGEST_WAIT = 0.4  # [s] of the clock on the wall, between a line and the system
+LARGEST_BUFFER = 1 << 20  # bytes, of one file
 
 
 class LineFile:
-    """A file that lines are appended to; they reach the system in one piece, at most half a second later."""
+    """A file that lines are appended to; what is held back is held here, and handed over in whole lines.
+
+    Raises
+    ------
+    RunError
+        From each method, if the file cannot be made or written; it then ends with the last whole line.
+    """
 
     def __init__(self, path: Path, header: str) -> None:
-        # Unbuffered: what is held back is held here, and handed over in whole lines.
-        self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        self.path = path
         self._lines = [header + "\n"]
         self._size = 0
+        self._end = 0  # of what the file holds
+        try:
+            self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        except OSError as error:
+            raise self._failure(error) from None
         self.flush()
 
     def write(self, lines: str) -> None:
         """Append whole lines, each with its line end."""
         self._lines.append(lines)
         self._size += len(lines)
-        if self._size > LARGEST_BUFFER or time.monotonic() - self._flushed > LONGEST_WAIT:
+        if self._size > LARGEST_BUFFER:
             self.flush()
 
     def flush(self) -> None:
         """Hand everything over to the system."""
-        data = memoryview("".join(self._lines).encode())
-        while len(data):  # a full disk or a signal may cut a write short
-            data = data[os.write(self._descriptor, data) :]
+        if not self._lines:
+            return
+        data = "".join(self._lines).encode()
         self._lines = []
         self._size = 0
-        self._flushed = time.monotonic()
+        done = 0
+        try:
+            while done < len(data):  # a full disk or a signal may cut a write short
+                done += os.write(self._descriptor, memoryview(data)[done:])
+        except OSError as error:
+            whole = data.rfind(b"\n", 0, done) + 1
+            os.ftruncate(self._descriptor, self._end + whole)
+            raise self._failure(error) from None
+        self._end += done
 
     def close(self) -> None:
         """Hand everything over and close."""
-        if self._descriptor >= 0:
+        if self._descriptor < 0:
+            return
+        try:
             self.flush()
+        finally:
             os.close(self._descriptor)
             self._descriptor = -1
+
+    def _failure(self, error: OSError) -> RunError:
+        return RunError(f"{self.path}: cannot be written ({error.strerror or error})")
+
+
+class LineFiles:
+    """The files of a run, which lines reach half a second after they were written, whatever happens meanwhile.
+
+    A thread sees to that: a step may take long, and between steps that a user makes by hand any time may pass.
+    """
+
+    def __init__(self) -> None:
+        self._files: dict[str, LineFile] = {}
+        self._lock = threading.Lock()
+        self._closing = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._problem: RunError | None = None
+
+    def add(self, name: str, path: Path, header: str) -> None:
+        """Make a file, which `write` then knows by `name`."""
+        file = LineFile(path, header)
+        with self._lock:
+            self._files[name] = file
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._keep_flushing, name="amorsim-files", daemon=True)
+            self._thread.start()
+
+    def write(self, name: str, lines: str) -> None:
+        """Append whole lines to a file."""
+        with self._lock:
+            if self._problem is not None:
+                raise self._problem
+            self._files[name].write(lines)
+
+    def _keep_flushing(self) -> None:
+        while not self._closing.wait(LONGEST_WAIT):
+            with self._lock:
+                try:
+                    for file in self._files.values():
+                        file.flush()
+                except RunError as error:
+                    self._problem = error  # for whoever writes next
+                    return
+
+    def close(self) -> None:
+        """Hand everything over and close all files, also after one of them failed."""
+        self._closing.set()
+        if self._thread is not None:
+            self._thread.join()
+        problem = self._problem
+        self._problem = None
+        for file in self._files.values():
+            try:
+                file.close()
+            except RunError as error:
+                problem = problem or error
+        self._files = {}
+        if problem is not None:
+            raise problem

@@ -6,6 +6,7 @@ Outputs are written to a micrometre and a microradian; commands as the shortest 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame, Recorder, RunInfo
 from amorsim.core.poses import logarithm, relative
-from amorsim.recorders.files import LineFile
+from amorsim.recorders.files import LineFiles
 
 __all__ = ["Text"]
 
@@ -36,17 +37,20 @@ class Text(Recorder):
     A `replica` column leads where there are several.
     """
 
-    _files: dict[str, LineFile] = attrs.field(factory=dict, init=False)
+    _files: LineFiles = attrs.field(factory=LineFiles, init=False)
     _leads: list[list[str]] = attrs.field(factory=list, init=False)  # robot and replica of each row, by group
     _previous: list[dict[str, Any]] = attrs.field(factory=list, init=False)
     _joints: list[str] = attrs.field(factory=list, init=False)
     _channels: list[str] = attrs.field(factory=list, init=False)
     _sizes: dict[str, int] = attrs.field(factory=dict, init=False)
     _run: RunInfo | None = attrs.field(default=None, init=False)
+    _decimals: int = attrs.field(default=6, init=False)  # of times
 
     def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
         """Make the files and write the first readings."""
         self._run = run
+        # Microseconds, but always enough to tell the steps apart.
+        self._decimals = max(6, 2 - math.floor(math.log10(run.dt)))
         self._joints = _union(frame.joint_names for frame in frames)
         self._channels = _union(frame.channels for frame in frames)
         rates = [f"{kind}_{joint}" for joint in self._joints for kind in ("true", "measured")]
@@ -69,48 +73,47 @@ class Text(Recorder):
         assert self._run is not None
         path = Path(self._run.folder) / f"{name}.csv"
         path.parent.mkdir(exist_ok=True)
-        self._files[name] = LineFile(path, ("replica," if len(self._run.replicas) > 1 else "") + header)
+        self._files.add(name, path, ("replica," if len(self._run.replicas) > 1 else "") + header)
 
     def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
         """Write a line for each robot into each file, and one for each event and each sample that arrived."""
         for frame, previous in zip(frames, self._previous, strict=True):
             self._write_frame(frame, previous)
         if events:
-            self._files["events"].write("".join(self._event(event) for event in events))
+            self._files.write("events", "".join(self._event(event) for event in events))
 
     def _write_frame(self, frame: Frame, previous: dict[str, Any]) -> None:
         rows = range(len(frame.names))
         replica = [""] * len(rows)
         if self._run is not None and len(self._run.replicas) > 1:
             replica = [f"{number}," for number in frame.replica.tolist()]
-        time = [f"{t:.6f}" for t in frame.time.tolist()]
+        time = [f"{t:.{self._decimals}f}" for t in frame.time.tolist()]
         lead = [f"{replica[i]}{time[i]},{frame.names[i]}" for i in rows]
         estimate = next(iter(frame.estimates.values()))
         self._lines("poses", lead, np.concatenate((frame.true_pose, estimate.pose), axis=1))
         self._lines("velocities", lead, self._velocities(frame, estimate.pose, previous))
-        self._files["commands"].write(self._commands(frame, lead))
+        self._files.write("commands", self._commands(frame, lead))
         for name, held in frame.estimates.items():
             flat = held.covariance.reshape(len(rows), 9)[:, _UPPER]
-            self._files[f"estimates/{name}"].write(
-                "".join(
-                    f"{lead[i]},{_fixed(pose)},{','.join(map(repr, spread))}\n"
-                    for i, pose, spread in zip(rows, held.pose.tolist(), flat.tolist(), strict=True)
-                )
+            lines = (
+                f"{lead[i]},{_fixed(pose)},{','.join(map(repr, spread))}\n"
+                for i, pose, spread in zip(rows, held.pose.tolist(), flat.tolist(), strict=True)
             )
+            self._files.write(f"estimates/{name}", "".join(lines))
         if self._run is not None and self._run.with_sensors:
             for name, (true, reading) in frame.readings.items():
-                fresh = np.flatnonzero(reading.fresh[:, 0])
-                if not len(fresh):
+                fresh = np.flatnonzero(reading.fresh[:, 0]).tolist()
+                if not fresh:
                     continue
                 stamp = reading.stamp[:, 0]
-                leads = [f"{replica[i]}{time[i]},{stamp[i] * self._run.dt:.6f},{frame.names[i]}" for i in fresh]
+                leads = [f"{replica[i]}{time[i]},{stamp[i] * self._run.dt:.{self._decimals}f},{frame.names[i]}" for i in fresh]
                 missing = np.full((len(fresh), self._sizes[name] - true.shape[1]), np.nan)
                 parts = (true[fresh], missing, reading.measured[fresh], missing)
                 self._lines(f"sensors/{name}", leads, np.concatenate(parts, axis=1))
 
     def _lines(self, file: str, lead: Sequence[str], values: Array) -> None:
         text = "".join(f"{start},{_fixed(row)}\n" for start, row in zip(lead, values.tolist(), strict=True))
-        self._files[file].write(text)
+        self._files.write(file, text)
 
     def _velocities(self, frame: Frame, estimated: Array, previous: dict[str, Any]) -> Array:
         """Velocities of body and joints, true beside estimated or measured; nan where nothing was measured yet."""
@@ -161,18 +164,22 @@ class Text(Recorder):
         replica = f"{event.replica}," if len(self._run.replicas) > 1 else ""
         x, y = ("", "") if event.point is None else (f"{part:.6f}" for part in event.point)
         speed = "" if event.speed is None else f"{event.speed:.6f}"
-        value = "" if event.value is None else _quoted(json.dumps(event.value, default=str))
-        cells = [f"{event.time:.6f}", event.name, event.kind, event.other, x, y, speed, event.path, value, event.tick]
+        value = "" if event.value is None else _quoted(json.dumps(event.value, default=_plain))
+        cells = [f"{event.time:.{self._decimals}f}", event.name, event.kind, event.other, x, y, speed, event.path, value, event.tick]
         return replica + ",".join(map(str, cells)) + "\n"
 
     def close(self) -> None:
         """Close the files, whatever happened before."""
-        for file in self._files.values():
-            file.close()
+        self._files.close()
 
 
 def _fixed(values: Iterable[float]) -> str:
     return ",".join([f"{value:.6f}" for value in values])
+
+
+def _plain(value: Any) -> Any:
+    """What JSON can say of a value that it does not know: NumPy's numbers and arrays, which a script may set."""
+    return value.tolist() if isinstance(value, (np.generic, np.ndarray)) else str(value)
 
 
 def _quoted(text: str) -> str:

@@ -47,5 +47,5 @@ def test_the_key_of_a_stream_never_changes() -> None:
 def test_a_collision_is_an_error_that_names_both(monkeypatch: pytest.MonkeyPatch) -> None:
     check_collisions(1, [("a", "x"), ("b", "x"), ("a", "x")])
     monkeypatch.setattr(module, "stream_key", lambda seed, *names: 5)
-    with pytest.raises(AmorsimError, match="seed 1 .* b x and a x"):
+    with pytest.raises(AmorsimError, match=r"seed 1 .* b x and a x"):
         check_collisions(1, [("a", "x"), ("b", "x")])

@@ -1,0 +1,86 @@
+"""Driving to a place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.controllers.limits import at_rest, twist_limits
+from amorsim.kernels.heading_for import head_for
+
+__all__ = ["GoTo"]
+
+Array = npt.NDArray[np.float64]
+
+_TURN_FIRST = 0.2  # [rad] a larger error of the bearing is put right standing
+
+
+@attrs.frozen(kw_only=True)
+class GoTo(Controller):
+    """Turns towards a place, drives there by its estimate, and stops. It looks out for nothing on the way.
+
+    Parameters
+    ----------
+    x, y
+        The place in the world [m].
+    tolerance
+        From the place, within which the robot stops [m].
+    speed
+        At which it drives [m/s].
+    turn_rate
+        At which it turns [rad/s].
+    """
+
+    x: float = parameter(unit="m", help="the place, to the right in the world")
+    y: float = parameter(unit="m", help="the place, up in the world")
+    tolerance: float = parameter(0.02, unit="m", gt=0, help="distance from the place within which it stops")
+    speed: float = parameter(0.3, unit="m/s", gt=0, help="at which it drives")
+    turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns")
+
+    def start(self, context: Context) -> State:
+        """The limits of the drive `(N, 4)`, and the speed `(N, 1)` [m/s] that the robot has come to."""
+        return {"limits": twist_limits(context.robot), "moving": np.zeros((context.rows, 1))}
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)` of this step; 0 from the place on."""
+        goal = np.full((robot.rows, 3), np.nan)
+        goal[:, 0:1] = self.x
+        goal[:, 1:2] = self.y
+        tolerance = np.empty((robot.rows, 3))
+        tolerance[:, 0:1] = self.tolerance
+        tolerance[:, 1:] = _TURN_FIRST
+        out = np.empty((robot.rows, 4))
+        head_for(
+            estimate.pose,
+            goal,
+            self.speed,
+            self.turn_rate,
+            tolerance,
+            state["limits"],
+            clock.dt,
+            state["moving"],
+            out,
+        )
+        return robot.drive.command_for(np.ascontiguousarray(out[:, :3]), at_rest(robot))

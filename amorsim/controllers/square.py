@@ -1,0 +1,126 @@
+"""Driving a square, the test of odometry that is called UMBmark."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.controllers.limits import at_rest, twist_limits
+from amorsim.core.poses import compose
+from amorsim.kernels.heading_for import head_for
+
+__all__ = ["Square"]
+
+Array = npt.NDArray[np.float64]
+
+_TURN_FIRST = 0.1  # [rad] a larger error of the bearing is put right standing
+
+
+@attrs.frozen(kw_only=True)
+class Square(Controller):
+    """Drives a square from where it starts, straight ahead first, turns in place at corners, and stops.
+
+    It goes by its estimate, so that the drift of the estimate shows in where the robot really ends. With the
+    default side and speed, and both directions in turn, this is the test of J. Borenstein and L. Feng
+    ("Measurement and correction of systematic odometry errors in mobile robots", IEEE Trans. Robotics and
+    Automation 12(6), 1996).
+
+    Parameters
+    ----------
+    side
+        Of the square [m].
+    speed
+        At which it drives [m/s].
+    direction
+        ``"anticlockwise"``: all turns to the left; or ``"clockwise"``.
+    laps
+        How often it goes round.
+    turn_rate
+        At which it turns at the corners [rad/s].
+    tolerance
+        Distance from a corner [m] within which it turns there.
+    heading_tolerance
+        Error of the heading [rad] with which it leaves a corner at most; along a side it steers.
+    """
+
+    side: float = parameter(4.0, unit="m", gt=0, help="length of a side")
+    speed: float = parameter(0.2, unit="m/s", gt=0, help="at which it drives")
+    direction: str = parameter(
+        "anticlockwise", choices=("anticlockwise", "clockwise"), static=True, help="which way round"
+    )
+    laps: int = parameter(1, ge=1, help="how often it goes round")
+    turn_rate: float = parameter(0.7, unit="rad/s", gt=0, help="at which it turns at the corners")
+    tolerance: float = parameter(
+        0.002, unit="m", gt=0, help="distance from a corner within which it turns there"
+    )
+    heading_tolerance: float = parameter(
+        0.002, unit="rad", gt=0, help="error of the heading with which it leaves a corner at most"
+    )
+
+    def start(self, context: Context) -> State:
+        """The corners, as poses with which they are left, and how many were reached."""
+        rows = context.rows
+        turn = math.pi / 2.0 if self.direction == "anticlockwise" else -math.pi / 2.0
+        leg = np.zeros((rows, 3))
+        leg[:, 0:1] = self.side
+        leg[:, 2] = turn
+        corners = np.empty((rows, 4, 3))
+        corner = np.array(context.pose, dtype=np.float64)
+        corners[:, 3] = corner
+        for i in range(3):
+            corner = compose(corner, leg)
+            corners[:, i] = corner
+        return {
+            "corners": corners,
+            "reached": np.zeros((rows, 1), dtype=np.int64),
+            "limits": twist_limits(context.robot),
+            "moving": np.zeros((rows, 1)),
+        }
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)` of this step; 0 from the end on."""
+        reached = state["reached"]
+        goal = np.take_along_axis(state["corners"], reached[:, :, None] % 4, axis=1)[:, 0]
+        tolerance = np.empty((robot.rows, 3))
+        tolerance[:, 0:1] = self.tolerance
+        tolerance[:, 1:2] = self.heading_tolerance
+        tolerance[:, 2] = _TURN_FIRST
+        out = np.empty((robot.rows, 4))
+        head_for(
+            estimate.pose,
+            np.ascontiguousarray(goal),
+            self.speed,
+            self.turn_rate,
+            tolerance,
+            state["limits"],
+            clock.dt,
+            state["moving"],
+            out,
+        )
+        is_on_way = reached < 4 * self.laps
+        state["reached"] = reached + (is_on_way & (out[:, 3:] > 0.0))
+        twist = np.where(is_on_way, out[:, :3], 0.0)
+        return robot.drive.command_for(twist, at_rest(robot))

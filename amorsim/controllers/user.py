@@ -1,0 +1,296 @@
+"""A user's own controller: a plain function of one robot, or a class with such a method."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.controllers.limits import at_rest
+from amorsim.core.errors import ControllerError
+
+__all__ = [
+    "PoseVector",
+    "RobotClock",
+    "RobotEstimate",
+    "RobotReading",
+    "Twist",
+    "UserController",
+    "WheelSpeeds",
+]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen
+class Twist:
+    """A velocity: forward [m/s] and turning anticlockwise [rad/s]."""
+
+    forward: float = 0.0
+    turn: float = 0.0
+
+
+@attrs.frozen
+class WheelSpeeds:
+    """Speeds of the left and the right wheel's rim [m/s]; the robot converts them with its nominal radii."""
+
+    left: float = 0.0
+    right: float = 0.0
+
+
+class PoseVector(np.ndarray[Any, np.dtype[np.float64]]):
+    """A pose as an array `(3,)` whose elements also have names."""
+
+    @property
+    def x(self) -> float:
+        """To the right in the world [m]."""
+        return float(self[0])
+
+    @property
+    def y(self) -> float:
+        """Up in the world [m]."""
+        return float(self[1])
+
+    @property
+    def heading(self) -> float:
+        """Anticlockwise from the world's x axis [rad]."""
+        return float(self[2])
+
+
+@attrs.frozen
+class RobotReading:
+    """A sensor's reading, of one robot."""
+
+    measured: Array  # (k,) in the sensor's unit
+    stamp: int  # the tick that the values are of
+    age: float  # [s], since then
+    fresh: bool  # whether they arrived in this step
+
+
+@attrs.frozen
+class RobotEstimate:
+    """What one robot believes of its pose."""
+
+    pose: PoseVector  # (3,) x [m], y [m], heading [rad]
+    covariance: Array  # (3, 3)
+
+    @property
+    def x(self) -> float:
+        """To the right in the world [m]."""
+        return self.pose.x
+
+    @property
+    def y(self) -> float:
+        """Up in the world [m]."""
+        return self.pose.y
+
+    @property
+    def heading(self) -> float:
+        """Anticlockwise from the world's x axis [rad]."""
+        return self.pose.heading
+
+
+@attrs.frozen
+class RobotClock:
+    """The time of one robot: ticks and seconds since the episode began, and the length of a step [s]."""
+
+    tick: int
+    time: float
+    dt: float
+
+
+@attrs.frozen(kw_only=True)
+class UserController(Controller):
+    """Runs a user's function of one robot, or objects of a user's class, one for each robot.
+
+    The function is called as ``function(readings, estimate, clock, **options)``; of a class an object is made
+    with the options as keyword arguments, and its method called as ``command(readings, estimate, clock)``.
+    They get
+
+    - ``readings[name]``: a `RobotReading` with `measured` `(k,)`, `stamp`, `age` [s], `fresh`;
+    - ``estimate``: a `RobotEstimate` with `pose` `(3,)`, `covariance` `(3, 3)`, and `x`, `y`, `heading`;
+    - ``clock``: a `RobotClock` with `tick`, `time` [s], `dt` [s];
+
+    which are copies, theirs to keep. They return a `Twist`, `WheelSpeeds`, a number in rad/s for each channel
+    of the drive in order, a mapping from some channels' names to rad/s (0 for the others), or None to stop.
+
+    Parameters
+    ----------
+    source
+        Where it comes from, for messages: ``"file.py:name"``.
+    function
+        The function or the class.
+    options
+        Names and values of its keyword arguments.
+    """
+
+    source: str = parameter(static=True, help="where it comes from, as in file.py:name")
+    function: Any = attrs.field()
+    options: tuple[tuple[str, Any], ...] = attrs.field(default=())
+
+    def start(self, context: Context) -> State:
+        """An object of the class for each row, ``state["objects"]`` `(N,)`; nothing for a function.
+
+        Raises
+        ------
+        ControllerError
+            If it cannot be called, an object cannot be made, or has no method `command`.
+        """
+        if not callable(self.function):
+            raise ControllerError(
+                f"controller {self.source!r}: expected a function or a class, got {self.function!r}"
+            )
+        if not inspect.isclass(self.function):
+            return {}
+        objects = np.empty(context.rows, dtype=object)
+        for row in range(context.rows):
+            try:
+                objects[row] = self.function(**dict(self.options))
+            except Exception as error:
+                raise ControllerError(
+                    f"controller {self.source!r}: making its object for row {row} with the options "
+                    f"{dict(self.options)} raised {type(error).__name__}: {error}"
+                ) from error
+            if not callable(getattr(objects[row], "command", None)):
+                raise ControllerError(
+                    f"controller {self.source!r}: the class {self.function.__name__} has no method "
+                    "command(self, readings, estimate, clock)"
+                )
+        return {"objects": objects}
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)` of this step.
+
+        Raises
+        ------
+        ControllerError
+            If the user's code raises, or returns what is no command.
+        """
+        rows = robot.rows
+        options = dict(self.options)
+        objects = state.get("objects")
+        answers = _Answers(robot, self.source)
+        for row in range(rows):
+            call: Callable[..., Any] = self.function if objects is None else objects[row].command
+            arguments = (
+                _row_of_readings(readings, row),
+                RobotEstimate(estimate.pose[row].copy().view(PoseVector), estimate.covariance[row].copy()),
+                RobotClock(int(clock.tick[row, 0]), float(clock.time[row, 0]), float(clock.dt)),
+            )
+            try:
+                answer = call(*arguments, **options) if objects is None else call(*arguments)
+            except Exception as error:
+                raise ControllerError(
+                    f"controller {self.source!r} of row {row} at {arguments[2].time:g} s raised "
+                    f"{type(error).__name__}: {error}"
+                ) from error
+            answers.take(row, answer)
+        return answers.command()
+
+
+def _row_of_readings(readings: Mapping[str, Measurement], row: int) -> dict[str, RobotReading]:
+    return {
+        name: RobotReading(
+            reading.measured[row].copy(),
+            int(reading.stamp[row, 0]),
+            float(reading.age[row, 0]),
+            bool(reading.fresh[row, 0]),
+        )
+        for name, reading in readings.items()
+    }
+
+
+class _Answers:
+    """What the rows' controllers returned, made into one command."""
+
+    def __init__(self, robot: RobotModel, source: str) -> None:
+        self._robot = robot
+        self._source = source
+        self._rates = np.zeros((robot.rows, len(robot.channels)))
+        self._twists = np.zeros((robot.rows, 3))
+        self._speeds = np.zeros((robot.rows, 2))
+        self._gave_twist = np.zeros((robot.rows, 1), dtype=bool)
+        self._gave_speeds = np.zeros((robot.rows, 1), dtype=bool)
+
+    def take(self, row: int, answer: Any) -> None:
+        """Keep the answer of a row, or raise `ControllerError`."""
+        channels = self._robot.channels
+        if answer is None:
+            return
+        if isinstance(answer, Twist):
+            self._twists[row, ::2] = self._numbers(row, answer, (answer.forward, answer.turn))
+            self._gave_twist[row] = True
+        elif isinstance(answer, WheelSpeeds):
+            if not hasattr(self._robot.drive, "speeds_to_rates"):
+                raise self._wrong(row, answer, f"a {type(self._robot.drive).__name__} takes no wheel speeds")
+            self._speeds[row] = self._numbers(row, answer, (answer.left, answer.right))
+            self._gave_speeds[row] = True
+        elif isinstance(answer, Mapping):
+            unknown = [name for name in answer if name not in channels]
+            if unknown:
+                raise self._wrong(row, answer, f"there is no channel {unknown[0]!r}")
+            self._rates[row] = self._numbers(row, answer, [answer.get(name, 0.0) for name in channels])
+        elif isinstance(answer, (Sequence, np.ndarray)) and not isinstance(answer, (str, bytes)):
+            if np.ndim(answer) != 1 or len(answer) not in (len(channels), len(self._robot.drive.channels)):
+                raise self._wrong(row, answer, f"there are {len(channels)} channels")
+            self._rates[row, : len(answer)] = self._numbers(row, answer, answer)
+        else:
+            raise self._wrong(row, answer, f"a {type(answer).__name__} is no command")
+
+    def command(self) -> Array:
+        """The command `(N, c)` of all rows."""
+        drive: Any = self._robot.drive
+        whole = self._rates
+        command = whole[:, : len(drive.channels)]
+        if self._gave_twist.any():
+            command = np.where(
+                self._gave_twist, drive.command_for(self._twists, at_rest(self._robot)), command
+            )
+        if self._gave_speeds.any():
+            command = np.where(self._gave_speeds, drive.speeds_to_rates(self._speeds), command)
+        whole[:, : len(drive.channels)] = command
+        return whole
+
+    def _numbers(self, row: int, answer: Any, values: Any) -> list[float]:
+        found = []
+        for value in values:
+            if isinstance(value, (bool, np.bool_)) or not isinstance(
+                value, (int, float, np.integer, np.floating)
+            ):
+                raise self._wrong(row, answer, f"{value!r} is no number")
+            if not math.isfinite(value):
+                raise self._wrong(row, answer, f"{value!r} is not finite")
+            found.append(float(value))
+        return found
+
+    def _wrong(self, row: int, answer: Any, problem: str) -> ControllerError:
+        channels = ", ".join(self._robot.channels)
+        return ControllerError(
+            f"controller {self._source!r} of row {row} returned {answer!r}: {problem}. Expected "
+            f"am.Twist(forward, turn), am.WheelSpeeds(left, right) in m/s, rad/s for each of ({channels}) in "
+            "order or by name, or None to stop"
+        )

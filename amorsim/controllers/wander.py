@@ -1,0 +1,164 @@
+"""Wandering about, without touching anything."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Estimate,
+    Measurement,
+    Mount,
+    RobotModel,
+    SensorModel,
+    State,
+    parameter,
+)
+from amorsim.controllers.limits import at_rest, twist_limits
+from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.core.poses import compose
+from amorsim.kernels import wandering
+
+__all__ = ["Wander"]
+
+Array = npt.NDArray[np.float64]
+
+_PLACES = 32  # that the robot remembers, 0.7 m apart
+_SWAY_MAX = math.radians(2.0)
+_ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
+
+
+@attrs.frozen(kw_only=True)
+class Wander(Controller):
+    """Roams for ever: straight on while the way is free, then in place to another direction, and on.
+
+    The robot treats itself as a disc about its base point that holds its whole footprint, and `clearance`
+    around it. It came along a way that was free for that disc, so turning in place is always safe; straight
+    ahead it drives no faster than it can stop within what it sees. Where it turns is drawn at random,
+    directions with much room counting more, and places where it lately was (by its own estimate) counting
+    little, so that it finds its way through doors, and out of rooms again. It also turns aside where a door seems to
+    come abeam.
+
+    For drives that turn in place, and range sensors that see half the circle ahead, or all of it.
+
+    Parameters
+    ----------
+    speed
+        At which it drives where there is room [m/s].
+    sensor
+        Name of the range sensor, a scanner or a ring, by which it goes.
+    clearance
+        What it keeps free around its footprint as that turns [m]; three times the sensor's noise at least.
+    turn_rate
+        At which it turns in place [rad/s].
+    """
+
+    speed: float = parameter(0.4, unit="m/s", gt=0, help="at which it drives where there is room")
+    sensor: str = parameter("laser", help="name of the range sensor by which it goes")
+    clearance: float = parameter(
+        0.05, unit="m", ge=0, help="what it keeps free around its footprint as that turns"
+    )
+    turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns in place")
+
+    def start(self, context: Context) -> State:
+        """What the robot knows of itself, and remembers.
+
+        Raises
+        ------
+        ComponentError
+            If the robot has no such sensor, or one that does not say where its values look.
+        """
+        robot = context.robot
+        model = _range_sensor(robot, self.sensor)
+        beams = _beams(model, context.rows)
+        half_angle: Any = getattr(model.sensor, "half_angle", 0.0)
+        body = np.zeros((context.rows, wandering.BODY_COLUMNS))
+        body[:, 0] = robot.shape.reach
+        body[:, 1] = np.abs(robot.shape.outline[:, 1]).max()
+        body[:, 2:6] = twist_limits(robot)
+        body[:, 6] = np.maximum(beams[:, :, 2].min(axis=1), -math.pi)
+        body[:, 7] = np.minimum(beams[:, :, 2].max(axis=1), math.pi)
+        if not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
+            body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[1] - 1), _SWAY_MAX)
+        return {
+            "beams": beams,
+            "half_angle": np.array(np.broadcast_to(half_angle, (context.rows, 1)), dtype=np.float64),
+            "body": body,
+            "memory": np.zeros((context.rows, wandering.MEMORY_COLUMNS)),
+            "trail": np.zeros((context.rows, _PLACES, 2)),
+        }
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)` of this step."""
+        reading = readings[self.sensor]
+        is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
+        twist = np.empty((robot.rows, 3))
+        wandering.wander(
+            reading.measured,
+            reading.age,
+            estimate.pose,
+            state["beams"],
+            state["half_angle"],
+            _ARC_SAMPLES if is_cone else 1,
+            state["body"],
+            self.speed,
+            self.turn_rate,
+            self.clearance,
+            draws.uniform(2),
+            clock.dt,
+            state["memory"],
+            state["trail"],
+            twist,
+        )
+        return robot.drive.command_for(twist, at_rest(robot))
+
+
+def _range_sensor(robot: RobotModel, name: str) -> SensorModel:
+    seeing = [other for other, model in robot.sensors.items() if model.sensor.bearings() is not None]
+    known = ", ".join(repr(other) for other in seeing) or "none"
+    if name not in robot.sensors:
+        raise ComponentError(
+            f"wander goes by the sensor {name!r}, which the robot does not have; its range sensors: {known}."
+            f"{did_you_mean(name, seeing)} Name one of them in the field 'sensor'."
+        )
+    if name not in seeing:
+        kind = type(robot.sensors[name].sensor).__name__
+        raise ComponentError(
+            f"wander goes by the sensor {name!r}, but a {kind} has no bearings; the robot's range sensors: "
+            f"{known}. Name one of them in the field 'sensor'."
+        )
+    return robot.sensors[name]
+
+
+def _beams(model: SensorModel, rows: int) -> Array:
+    """Where each value is seen from and which way: poses `(N, k, 3)` in the robot's frame."""
+    bearings = model.sensor.bearings()
+    assert bearings is not None
+    k = bearings.shape[1]
+    on_mount = np.zeros((rows, k, 3))
+    on_mount[:, :, 2] = bearings
+    elements: Any = getattr(model.sensor, "elements", None)
+    if isinstance(elements, Mount):  # a ring: a table of arrays (N, k)
+        on_mount[:, :, 0] = elements.x
+        on_mount[:, :, 1] = elements.y
+    mount = np.empty((rows, k, 3))
+    for column, value in enumerate((model.mount.x, model.mount.y, model.mount.heading)):
+        mount[:, :, column] = value
+    return compose(mount.reshape(-1, 3), on_mount.reshape(-1, 3)).reshape(rows, k, 3)

@@ -1,0 +1,102 @@
+"""Two wheels on one axle, driven each by itself."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Drive, Joint, State, parameter
+from amorsim.kernels import odometry
+
+__all__ = ["Differential"]
+
+Array = npt.NDArray[np.float64]
+
+# The body's motion (forward, left, turn) per metre of the left and the right wheel: the turn is this over the
+# track.
+_FORWARD = np.array([[0.5, 0.5], [0.0, 0.0], [0.0, 0.0]])
+_TURN = np.array([[0.0, 0.0], [0.0, 0.0], [-1.0, 1.0]])
+
+
+@functools.cache
+def _no_limit(rows: int) -> Array:
+    unlimited = np.full((rows, 1), np.inf)
+    unlimited.flags.writeable = False  # as the fields are, or the kernel would be compiled twice
+    return unlimited
+
+
+@attrs.frozen(kw_only=True)
+class Differential(Drive):
+    """Two driven wheels on one axle, and castors that follow; the base point is the middle of the axle.
+
+    With the wheels' travels l and r [m] over a step, the body goes (l + r) / 2 forward and turns by (r - l) /
+    track: an arc of a circle, or a line, followed in closed form.
+
+    Parameters
+    ----------
+    wheel_radius_left, wheel_radius_right
+        Radii of the wheels [m].
+    track
+        Distance between the points where the wheels touch the ground [m].
+    rate_max
+        Fastest that a wheel turns [rad/s]. A faster command is scaled down for both wheels alike, so that the
+        curvature of the path is kept.
+    acceleration_max
+        Most that a wheel's rate changes in a second [rad/s^2]; none for no limit. Each wheel is limited by
+        itself.
+    """
+
+    joints: ClassVar[tuple[Joint, ...]] = (Joint(name="left_wheel"), Joint(name="right_wheel"))
+    channels: ClassVar[tuple[str, ...]] = ("left", "right")
+
+    wheel_radius_left: float = parameter(unit="m", gt=0, help="radius of the left wheel")
+    wheel_radius_right: float = parameter(unit="m", gt=0, help="radius of the right wheel")
+    track: float = parameter(unit="m", gt=0, help="distance between the wheels' points of contact")
+    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that a wheel turns")
+    acceleration_max: float | None = parameter(
+        None, unit="rad/s^2", gt=0, help="most that a wheel's rate changes in a second; none for no limit"
+    )
+
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        """Wheel angles `(N, 2)` [rad] and rates [rad/s] a step later; the command is wheel rates [rad/s]."""
+        limit = self.acceleration_max
+        out = np.empty((2, *joints.shape))
+        odometry.drive_wheels(
+            joints, rates, command, self.rate_max, _no_limit(len(joints)) if limit is None else limit, dt, out
+        )
+        return out[0], out[1]
+
+    def twist(self, before: Array, after: Array) -> Array:
+        """Motion of the body (forward [m], 0, turn [rad]) `(N, 3)` as wheels go from `before` to `after`."""
+        out = np.empty((len(before), 3))
+        odometry.wheel_twists(before, after, self.wheel_radius_left, self.wheel_radius_right, self.track, out)
+        return out
+
+    def travel(self, before: Array, after: Array) -> Array:
+        """Length of the path [m] and turning [rad] of a step `(N, 2)`."""
+        return np.abs(self.twist(before, after)[:, ::2])
+
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        """Wheel rates `(N, 2)` [rad/s] for `twist` `(N, 3)` [m/s, m/s, rad/s], less its part to the left."""
+        out = np.empty((len(twist), 2))
+        odometry.wheel_rates(twist, self.wheel_radius_left, self.wheel_radius_right, self.track, out)
+        return out
+
+    def rolling_radius(self) -> Array:
+        """Radii of the left and the right wheel `(N, 2)` [m]."""
+        radii: Any = (self.wheel_radius_left, self.wheel_radius_right)
+        return np.concatenate(radii, axis=1)
+
+    def speeds_to_rates(self, speeds: Array) -> Array:
+        """Wheel rates `(N, 2)` [rad/s] for speeds of the rims `(N, 2)` [m/s], by the drive's own radii."""
+        return speeds / self.rolling_radius()
+
+    def jacobian(self, before: Array, after: Array) -> Array:
+        """Motion of the body (forward, left, turn) per metre of each wheel's travel, `(N, 3, 2)`."""
+        return np.asarray(_FORWARD + _TURN / np.reshape(self.track, (-1, 1, 1)))

@@ -1,0 +1,106 @@
+"""Going to a pose: turn towards it, drive there, turn as asked."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+from amorsim.kernels.poses import wrap
+
+__all__ = ["head_for"]
+
+Floats = npt.NDArray[np.float64]
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
+
+_ALIGNED = 0.01  # [rad] a robot that stands, and gathers speed slowly, sets off with no larger error
+_STEERING_TIME = 1.0  # [s] in which such a robot puts its heading right as it drives
+
+
+@kernel
+def _approach(error: float, limit: float, braking: float, dt: float) -> float:
+    """A rate that removes an error without overshoot: all of it in this step, or what can be stopped."""
+    size = abs(error)
+    most = size / dt
+    if math.isfinite(braking):
+        # What is driven in this step, and then at half of the braking there is, adds up to the error.
+        half = 0.5 * braking
+        most = half * (math.sqrt(dt * dt + 2.0 * size / half) - dt)
+    return math.copysign(min(most, limit), error)
+
+
+@kernel
+def head_for(
+    pose: Floats,
+    goal: Floats,
+    speed: Column,
+    turn_rate: Column,
+    tolerance: Floats,
+    limits: Floats,
+    dt: float,
+    moving: Floats,
+    out: Floats,
+) -> None:
+    """Twists towards goals and whether they are reached, into `out` (N, 4): forward, left, turn, 1 or 0.
+
+    Parameters
+    ----------
+    pose
+        Where the robots believe to be, (N, 3).
+    goal
+        x [m], y [m] and heading [rad], nan for any heading, (N, 3).
+    speed, turn_rate
+        Fastest [m/s] and [rad/s], each (N, 1).
+    tolerance
+        Distance [m] within which a place counts as reached, error [rad] within which its heading does, and
+        error [rad] beyond which the bearing of a goal is put right in place and not on the way, (N, 3).
+    limits
+        Of the drive: speed, turn, and how fast each changes, (N, 4).
+    moving
+        Speed [m/s] at which the robots drive now, by their own reckoning, (N, 1); changed.
+    """
+    for i in range(pose.shape[0]):
+        fastest = min(speed[i, 0], limits[i, 0])
+        turn_fastest = min(turn_rate[i, 0], limits[i, 1])
+        dx = goal[i, 0] - pose[i, 0]
+        dy = goal[i, 1] - pose[i, 1]
+        distance = math.sqrt(dx * dx + dy * dy)
+        v = 0.0
+        w = 0.0
+        reached = 0.0
+        braking = limits[i, 2] * dt
+        # With limits on how fast wheels change, turning begins when the robot stands: else it would drift aside.
+        stands = moving[i, 0] == 0.0 or math.isinf(braking)
+        if distance <= tolerance[i, 0] and not stands:
+            pass
+        elif distance <= tolerance[i, 0]:
+            error = wrap(goal[i, 2] - pose[i, 2])
+            if math.isnan(error) or abs(error) <= tolerance[i, 1]:
+                reached = 1.0
+            else:
+                w = _approach(error, turn_fastest, limits[i, 3], dt)
+        else:
+            error = wrap(math.atan2(dy, dx) - pose[i, 2])
+            turn_first = tolerance[i, 2]
+            if moving[i, 0] == 0.0 and not math.isinf(braking):
+                turn_first = min(turn_first, _ALIGNED)
+            if abs(error) > turn_first:
+                if stands:
+                    w = _approach(error, turn_fastest, limits[i, 3], dt)
+            else:
+                v = _approach(distance, fastest, limits[i, 2], dt)
+                if math.isinf(braking):
+                    w = _approach(error, turn_fastest, limits[i, 3], dt)
+                else:
+                    # Wheels that speed up as fast as they can do not steer: half of what they can is kept for that.
+                    v = min(v, moving[i, 0] + 0.5 * braking)
+                    w = min(max(error / max(_STEERING_TIME, 4.0 * dt), -turn_fastest), turn_fastest)
+        moving[i, 0] = min(max(v, moving[i, 0] - braking), moving[i, 0] + braking)
+        out[i, 0] = v
+        out[i, 1] = 0.0
+        out[i, 2] = w
+        out[i, 3] = reached

@@ -1,0 +1,197 @@
+"""Wheels and the poses they lead to: two driven wheels on an axle, and how the doubt in a pose grows."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+
+__all__ = ["drive_wheels", "grow_covariance", "wheel_rates", "wheel_twists"]
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
+
+# Gauss and Legendre's nodes and weights on [0, 1]: exact for polynomials of degree 7. Along a straight step
+# the integrand of `grow_covariance` is of degree 2; on an arc of a [rad] a step the error is about 1e-7 * a**8
+# of the value.
+_NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
+_WEIGHTS = (0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692)
+
+_SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is under 1e-21
+
+
+@kernel
+def drive_wheels(
+    joints: Floats,
+    rates: Floats,
+    command: Floats,
+    rate_max: Column,
+    acceleration_max: Column,
+    dt: float,
+    out: Floats,
+) -> None:
+    """Wheels a step later, into `out` (2, N, w): angles [rad] and rates [rad/s].
+
+    A command `(N, w)` [rad/s] beyond `rate_max` (N, 1) is scaled down as a whole, which keeps the path's
+    curvature; then each wheel's rate changes by `acceleration_max` (N, 1) [rad/s^2] times `dt` [s] at most
+    (inf for no limit).
+    """
+    for i in range(joints.shape[0]):
+        most = rate_max[i, 0]
+        fastest = 0.0
+        for j in range(joints.shape[1]):
+            fastest = max(fastest, abs(command[i, j]))
+        scale = most / fastest if fastest > most else 1.0
+        change = acceleration_max[i, 0] * dt
+        for j in range(joints.shape[1]):
+            rate = min(max(command[i, j] * scale, -most), most)
+            rate = min(max(rate, rates[i, j] - change), rates[i, j] + change)
+            out[0, i, j] = joints[i, j] + rate * dt
+            out[1, i, j] = rate
+
+
+@kernel
+def wheel_twists(
+    before: Floats, after: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats
+) -> None:
+    """Motion (forward [m], left [m], turn [rad]) into `out` (N, 3) as a left and a right wheel turn.
+
+    `before` and `after` are the wheels' angles (N, 2) [rad]; radii and track [m] are (N, 1).
+    """
+    for i in range(before.shape[0]):
+        left = (after[i, 0] - before[i, 0]) * radius_left[i, 0]
+        right = (after[i, 1] - before[i, 1]) * radius_right[i, 0]
+        out[i, 0] = 0.5 * (left + right)
+        out[i, 1] = 0.0
+        out[i, 2] = (right - left) / track[i, 0]
+
+
+@kernel
+def wheel_rates(
+    twists: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats
+) -> None:
+    """Rates [rad/s] of a left and a right wheel at which the body moves with `twists`, into `out` (N, 2).
+
+    The inverse of `wheel_twists` for `twists` (N, 3) in m/s and rad/s. The part to the left cannot be met, and
+    is left out.
+    """
+    for i in range(twists.shape[0]):
+        across = 0.5 * twists[i, 2] * track[i, 0]
+        out[i, 0] = (twists[i, 0] - across) / radius_left[i, 0]
+        out[i, 1] = (twists[i, 0] + across) / radius_right[i, 0]
+
+
+@kernel
+def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
+    """Where a constant twist leads (x, y) [m], in the frame that it began in."""
+    if abs(turn) < _SMALL:
+        square = turn * turn
+        along = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        across = turn / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+    else:
+        half = math.sin(0.5 * turn)
+        along = math.sin(turn) / turn
+        across = 2.0 * half * half / turn
+    return forward * along - left * across, forward * across + left * along
+
+
+@kernel
+def grow_covariance(
+    covariance: Column,
+    headings: Floats,
+    twists: Floats,
+    jacobian: Floats,
+    before: Floats,
+    after: Floats,
+    rolling: Ints,
+    radius: Floats,
+    variance: Column,
+    out: Floats,
+) -> None:
+    """Covariance of the poses after a step, to first order, into `out` (N, 3, 3).
+
+    White noise acts on the travel of every rolling joint all along the step: where it acts, it displaces the
+    body by the `jacobian`, and what is left of the step carries that on. Integrated over the step instead of
+    lumped at one point of it, so the result does not depend on how many steps a path of constant curvature is
+    cut into.
+
+    Parameters
+    ----------
+    covariance
+        Before the step, (N, 3, 3).
+    headings
+        Poses (N, 3) before the step; only their headings [rad] count.
+    twists
+        The body's motion over the step (forward [m], left [m], turn [rad]), (N, 3).
+    jacobian
+        The body's motion (forward, left, turn) per metre of travel of each rolling joint, (N, 3, r).
+    before, after
+        Joints (N, j) [rad].
+    rolling
+        Which of the joints roll, (r,).
+    radius
+        Travel per radian of these, (N, r) [m].
+    variance
+        Of the travel, per metre of it, (N, 1) [m^2/m].
+    """
+    for i in range(covariance.shape[0]):
+        forward = twists[i, 0]
+        left = twists[i, 1]
+        turn = twists[i, 2]
+        end_x, end_y = _along_arc(forward, left, turn)
+        xx = 0.0
+        xy = 0.0
+        yy = 0.0
+        xt = 0.0
+        yt = 0.0
+        tt = 0.0
+        for node in range(4):
+            u = _NODES[node]
+            x, y = _along_arc(forward * u, left * u, turn * u)
+            c = math.cos(turn * u)
+            s = math.sin(turn * u)
+            for j in range(rolling.shape[0]):
+                joint = rolling[j]
+                travel = abs((after[i, joint] - before[i, joint]) * radius[i, j])
+                weight = _WEIGHTS[node] * variance[i, 0] * travel
+                ahead = jacobian[i, 0, j]
+                aside = jacobian[i, 1, j]
+                gt = jacobian[i, 2, j]
+                # Turning by gt here swings the end about this point.
+                gx = c * ahead - s * aside - gt * (end_y - y)
+                gy = s * ahead + c * aside + gt * (end_x - x)
+                xx += weight * gx * gx
+                xy += weight * gx * gy
+                yy += weight * gy * gy
+                xt += weight * gx * gt
+                yt += weight * gy * gt
+                tt += weight * gt * gt
+
+        c = math.cos(headings[i, 2])
+        s = math.sin(headings[i, 2])
+        # An error e of the heading before moves the end by e * (swing_x, swing_y).
+        swing_x = -(s * end_x + c * end_y)
+        swing_y = c * end_x - s * end_y
+        p_xt = covariance[i, 0, 2]
+        p_yt = covariance[i, 1, 2]
+        p_tt = covariance[i, 2, 2]
+        out[i, 0, 0] = covariance[i, 0, 0] + swing_x * (2.0 * p_xt + swing_x * p_tt)
+        out[i, 0, 1] = covariance[i, 0, 1] + swing_y * p_xt + swing_x * p_yt + swing_x * swing_y * p_tt
+        out[i, 1, 1] = covariance[i, 1, 1] + swing_y * (2.0 * p_yt + swing_y * p_tt)
+        out[i, 0, 2] = p_xt + swing_x * p_tt
+        out[i, 1, 2] = p_yt + swing_y * p_tt
+        out[i, 2, 2] = p_tt + tt
+        out[i, 0, 0] += c * (c * xx - s * xy) - s * (c * xy - s * yy)
+        out[i, 0, 1] += s * (c * xx - s * xy) + c * (c * xy - s * yy)
+        out[i, 1, 1] += s * (s * xx + c * xy) + c * (s * xy + c * yy)
+        out[i, 0, 2] += c * xt - s * yt
+        out[i, 1, 2] += s * xt + c * yt
+        out[i, 1, 0] = out[i, 0, 1]
+        out[i, 2, 0] = out[i, 0, 2]
+        out[i, 2, 1] = out[i, 1, 2]

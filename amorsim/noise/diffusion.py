@@ -1,0 +1,45 @@
+"""Noise between wheel and ground, that grows with the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+
+__all__ = ["Diffusion"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Diffusion(Noise):
+    """Adds to each travel normal noise with a variance in proportion to its length; none at rest.
+
+    For the chain between wheels and ground, whose values are each step's travel [m] of every rolling joint.
+    As the variances of independent steps add up, the noise on a way does not depend on how many steps it
+    takes (K. S. Chong and L. Kleeman, "Accurate odometry and error modelling for a mobile robot", ICRA 1997).
+
+    Parameters
+    ----------
+    variance_per_length
+        Variance of the travel, per metre of it [m^2/m].
+    """
+
+    variance_per_length: float = parameter(
+        unit="m", ge=0, help="variance of the travel [m^2] per metre of it"
+    )
+
+    def corrupt(
+        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
+    ) -> Array:
+        """The travels `(N, r)` [m] over the ground."""
+        size = np.abs(values)
+        size *= self.variance_per_length
+        std = np.sqrt(size, out=size)
+        std *= draws.normal(values.shape[1])
+        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        return values - (0.0 - std)

@@ -1,0 +1,182 @@
+"""Whether a class keeps the contract of its kind, as far as can be told without making one."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import types
+import typing
+from collections.abc import Iterator
+from typing import Any
+
+import attrs
+
+from amorsim.contracts import Joint
+from amorsim.core.errors import did_you_mean
+from amorsim.core.parameters import Parameter, describe
+
+__all__ = ["RESERVED", "check_class", "check_name"]
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
+_PLAIN = (float, int, bool, str, types.NoneType)
+
+RESERVED: dict[str, tuple[str, ...]] = {
+    "drive": ("use",),
+    "sensor": ("use", "mount", "rate", "latency", "noise"),
+    "noise": ("use", "name"),
+    "map_loader": ("use", "map", "landmarks"),
+    "motion": ("use",),
+    "estimator": ("use",),
+    "controller": ("use",),
+    "recorder": ("use",),
+}
+"""Keys that stand beside a component's fields in a scenario, and that no field may be called by."""
+
+
+def check_name(name: object) -> str:
+    """What is wrong with a name to register under, or nothing."""
+    if isinstance(name, str) and _NAME.fullmatch(name):
+        return ""
+    return f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {name!r}"
+
+
+def check_class(kind: str, contract: type, cls: Any) -> tuple[str, ...]:
+    """What is wrong with a class as a component of a kind: what was found and expected; empty if nothing."""
+    expected = f"amorsim.contracts.{contract.__name__}"
+    if not isinstance(cls, type):
+        return (f"expected a subclass of {expected}, got {cls!r}",)
+    if not issubclass(cls, contract):
+        bases = ", ".join(base.__name__ for base in cls.__bases__)
+        return (f"expected a subclass of {expected}, got a class with the bases {bases}",)
+    problems = list(_check_methods(contract, cls))
+    if not problems:  # only a class without abstract methods can be tried for being frozen
+        problems += _check_attrs(kind, cls)
+    problems += _check_constants(contract, cls)
+    return tuple(problems)
+
+
+def _check_methods(contract: type, cls: type) -> Iterator[str]:
+    missing = sorted(getattr(cls, "__abstractmethods__", ()))
+    if missing:
+        near = [_similar(cls, contract, name) for name in missing]
+        yield f"expected the methods {', '.join(missing)}, found none of that name" + "".join(near)
+    methods = {
+        name: member
+        for base in reversed(contract.__mro__)
+        for name, member in vars(base).items()
+        if not name.startswith("_") and isinstance(member, (types.FunctionType, classmethod))
+    }
+    for name, member in methods.items():
+        found = inspect.getattr_static(cls, name)
+        if found is member:
+            continue
+        if not isinstance(found, (types.FunctionType, classmethod, staticmethod)):
+            yield f"{name}: expected a method, found {type(found).__name__}"
+            continue
+        wanted_names, _ = _positional(member)
+        found_names, required = _positional(found)
+        fits = found_names[: len(wanted_names)] == wanted_names and required <= len(wanted_names)
+        if not fits:
+            yield f"{name}: expected ({', '.join(wanted_names)}), found ({', '.join(found_names)})"
+    if contract.__name__ == "Noise" and all(getattr(cls, name) is getattr(contract, name) for name in methods):
+        yield "expected aim or corrupt to be overridden, found neither"
+
+
+def _similar(cls: type, contract: type, name: str) -> str:
+    own = [other for other in vars(cls) if not other.startswith("_") and not hasattr(contract, other)]
+    near = did_you_mean(name, own)
+    return f" (is {near.split()[-1][:-1]} meant to be {name}?)" if near else ""
+
+
+def _positional(method: Any) -> tuple[list[str], int]:
+    """Names of a method's positional parameters without the instance or class, and how many must be given."""
+    function = method.__func__ if isinstance(method, (classmethod, staticmethod)) else method
+    parameters = list(inspect.signature(function).parameters.values())
+    if not isinstance(method, staticmethod):
+        parameters = parameters[1:]
+    kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    positional = [parameter for parameter in parameters if parameter.kind in kinds]
+    required = sum(
+        parameter.default is inspect.Parameter.empty
+        for parameter in parameters
+        if parameter.kind in (*kinds, inspect.Parameter.KEYWORD_ONLY)
+    )
+    return [parameter.name for parameter in positional], required
+
+
+def _check_attrs(kind: str, cls: type) -> Iterator[str]:
+    if "__attrs_attrs__" not in vars(cls):
+        yield "expected a class made with @attrs.frozen(kw_only=True), found one without that decorator"
+        return
+    # A recorder has files to keep open; every other component keeps nothing on itself.
+    if kind != "recorder" and not _is_frozen(cls):
+        yield "expected a frozen class, @attrs.frozen(kw_only=True), found one whose fields can be set"
+    for field in attrs.fields(cls):
+        if not field.init:
+            continue
+        if not field.kw_only:
+            yield f"field {field.name!r}: expected a keyword-only field, @attrs.frozen(kw_only=True)"
+        if field.name in RESERVED[kind]:
+            yield f"field {field.name!r}: the name has a meaning of its own in a scenario; take another"
+        if "amorsim" not in field.metadata:
+            yield f"field {field.name!r}: expected it to be made with amorsim.parameter(...)"
+            return
+    try:
+        described = describe(cls)
+    except Exception as error:
+        yield f"the types of its fields cannot be told: {type(error).__name__}: {error}"
+        return
+    for parameter in described.values():
+        if attrs.fields_dict(cls)[parameter.name].init:
+            yield from _check_field(parameter)
+
+
+def _check_field(parameter: Parameter) -> Iterator[str]:
+    if not _is_supported(parameter.type):
+        yield (
+            f"field {parameter.name!r}: expected float, int, bool, str, | None of them, an attrs class with "
+            f"such fields, or a tuple of those, found {parameter.type}"
+        )
+
+
+def _is_frozen(cls: type) -> bool:
+    instance: Any = object.__new__(cls)
+    try:
+        instance._amorsim_probe = None
+    except attrs.exceptions.FrozenError:
+        return True
+    except AttributeError:  # slots, not frozen
+        return False
+    return False
+
+
+def _is_supported(kind: Any) -> bool:
+    if kind in _PLAIN or kind is Ellipsis:
+        return True
+    origin = typing.get_origin(kind)
+    if origin in (tuple, types.UnionType, typing.Union):
+        return all(_is_supported(item) for item in typing.get_args(kind))
+    if isinstance(kind, type) and attrs.has(kind):
+        return all(_is_supported(parameter.type) for parameter in describe(kind).values())
+    return False
+
+
+def _check_constants(contract: type, cls: type) -> Iterator[str]:
+    wanted: dict[str, type] = {"joints": Joint, "channels": str, "extensions": str}
+    declared = {
+        name
+        for name, annotation in inspect.get_annotations(contract).items()
+        if "ClassVar" in str(annotation) and not hasattr(contract, name)
+    }
+    for name in sorted(declared):
+        value = getattr(cls, name, None)
+        if name in wanted:
+            item = wanted[name]
+            if not (isinstance(value, tuple) and value and all(isinstance(part, item) for part in value)):
+                yield f"{name}: expected a tuple of {item.__name__}, found {value!r}"
+            elif name == "extensions" and not all(ext.startswith(".") and ext == ext.lower() for ext in value):
+                yield f"extensions: expected lower case with the dot, as in ('.map',), found {value!r}"
+        elif name == "unit" and not isinstance(value, str):
+            yield f"unit: expected a text such as 'm', found {value!r}"
+        elif value is None:
+            yield f"{name}: expected it to be set on the class, found nothing"

@@ -1,0 +1,1 @@
+"""Robots that ship: TOML files, for a robot is data."""

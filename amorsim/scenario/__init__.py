@@ -1,0 +1,1 @@
+"""What is simulated: scenarios as Python objects, and their files."""

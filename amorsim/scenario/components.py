@@ -1,0 +1,139 @@
+"""Components in documents: a table with ``use = NAME`` and the fields of what the name means."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amorsim.contracts import Drive, Estimator, Motion, Mount, Sensor
+from amorsim.controllers.user import UserController
+from amorsim.core.errors import ControllerError, PluginError
+from amorsim.core.parameters import ParameterError
+from amorsim.plugins.registry import KINDS, Registry
+from amorsim.scenario.controller_files import is_controller_file, load_controller, split_reference
+from amorsim.scenario.faults import Node
+from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.spec import MountedSensor, NoiseElement
+from amorsim.scenario.values import check_values
+
+__all__ = ["read_chain", "read_controller", "read_drive", "read_estimator", "read_motion", "read_sensor"]
+
+_SENSOR_KEYS = ("use", "mount", "rate", "latency", "noise")
+
+
+def read_drive(node: Node, registry: Registry) -> Drive | None:
+    """The drive in a table."""
+    return _read(node, "drive", registry, ("use",))  # type: ignore[no-any-return]
+
+
+def read_estimator(node: Node, registry: Registry) -> Estimator | None:
+    """The estimator in a table."""
+    return _read(node, "estimator", registry, ("use",))  # type: ignore[no-any-return]
+
+
+def read_motion(node: Node, registry: Registry) -> Motion | None:
+    """The motion in a table."""
+    return _read(node, "motion", registry, ("use",))  # type: ignore[no-any-return]
+
+
+def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
+    """The sensor in a table, with its mount, rate, latency and noise beside its own fields."""
+    before = node.book.count
+    sensor: Sensor | None = _read(node, "sensor", registry, _SENSOR_KEYS)
+    if not node.is_table:
+        return None
+    values = read_fields(node, file_fields(MountedSensor, names=("rate", "latency")))
+    if "mount" in node:
+        values["mount"] = read_component(Mount, node.child("mount"))
+    if "noise" in node:
+        # Without the sensor nobody knows how its fields are spelt; what else is wrong can be said.
+        unit = None if sensor is None else sensor.unit
+        values["noise"] = read_chain(node.child("noise"), registry, unit)
+    if sensor is None or node.book.count > before:
+        return None
+    return MountedSensor(sensor=sensor, **values)
+
+
+def read_chain(node: Node, registry: Registry, unit: str | None) -> tuple[NoiseElement, ...]:
+    """The elements of a noise chain in a list of tables; `unit` is that of the values, None if not known.
+
+    An element without a name is called after its ``use``, the second of a kind ``<use>_2`` and so on.
+    """
+    if not node.expect_list("a list of tables, as in [{ use = 'gaussian', std = 0.01 }]"):
+        return ()
+    given = [item.value.get("name") if item.is_table else None for item in node.items()]
+    taken: set[str] = set()
+    elements = []
+    for item, name in zip(node.items(), given, strict=True):
+        if not item.is_table:
+            item.expect_table("a table, as in { use = 'gaussian', std = 0.01 }")
+            continue
+        if name is None:
+            name = _free_name(str(item.value.get("use")), taken, given)
+        elif isinstance(name, str) and name in taken:
+            item.child("name").fault(f"another element of the chain is called {name!r}; names must differ")
+        if isinstance(name, str):
+            taken.add(name)
+        if unit is None:
+            _class(item, "noise", registry)
+            continue
+        noise = _read(item, "noise", registry, ("use", "name"), unit)
+        try:
+            # A name is looked at even where the rest of the element is at fault.
+            element = NoiseElement(name=name, noise=noise)
+        except ParameterError as error:
+            item.child("name").fault(error.problem)
+        else:
+            if noise is not None:
+                elements.append(element)
+    return tuple(elements)
+
+
+def _free_name(use: str, taken: set[str], given: list[Any]) -> str:
+    name, number = use, 1
+    while name in taken or name in given:
+        number += 1
+        name = f"{use}_{number}"
+    return name
+
+
+def read_controller(node: Node, registry: Registry) -> Any:
+    """The controller in a table: a registered one, or ``use = "file.py:name"`` with its own options."""
+    use = node.value.get("use") if node.is_table else None
+    if not isinstance(use, str) or not is_controller_file(use):
+        return _read(node, "controller", registry, ("use",))
+    options = {key: value for key, value in node.value.items() if key != "use"}
+    if not check_values(node, ("use",)):
+        return None
+    use_node = node.child("use")
+    try:
+        path, name = split_reference(use, use_node.folder)
+        function = load_controller(path, name, options)
+    except ControllerError as error:
+        use_node.fault(str(error))
+        return None
+    return UserController(source=f"{path}:{name}", function=function, options=tuple(options.items()))
+
+
+def _class(node: Node, kind: str, registry: Registry) -> type[Any] | None:
+    """The class that ``use`` of a table means."""
+    if not node.expect_table(f"a table with use = one of: {', '.join(registry.names(kind)) or 'none'}"):
+        return None
+    use = node.child("use")
+    if use.value is None:
+        known = ", ".join(registry.names(kind)) or "none"
+        use.fault(f"missing; expected the name of a {kind}: {known}")
+        return None
+    name = use.text(f"the name of a {kind}")
+    if name is None:
+        return None
+    try:
+        return registry.get(kind, name)
+    except PluginError as error:
+        use.fault(str(error))
+        return None
+
+
+def _read(node: Node, kind: str, registry: Registry, beside: tuple[str, ...], sensor_unit: str = "") -> Any:
+    assert kind in KINDS
+    cls = _class(node, kind, registry)
+    return None if cls is None else read_component(cls, node, sensor_unit=sensor_unit, beside=beside)

@@ -1,0 +1,110 @@
+"""Controllers in files of the user: ``"my_controller.py:Wander"``, a class or a plain function."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from amorsim.core.errors import ControllerError, did_you_mean
+
+__all__ = ["is_controller_file", "load_controller", "split_reference"]
+
+
+def is_controller_file(use: str) -> bool:
+    """Whether the name of a controller means a file rather than a registered controller."""
+    return ".py:" in use or use.endswith(".py")
+
+
+def split_reference(use: str, folder: Path) -> tuple[Path, str]:
+    """File and name that ``"file.py:name"`` means; a relative file is in `folder`."""
+    file, colon, name = use.rpartition(":")
+    if not colon or not file.endswith(".py"):
+        raise ControllerError(f"expected 'FILE.py:NAME', the name of a function or class in the file, got {use!r}")
+    if not name.isidentifier():
+        raise ControllerError(f"expected the name of a function or class after the colon, got {name!r}")
+    return Path(os.path.abspath(folder / file)), name  # noqa: PTH100 - a link keeps the name that it was given
+
+
+def load_controller(path: Path, name: str, options: Mapping[str, Any]) -> Any:
+    """The function or class called `name` in a Python file, which must take `options` as keyword arguments.
+
+    The file is run as a module of its own; one that says the same is run once in a process.
+
+    Raises
+    ------
+    ControllerError
+        If the file is not there, is not Python, raises when it is run, has no such name, or does not take the
+        options; the line is named where there is one.
+    """
+    module = _load_module(path)
+    found = vars(module).get(name)
+    if found is None:
+        own = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]
+        known = ", ".join(own) or "none"
+        raise ControllerError(f"there is no {name!r} in {path}, but: {known}.{did_you_mean(name, own)}")
+    if not callable(found):
+        raise ControllerError(f"{name!r} in {path} is neither a function nor a class, but {found!r}")
+    _check_arguments(path, name, found, options)
+    return found
+
+
+def _load_module(path: Path) -> ModuleType:
+    try:
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        is_missing = isinstance(error, FileNotFoundError)
+        problem = "there is no such file" if is_missing else f"cannot be read: {error}"
+        raise ControllerError(f"{path}: {problem}") from error
+    digest = hashlib.blake2b(str(path).encode() + b"\0" + data, digest_size=8).hexdigest()
+    # Named after what it says: an edited file is another module; pickled objects of the old one stay whole.
+    module_name = f"amorsim_controller_{digest}"
+    if module_name in sys.modules:
+        return sys.modules[module_name]
+    spec = importlib.util.spec_from_file_location(module_name, path)
+    if spec is None:
+        raise ControllerError(f"{path}: Python knows no way to load this file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module_name] = module
+    try:
+        # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
+        exec(compile(data, str(path), "exec"), vars(module))
+    except (Exception, SystemExit) as error:
+        del sys.modules[module_name]
+        raise ControllerError(f"{path}{_line(error, path)}: {type(error).__name__}: {_text(error)}") from error
+    return module
+
+
+def _line(error: BaseException, path: Path) -> str:
+    if isinstance(error, SyntaxError):
+        return f", line {error.lineno}"
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return f", line {lines[-1]}" if lines else ""
+
+
+def _text(error: BaseException) -> str:
+    return error.msg if isinstance(error, SyntaxError) else str(error)
+
+
+def _check_arguments(path: Path, name: str, found: Any, options: Mapping[str, Any]) -> None:
+    # A class is made with the options alone, a function called with them after its three arguments.
+    leading = () if inspect.isclass(found) else (None, None, None)
+    try:
+        signature = inspect.signature(found)
+    except (TypeError, ValueError):  # written in C: nothing to check against
+        return
+    try:
+        signature.bind(*leading, **options)
+    except TypeError as error:
+        known = [parameter.name for parameter in list(signature.parameters.values())[len(leading) :]]
+        unknown = [option for option in options if option not in known]
+        hint = did_you_mean(unknown[0], known) if unknown else ""
+        call = f"{name}({', '.join(known)})" if not leading else f"{name}(readings, estimate, clock, **options)"
+        raise ControllerError(f"{path}: {name}{signature} cannot be called as {call}: {error}.{hint}") from error

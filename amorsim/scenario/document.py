@@ -1,0 +1,177 @@
+"""Documents of scenarios: all that a file needs to say for the same scenario to be read from it again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amorsim.contracts import Controller
+from amorsim.controllers.user import UserController
+from amorsim.core.errors import Fault, PluginError, ScenarioError
+from amorsim.core.map import Map
+from amorsim.plugins.manager import default_registry
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.bodies import write_shape
+from amorsim.scenario.deviations import write_deviations
+from amorsim.scenario.fields import write_fields
+from amorsim.scenario.maps import source_of
+from amorsim.scenario.models import FORMAT
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Robot, Scenario
+from amorsim.scenario.worlds import start_of
+
+__all__ = ["document_of", "resolved"]
+
+
+def resolved(scenario: Scenario) -> dict[str, Any]:
+    """The complete document of a scenario: the one it was read with, or else `document_of` it."""
+    return dict(scenario.document) if scenario.document is not None else document_of(scenario)
+
+
+def document_of(scenario: Scenario, *, registry: Registry | None = None) -> dict[str, Any]:
+    """The complete document of a scenario: no models, every default filled in, files by their absolute paths.
+
+    Raises
+    ------
+    ScenarioError
+        With a fault for everything that has no name in a file: a component that nobody registered, a map or a
+        controller that is in no file, a shape that no table describes.
+    """
+    writer = _Writer(registry or default_registry())
+    document = writer.scenario(scenario)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return document
+
+
+class _Writer:
+    """One method a thing; collects what cannot be written."""
+
+    def __init__(self, registry: Registry) -> None:
+        self._registry = registry
+        self.faults: list[Fault] = []
+
+    def scenario(self, scenario: Scenario) -> dict[str, Any]:
+        """The whole document."""
+        document = {
+            "format": FORMAT,
+            "world": self._map(scenario.map, "world"),
+            "simulation": write_fields(scenario, names=("dt", "duration", "seed")),
+            "recording": write_fields(scenario.recording),
+            "robots": [self._robot(robot, scenario.map, f"robots.{i}") for i, robot in enumerate(scenario.robots)],
+        }
+        if scenario.obstacles:
+            document["obstacles"] = [
+                self._obstacle(obstacle, f"obstacles.{i}") for i, obstacle in enumerate(scenario.obstacles)
+            ]
+        return document
+
+    def _fault(self, path: str, message: str) -> None:
+        self.faults.append(Fault(file="", path=path, message=message))
+
+    def _component(self, kind: str, component: Any, path: str, unit: str = "") -> dict[str, Any]:
+        try:
+            name = self._registry.name_of(kind, type(component))
+        except PluginError as error:
+            self._fault(path, str(error))
+            return {}
+        if name is None:
+            what = f"{type(component).__module__}.{type(component).__qualname__}"
+            self._fault(
+                path,
+                f"{what} is not registered as a {kind}, so a file cannot name it; register it in a plugin",
+            )
+            return {}
+        return {"use": name, **write_fields(component, unit)}
+
+    def _map(self, found: Map, path: str) -> dict[str, Any]:
+        file = source_of(found)
+        if file is None:
+            self._fault(
+                f"{path}.map",
+                "the map was not read from a file, so a file cannot name it; read it with load_map",
+            )
+            return {}
+        return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
+
+    def _robot(self, robot: Robot, world: Map, path: str) -> dict[str, Any]:
+        written: dict[str, Any] = {"name": robot.name}
+        if robot.model:
+            written["resolved_from"] = robot.model
+        pose = robot.pose or start_of(world)
+        written["pose"] = write_fields(pose)
+        written["shape"] = self._shape(robot.shape, path)
+        if robot.controller is not None:
+            written["controller"] = self._controller(robot.controller, f"{path}.controller")
+        written["on_collision"] = robot.on_collision
+        if robot.ground:
+            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
+        written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
+        written["sensors"] = {
+            name: self._sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
+        }
+        written["estimators"] = {
+            name: self._component("estimator", estimator, f"{path}.estimators.{name}")
+            for name, estimator in robot.estimators.items()
+        }
+        if robot.errors:
+            written["errors"] = self._errors(robot, pose, path)
+        knowledge: dict[str, Any] = {}
+        if robot.knowledge.map is not None:
+            knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
+        if robot.knowledge.landmarks:
+            knowledge["landmarks"] = [list(point) for point in robot.knowledge.landmarks]
+        if knowledge:
+            written["knowledge"] = knowledge
+        return written
+
+    def _errors(self, robot: Robot, pose: Pose, path: str) -> dict[str, Any]:
+        parts = {"drive": robot.drive, "sensors": robot.sensors, "pose": pose}
+        try:
+            return write_deviations(robot.errors, parts)
+        except (LookupError, AttributeError, ValueError) as error:
+            self._fault(f"{path}.errors", f"one of its paths leads to no number: {error}")
+            return {}
+
+    def _sensor(self, mounted: MountedSensor, path: str) -> dict[str, Any]:
+        unit = mounted.sensor.unit
+        written = self._component("sensor", mounted.sensor, path)
+        written["mount"] = write_fields(mounted.mount)
+        written.update(write_fields(mounted, names=("rate", "latency")))
+        if mounted.noise:
+            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit)
+        return written
+
+    def _chain(self, chain: tuple[NoiseElement, ...], path: str, unit: str) -> list[dict[str, Any]]:
+        written = []
+        for i, element in enumerate(chain):
+            fields = self._component("noise", element.noise, f"{path}.{i}", unit)
+            written.append({"use": fields.pop("use", ""), "name": element.name, **fields})
+        return written
+
+    def _controller(self, controller: Any, path: str) -> dict[str, Any]:
+        if isinstance(controller, UserController):
+            return {"use": controller.source, **dict(controller.options)}
+        if isinstance(controller, Controller):
+            return self._component("controller", controller, path)
+        name = getattr(controller, "__qualname__", repr(controller))
+        self._fault(
+            path,
+            f"{name} was given as an object, so a file cannot name it; put it into a file of its own, and "
+            f"say use = 'FILE.py:{name}'",
+        )
+        return {}
+
+    def _obstacle(self, obstacle: Obstacle, path: str) -> dict[str, Any]:
+        written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
+        written["pose"] = write_fields(obstacle.pose)
+        if obstacle.motion is not None:
+            written["motion"] = self._component("motion", obstacle.motion, f"{path}.motion")
+        return written
+
+    def _shape(self, shape: Any, path: str) -> dict[str, Any]:
+        written = write_shape(shape)
+        if written is None:
+            self._fault(
+                f"{path}.shape",
+                "a shape that is no circle, polygon or rounded convex polygon cannot be written into a file",
+            )
+        return written or {}

@@ -1,0 +1,164 @@
+"""Values of a document with their places: where each came from, and what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import Fault, ScenarioError, did_you_mean
+
+__all__ = ["Book", "Node", "Source"]
+
+Path_ = tuple[str, ...]
+
+
+@attrs.frozen(kw_only=True)
+class Source:
+    """A file, or a setting of the command line, that values came from.
+
+    `folder` is where relative paths in it start; `depth` how many parts of a path in the whole document are
+    left off to get the path in the file (a robot's model begins at the robot).
+    """
+
+    file: str
+    folder: Path
+    depth: int = 0
+
+
+class Book:
+    """The faults found so far, and which parts of the document came from which source."""
+
+    def __init__(self, source: Source) -> None:
+        self._sources: dict[Path_, Source] = {(): source}
+        self._faults: list[Fault] = []
+        self._count = 0
+        self.incomplete: set[Path_] = set()
+        """Tables that lack what a file which could not be read would have given them."""
+
+    def set_source(self, path: Path_, source: Source) -> None:
+        """From now on, everything at `path` and below came from `source`."""
+        for known in [known for known in self._sources if known[: len(path)] == path]:
+            del self._sources[known]
+        self._sources[path] = source
+
+    def source(self, path: Path_) -> Source:
+        """Where the value at `path` came from."""
+        return next(
+            self._sources[path[:length]] for length in range(len(path), -1, -1) if path[:length] in self._sources
+        )
+
+    def fault(self, path: Path_, message: str) -> None:
+        """Note what is wrong at `path`."""
+        source = self.source(path)
+        self.add(Fault(file=source.file, path=".".join(path[source.depth :]), message=message))
+
+    def add(self, fault: Fault) -> None:
+        """Note a fault, once: a model's is found for every robot that is of the model."""
+        self._count += 1
+        if fault not in self._faults:
+            self._faults.append(fault)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """The faults so far, each once."""
+        return tuple(self._faults)
+
+    @property
+    def count(self) -> int:
+        """How often a fault was noted; it has grown where something is wrong."""
+        return self._count
+
+    def raise_if_any(self) -> None:
+        """Raise `ScenarioError` with all faults, if there are any."""
+        if self._faults:
+            raise ScenarioError(self._faults)
+
+
+@attrs.frozen
+class Node:
+    """A value in a document, its path, and the book that takes its faults."""
+
+    value: Any
+    path: Path_
+    book: Book
+
+    def fault(self, message: str) -> None:
+        """Note what is wrong with this value."""
+        self.book.fault(self.path, message)
+
+    @property
+    def folder(self) -> Path:
+        """Where relative paths in this value start."""
+        return self.book.source(self.path).folder
+
+    @property
+    def is_table(self) -> bool:
+        """Whether the value is a table."""
+        return isinstance(self.value, dict)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.value
+
+    def child(self, key: str) -> Node:
+        """The value under a key of this table; None if there is none, so that its absence has a path."""
+        return Node(self.value.get(key), (*self.path, key), self.book)
+
+    def children(self) -> Iterator[tuple[str, Node]]:
+        """The keys and values of this table."""
+        for key in self.value:
+            yield key, self.child(key)
+
+    def items(self) -> Iterator[Node]:
+        """The elements of this list."""
+        for index, value in enumerate(self.value):
+            yield Node(value, (*self.path, str(index)), self.book)
+
+    def expect_table(self, what: str = "a table") -> bool:
+        """Whether this is a table; a fault if not."""
+        if isinstance(self.value, dict):
+            return True
+        self.fault(f"expected {what}, got {shown(self.value)}")
+        return False
+
+    def expect_list(self, what: str) -> bool:
+        """Whether this is a list; a fault if not."""
+        if isinstance(self.value, list):
+            return True
+        self.fault(f"expected {what}, got {shown(self.value)}")
+        return False
+
+    def text(self, what: str, default: str | None = None) -> str | None:
+        """The value as a text; a fault and None if it is something else, or absent without a default."""
+        if self.value is None and default is not None:
+            return default
+        if isinstance(self.value, str) and self.value:
+            return self.value
+        self.fault(f"expected {what}, got {shown(self.value)}")
+        return None
+
+    def refuse_unknown(self, known: Mapping[str, Any] | tuple[str, ...]) -> None:
+        """A fault for every key of this table that is not known, with what may have been meant."""
+        for key, node in self.children():
+            if key in known:
+                continue
+            if f"{key}_deg" in known:
+                node.fault(f"this is an angle: write {key}_deg, in degrees")
+            elif key.endswith("_deg") and key[:-4] in known:
+                node.fault(f"this is no angle: write {key[:-4]}")
+            else:
+                names = ", ".join(known) or "none"
+                node.fault(f"there is no such key, but: {names}.{did_you_mean(key, known)}")
+
+
+def shown(value: Any) -> str:
+    """A value as a message shows it: at most some eighty characters."""
+    if value is None:
+        return "nothing"
+    try:
+        text = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        text = "a number of thousands of digits"
+    return text if len(text) <= 80 else f"{text[:77]}..."

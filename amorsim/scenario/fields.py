@@ -1,0 +1,203 @@
+"""The fields of a component, in a table of a file: read and checked, and written again.
+
+A field is spelt as in Python, an angle in degrees as ``<name>_deg``. A list stands for a tuple, a table for a
+nested class, ``"none"`` for None where a field admits it. Nothing is coerced; an int may stand for a float.
+"""
+
+from __future__ import annotations
+
+import math
+import types
+import typing
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import attrs
+
+from amorsim.core.parameters import Parameter, ParameterError, check_value, describe
+from amorsim.scenario.angles import to_degrees, to_radians
+from amorsim.scenario.faults import Node, shown
+
+__all__ = ["file_fields", "read_component", "read_fields", "write_fields"]
+
+NONE = "none"
+_MOST = 2**63 - 1
+_BAD: Any = object()
+
+
+def file_fields(cls: type, sensor_unit: str = "", names: Iterable[str] | None = None) -> dict[str, Parameter]:
+    """The parameters of a class by their keys in files; the unit ``"sensor"`` becomes the sensor's."""
+    found = {}
+    for name, parameter in describe(cls).items():
+        if names is not None and name not in names:
+            continue
+        if parameter.unit == "sensor":
+            parameter = attrs.evolve(parameter, unit=sensor_unit)
+        found[f"{name}_deg" if parameter.is_angle else name] = parameter
+    return found
+
+
+def read_component(cls: type, node: Node, *, sensor_unit: str = "", beside: tuple[str, ...] = ()) -> Any:
+    """An instance of `cls` from a table, or None after faults; `beside` are keys that are no fields."""
+    if not node.expect_table():
+        return None
+    fields = file_fields(cls, sensor_unit)
+    node.refuse_unknown((*beside, *fields))
+    before = node.book.count
+    values = read_fields(node, fields, skip=beside)
+    if node.book.count > before:
+        return None
+    try:
+        return cls(**values)
+    except ParameterError as error:
+        names = [key for key, parameter in fields.items() if parameter.name == error.name]
+        (node.child(names[0]) if names else node).fault(error.problem if names else str(error))
+    except Exception as error:  # a third party's own checks
+        node.fault(f"{cls.__name__} refuses these values: {type(error).__name__}: {error}")
+    return None
+
+
+def read_fields(node: Node, fields: Mapping[str, Parameter], skip: tuple[str, ...] = ()) -> dict[str, Any]:
+    """The values of a table's fields by their names in Python, in SI units; those at fault are left out."""
+    values = {}
+    for key, parameter in fields.items():
+        if key in skip:
+            continue
+        child = node.child(key)
+        if key not in node:
+            if parameter.is_required:
+                about = f" ({parameter.help})" if parameter.help else ""
+                child.fault(f"missing; expected {_in_file(key, parameter).expectation}{about}")
+            continue
+        value = _read(child, key, parameter)
+        if value is not _BAD:
+            values[parameter.name] = value
+    return values
+
+
+def _in_file(key: str, parameter: Parameter) -> Parameter:
+    """The parameter as the file has it: an angle's bounds and unit in degrees."""
+    if not parameter.is_angle:
+        return attrs.evolve(parameter, name=key)
+    bounds: dict[str, Any] = {
+        name: None if bound is None else to_degrees(bound)
+        for name, bound in (
+            ("gt", parameter.gt),
+            ("ge", parameter.ge),
+            ("lt", parameter.lt),
+            ("le", parameter.le),
+        )
+    }
+    return attrs.evolve(parameter, name=key, unit=parameter.unit.replace("rad", "deg", 1), **bounds)
+
+
+def _read(node: Node, key: str, parameter: Parameter) -> Any:
+    expected = _in_file(key, parameter)
+    before = node.book.count
+    value = _native(node, parameter.type)
+    if node.book.count > before:
+        return _BAD
+    if _is_oversized(value):
+        node.fault(f"expected {expected.expectation}, got {shown(node.value)}")
+        return _BAD
+    try:
+        check_value(expected, value)
+        value = _map_numbers(to_radians, value) if parameter.is_angle else _plain(parameter.type, value)
+        check_value(parameter, value)
+    except ParameterError as error:
+        problem = error.problem.replace(f"got {value!r}", f"got {shown(node.value)}")
+        node.fault(problem if len(problem) < 500 else f"{problem[:500]}...")
+        return _BAD
+    return value
+
+
+def _native(node: Node, kind: Any) -> Any:
+    """The value with tuples and nested classes where the type has them; what does not fit stays as it is."""
+    value = node.value
+    if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
+        options = typing.get_args(kind)
+        if value == NONE and types.NoneType in options:
+            return None
+        fitting = [option for option in options if _fits(option, value)]
+        return _native(node, fitting[0]) if fitting else value
+    if typing.get_origin(kind) is tuple and isinstance(value, list):
+        items = typing.get_args(kind)
+        if len(items) == 2 and items[1] is Ellipsis:
+            items = (items[0],) * len(value)
+        if len(items) != len(value):
+            return tuple(value)
+        return tuple(_native(child, item) for child, item in zip(node.items(), items, strict=True))
+    if isinstance(kind, type) and attrs.has(kind) and isinstance(value, dict):
+        return read_component(kind, node)
+    return value
+
+
+def _fits(kind: Any, value: Any) -> bool:
+    if typing.get_origin(kind) is tuple:
+        return isinstance(value, list)
+    return isinstance(kind, type) and attrs.has(kind) and isinstance(value, dict)
+
+
+def _is_oversized(value: Any) -> bool:
+    # The engine's whole numbers have 64 bits, and beyond 1e308 an int is no float either.
+    if isinstance(value, dict):
+        value = tuple(value.values())
+    if isinstance(value, (tuple, list)):
+        return any(_is_oversized(item) for item in value)
+    return isinstance(value, int) and not -_MOST <= value <= _MOST
+
+
+def _map_numbers(function: Any, value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_map_numbers(function, item) for item in value)
+    return function(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
+
+
+def _plain(kind: Any, value: Any) -> Any:
+    """The value with a float wherever the type says so: an int there would make another kind of array."""
+    if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
+        options = [option for option in typing.get_args(kind) if option is not types.NoneType]
+        if value is None or (isinstance(value, int) and int in options):
+            return value
+        if isinstance(value, tuple):
+            options = [option for option in options if typing.get_origin(option) is tuple]
+        return _plain(options[0], value) if options else value
+    if typing.get_origin(kind) is tuple and isinstance(value, tuple):
+        items = typing.get_args(kind)
+        if len(items) == 2 and items[1] is Ellipsis:
+            items = (items[0],) * len(value)
+        return tuple(_plain(item, part) for item, part in zip(items, value, strict=True)) if items else value
+    if kind is float and isinstance(value, (int, float)) and not isinstance(value, bool):
+        return float(value) if type(value) is not float else value
+    return value
+
+
+def write_fields(component: Any, sensor_unit: str = "", names: Iterable[str] | None = None) -> dict[str, Any]:
+    """All fields of a component as a file has them; what is None by default, and is so, is left out."""
+    written = {}
+    for key, parameter in file_fields(type(component), sensor_unit, names).items():
+        value = getattr(component, parameter.name)
+        if value is None:
+            if parameter.default is not None:
+                written[key] = NONE
+            continue
+        written[key] = _written(value, parameter.type, parameter.is_angle)
+    return written
+
+
+def _written(value: Any, kind: Any, is_angle: bool) -> Any:
+    if isinstance(value, tuple):
+        return [_written(item, kind, is_angle) for item in value]
+    if attrs.has(type(value)):
+        return write_fields(value)
+    if is_angle and isinstance(value, (int, float)) and not isinstance(value, bool):
+        return to_degrees(value)
+    # A component built in Python may hold an int where a float is meant.
+    if isinstance(value, int) and not isinstance(value, bool) and _is_float(kind) and abs(value) <= 2**53:
+        return float(value)
+    return float(value) if isinstance(value, float) and not math.isnan(value) else value
+
+
+def _is_float(kind: Any) -> bool:
+    args = typing.get_args(kind)
+    return any(_is_float(option) for option in args) and int not in args if args else kind is float

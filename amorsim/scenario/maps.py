@@ -1,0 +1,158 @@
+"""Map files: which loader reads one, its options, and which file a map was read from."""
+
+from __future__ import annotations
+
+import weakref
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.contracts import MapLoader
+from amorsim.core.errors import MapError, PluginError, did_you_mean
+from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError, describe
+from amorsim.plugins.manager import default_registry
+from amorsim.plugins.registry import Registry
+
+__all__ = ["MapFile", "find_loader", "load_map", "read_map", "source_of"]
+
+_HEAD = 4096
+
+
+@attrs.frozen(kw_only=True)
+class MapFile:
+    """A file that a map was read from, and the loader that read it, which holds its options."""
+
+    path: Path
+    loader: MapLoader
+
+
+# A map knows nothing of files and loaders. Kept by identity: two files may hold equal maps. Copies are the map itself.
+_SOURCES: dict[int, tuple[weakref.ref[Map], MapFile]] = {}
+
+
+def load_map(path: str | Path, *, use: str | None = None, registry: Registry | None = None, **options: Any) -> Map:
+    """The map in a file.
+
+    Parameters
+    ----------
+    path
+        The file. Its extension tells which loader reads it, or else its first bytes.
+    use
+        The loader's name, where neither tells.
+    registry
+        Where loaders are looked up; the default registry if none is given.
+    options
+        The fields of the loader, in SI units and radians: ``resolution=0.05``.
+
+    Raises
+    ------
+    MapError
+        If the file is not there or not to be read, if no loader knows it, if an option is unknown or of a
+        wrong value, or if the file is not what it seems.
+    """
+    path = Path(path)
+    try:
+        name, cls = find_loader(path, use, registry or default_registry())
+    except PluginError as error:
+        raise MapError(f"{path}: {error}") from error
+    fields = describe(cls)
+    for option in options:
+        if option not in fields:
+            known = ", ".join(fields) or "none"
+            raise MapError(
+                f"{path}: maps read by {name!r} have no option {option!r}, but: {known}.{did_you_mean(option, fields)}"
+            )
+    try:
+        loader = cls(**options)
+    except ParameterError as error:
+        raise MapError(f"{path}: option {error}") from error
+    except TypeError as error:  # a required option that is not there
+        raise MapError(f"{path}: options of {name!r}: {error}") from error
+    return read_map(MapFile(path=path, loader=loader))
+
+
+def read_map(file: MapFile) -> Map:
+    """The map in a file, by the loader that is named with it; it remembers the file (`source_of`).
+
+    Raises
+    ------
+    MapError
+        Whatever is wrong with the file.
+    """
+    try:
+        found = file.loader.load(file.path)
+    except MapError:
+        raise
+    except Exception as error:  # a third party's loader
+        loader = type(file.loader).__name__
+        raise MapError(f"{file.path}: {loader} failed with {type(error).__name__}: {error}") from error
+    if not isinstance(found, Map):
+        raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
+    _remember(found, file)
+    return found
+
+
+def source_of(found: Map) -> MapFile | None:
+    """The file that a map was read from in this process, or None."""
+    reference, file = _SOURCES.get(id(found), (None, None))
+    return file if reference is not None and reference() is found else None
+
+
+def _remember(found: Map, file: MapFile) -> None:
+    key = id(found)
+
+    def forget(reference: weakref.ref[Map]) -> None:
+        # By now another map may have taken the place in memory.
+        if _SOURCES.get(key, (None, None))[0] is reference:
+            del _SOURCES[key]
+
+    _SOURCES[key] = (weakref.ref(found, forget), file)
+
+
+def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, type[MapLoader]]:
+    """Name and class of the loader for a file: by name, else by extension, else by the file's first bytes.
+
+    Raises
+    ------
+    MapError
+        If there is no such file, it is a folder or not to be read, or no loader knows it.
+    PluginError
+        If the loader's name is unknown.
+    """
+    head = _head(path)
+    if use is not None:
+        return use, registry.get("map_loader", use)
+    loaders: list[tuple[str, type[MapLoader]]] = []
+    for entry in registry.entries("map_loader"):
+        try:
+            loaders.append((entry.name, registry.get("map_loader", entry.name)))
+        except PluginError as error:
+            registry.report(str(error))
+    extension = path.suffix.lower()
+    by_extension = [(name, cls) for name, cls in loaders if extension in cls.extensions]
+    # Where two claim an extension, the one that knows the file's first bytes reads it.
+    for name, cls in (*by_extension, *loaders):
+        if (len(by_extension) == 1 and (name, cls) in by_extension) or cls.sniff(head):
+            return name, cls
+    if by_extension:
+        return by_extension[0]
+    known = ", ".join(sorted({suffix for _, cls in loaders for suffix in cls.extensions}))
+    raise MapError(f"{path}: no map of a known format; known extensions: {known}")
+
+
+def _head(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(_HEAD)
+    except FileNotFoundError:
+        raise MapError(f"{path}: there is no such file") from None
+    except IsADirectoryError:
+        raise MapError(f"{path}: this is a folder; a map is a file") from None
+    except PermissionError:
+        # On Windows, opening a folder is refused in these words too.
+        problem = "this is a folder; a map is a file" if path.is_dir() else "no permission to read this file"
+        raise MapError(f"{path}: {problem}") from None
+    except (OSError, ValueError) as error:
+        raise MapError(f"{path}: cannot be read: {error}") from None

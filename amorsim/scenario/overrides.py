@@ -1,0 +1,120 @@
+"""Settings of the command line, ``robots.rover.controller.speed=0.2``, put into a document."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import Fault, did_you_mean
+from amorsim.scenario.angles import parse_float
+from amorsim.scenario.faults import Book, Source, shown
+
+__all__ = ["Override", "apply_overrides", "parse_overrides"]
+
+
+@attrs.frozen(kw_only=True)
+class Override:
+    """A value for a path in the document, and the text that says so."""
+
+    path: tuple[str, ...]
+    value: Any
+    text: str
+
+    @property
+    def file(self) -> str:
+        """What faults name in the place of a file."""
+        return f"--set {self.text}"
+
+    @property
+    def chooses_model(self) -> bool:
+        """Whether it says of which model a robot is, so that it counts before models are merged in."""
+        return len(self.path) == 3 and self.path[0] == "robots" and self.path[2] == "model"
+
+
+def parse_overrides(texts: Iterable[str], book: Book) -> list[Override]:
+    """What ``PATH=VALUE`` texts say: a value is one of TOML, or else a plain text."""
+    found = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        path = tuple(part.strip() for part in name.split("."))
+        if not equals or not all(path):
+            book.add(Fault(file=f"--set {text}", path="", message=_EXPECTED))
+        else:
+            found.append(Override(path=path, value=_value(value.strip()), text=text))
+    return found
+
+
+_EXPECTED = "expected PATH=VALUE, as in simulation.dt=0.05 or robots.0.controller.speed=0.2"
+
+
+def _value(text: str) -> Any:
+    try:
+        document = tomllib.loads(f"value = {text}", parse_float=parse_float)
+    except (ValueError, RecursionError):
+        return text
+    # A line break in the text would begin a second key.
+    return document["value"] if list(document) == ["value"] else text
+
+
+def apply_overrides(document: dict[str, Any], overrides: Iterable[Override], book: Book) -> None:
+    """Put each value at its path, making tables on the way; robots and such are found by index or by name."""
+    for override in overrides:
+        problem, path = _apply(document, override)
+        if problem:
+            book.add(Fault(file=override.file, path=".".join(path), message=problem))
+        else:
+            # Relative paths of the command line start where it was typed.
+            book.set_source(path, Source(file=override.file, folder=Path.cwd()))
+
+
+def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str, ...]]:
+    """What is wrong with an override, or nothing, and its path with indices in the place of names."""
+    place: Any = document
+    done: list[str] = []
+    for part in override.path[:-1]:
+        if isinstance(place, list):
+            index = _index(place, part)
+            if isinstance(index, str):
+                return index, (*done, part)
+            place = place[index]
+            done.append(str(index))
+        elif isinstance(place, dict):
+            done.append(part)
+            place = place.setdefault(part, {})
+        else:
+            return f"there is nothing under {'.'.join(done)}: it is {shown(place)}", (*done, part)
+    last = override.path[-1]
+    if isinstance(place, list):
+        index = _index(place, last)
+        if isinstance(index, str):
+            return index, (*done, last)
+        place[index] = override.value
+        return "", (*done, str(index))
+    if not isinstance(place, dict):
+        return f"there is nothing under {'.'.join(done)}: it is {shown(place)}", (*done, last)
+    if last == "use" and place.get("use") != override.value:
+        # Another component: the fields of the one before are not its own.
+        place.clear()
+    place[last] = override.value
+    return "", (*done, last)
+
+
+def _index(items: list[Any], part: str) -> int | str:
+    """The index of the item that a part of a path means, or what is wrong with it."""
+    names = [_name(item) for item in items]
+    if part in names:
+        return names.index(part)
+    if part.isascii() and part.isdigit() and int(part[:9]) < len(items):
+        return int(part)
+    known = ", ".join(name for name in names if name)
+    there = f"{len(items)} of them" + (f": {known}" if known else "")
+    return f"there is no {part!r} among these, but {there}.{did_you_mean(part, filter(None, names))}"
+
+
+def _name(item: Any) -> str:
+    name = item.get("name", item.get("use")) if isinstance(item, dict) else None
+    return name if isinstance(name, str) else ""

@@ -1,0 +1,92 @@
+"""Numbers of a robot by path: ``drive.track``, ``sensors.laser.mount.heading``, ``controller.speed`` ..."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import did_you_mean
+from amorsim.core.parameters import describe
+from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, Robot
+
+__all__ = ["changed", "with_value"]
+
+Change = Callable[[Any], Any]
+
+
+def with_value(robot: Robot, path: str, value: Any) -> Robot:
+    """The robot with another value at `path`, which may change while a simulation runs.
+
+    Besides the paths of parameters, ``errors.<path>`` takes a `Deviation` or a table of its fields, and
+    ``errors.<path>.scale`` (``.add``, ``.value``) one of them.
+
+    Raises
+    ------
+    LookupError
+        If the path leads nowhere, or to what is fixed once a simulation is made; the message says which.
+    ParameterError
+        If the parameter does not take the value.
+    """
+    parts = path.split(".")
+    if parts[0] != "errors":
+        return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]
+    if parts[-1] in ("scale", "add", "value") and not isinstance(value, (dict, Deviation)):
+        target, field = ".".join(parts[1:-1]), parts[-1]
+        deviation = attrs.evolve(robot.errors.get(target, Deviation()), **{field: value})
+    else:
+        target = ".".join(parts[1:])
+        deviation = value if isinstance(value, Deviation) else Deviation(**value)
+    changed(robot, target.split("."), lambda nominal: nominal, live=True)  # the path must lead somewhere
+    return attrs.evolve(robot, errors={**robot.errors, target: deviation})
+
+
+def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) -> Any:
+    """`thing` with the number at `path` changed; tables, tuples and dicts on the way are copied, not altered.
+
+    With `live`, only what may change while a simulation runs.
+    """
+    name, rest = path[0], path[1:]
+    if isinstance(thing, dict):
+        if name not in thing:
+            there = ", ".join(thing) or "none"
+            raise LookupError(f"there is no {name!r} here, but: {there}.{did_you_mean(name, thing)}")
+        return {**thing, name: _descend(thing[name], rest, change, live)}
+    if isinstance(thing, tuple):
+        index = _index(thing, name)
+        return (*thing[:index], _descend(thing[index], rest, change, live), *thing[index + 1 :])
+    if not attrs.has(type(thing)):
+        raise LookupError(f"the path should end before {name!r}, where there is {thing!r}")
+    fields = attrs.fields_dict(type(thing))
+    if isinstance(thing, (MountedSensor, NoiseElement)) and (name not in fields or isinstance(thing, NoiseElement)):
+        # The device's own parameters stand beside its mount, and an element's beside its name, as in a file.
+        inner = "sensor" if isinstance(thing, MountedSensor) else "noise"
+        return attrs.evolve(thing, **{inner: changed(getattr(thing, inner), path, change, live=live)})
+    if name not in fields:
+        known = ", ".join(fields)
+        raise LookupError(f"there is no parameter {name!r}, but: {known}.{did_you_mean(name, fields)}")
+    value = getattr(thing, name)
+    if not rest and live and not describe(type(thing))[name].live:
+        raise LookupError(f"{name!r} of {type(thing).__name__} is fixed once a simulation is made")
+    if value is None and name == "pose":
+        value = Pose()
+    return attrs.evolve(thing, **{name: _descend(value, rest, change, live)})
+
+
+def _descend(value: Any, rest: list[str], change: Change, live: bool) -> Any:
+    if rest:
+        return changed(value, rest, change, live=live)
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        raise LookupError(f"only a number can be changed, and this is {value!r}")  # noqa: TRY004 - of the path
+    return change(value)
+
+
+def _index(items: tuple[Any, ...], name: str) -> int:
+    names = [getattr(item, "name", None) for item in items]
+    if name in names:
+        return names.index(name)
+    if not name.isdigit() or int(name) >= len(items):
+        known = ", ".join(n for n in names if n) or f"0 to {len(items) - 1}"
+        raise LookupError(f"there is no element {name!r}, but: {known}")
+    return int(name)

@@ -1,0 +1,183 @@
+"""Scenarios from files: read, completed from models and defaults, checked; all faults are reported at once.
+
+What a scenario's own words tell is checked here. Whether bodies start in free places needs the engine's own
+test of contact, which lies above this layer: `amorsim.Simulation` makes it, and reports in the same form.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import Fault, MapError, ScenarioError, did_you_mean
+from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError
+from amorsim.plugins.manager import default_registry
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.document import document_of
+from amorsim.scenario.faults import Book, Node, Source
+from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
+from amorsim.scenario.overrides import apply_overrides, parse_overrides
+from amorsim.scenario.robots import read_obstacle, read_robot
+from amorsim.scenario.spec import Recording, Robot, Scenario
+from amorsim.scenario.worlds import Maps, start_of
+
+__all__ = ["load", "loads", "scenario_for_map"]
+
+_KEYS = ("format", "description", "world", "simulation", "recording", "robots", "obstacles")
+_TIMES = ("dt", "duration", "seed")
+
+
+def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None) -> Scenario:
+    """The scenario in a file, or the bundled one of that name.
+
+    Parameters
+    ----------
+    source
+        Path of a ``.toml`` file, or the name of a registered scenario such as ``"demo"``.
+    overrides
+        Settings as of the command line: ``"robots.rover.controller.speed=0.2"``.
+
+    Raises
+    ------
+    ScenarioError
+        With all the faults that were found, each with file, key path, and what would be right.
+    """
+    registry = registry or default_registry()
+    path = Path(source)
+    names = registry.names("scenario")
+    if str(source) in names and not path.is_file():
+        path = registry.file("scenario", str(source))
+    document = read_toml(path)
+    if isinstance(document, str):
+        hint = did_you_mean(str(source), names)
+        if not path.suffix:
+            document += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
+        raise ScenarioError([Fault(file=str(source), path="", message=document)])
+    origin = Source(file=str(path), folder=path.parent)
+    return _read(document, origin, overrides, registry, path)
+
+
+def loads(
+    document: Mapping[str, Any],
+    folder: str | Path,
+    overrides: Iterable[str] = (),
+    *,
+    name: str = "",
+    registry: Registry | None = None,
+) -> Scenario:
+    """The scenario in a document such as `tomllib` gives; relative paths in it start at `folder`.
+
+    `name` stands for the file in faults; what is raised is as for `load`.
+    """
+    origin = Source(file=name, folder=Path(folder))
+    return _read(copy.deepcopy(dict(document)), origin, overrides, registry or default_registry(), None)
+
+
+def scenario_for_map(
+    path: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None, **options: Any
+) -> Scenario:
+    """A Pioneer 2DX, "rover", that wanders for a minute on a map from its start or its freest place.
+
+    `options` are the map loader's, spelt as in a file: ``resolution=0.05``, ``origin_yaw_deg=90``. What is
+    raised is as for `load`.
+    """
+    path = Path(path)
+    document = {
+        "format": FORMAT,
+        "world": {**options, "map": str(path.absolute())},
+        "simulation": {"duration": 60.0},
+        "robots": [{"name": "rover", "model": "pioneer2dx", "controller": {"use": "wander"}}],
+    }
+    origin = Source(file="", folder=path.parent)
+    return _read(document, origin, overrides, registry or default_registry(), None)
+
+
+def _read(
+    document: dict[str, Any], origin: Source, overrides: Iterable[str], registry: Registry, file: Path | None
+) -> Scenario:
+    book = Book(origin)
+    settings = parse_overrides(overrides, book)
+    apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
+    merge_models(document, book, registry)
+    apply_overrides(document, [setting for setting in settings if not setting.chooses_model], book)
+    values = _read_top(Node(document, (), book), registry)
+    book.raise_if_any()
+    assert values is not None
+    try:
+        scenario = Scenario(**values, source=file)
+    except ParameterError as error:
+        book.fault((error.name,), error.problem)
+        book.raise_if_any()
+        raise
+    return attrs.evolve(scenario, document=document_of(scenario, registry=registry))
+
+
+def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
+    check_format(top.child("format"))
+    top.refuse_unknown(_KEYS)
+    if "description" in top:
+        top.child("description").text("a text")
+    values: dict[str, Any] = {}
+    maps = Maps(registry)
+    world = None
+    if "world" in top:
+        world = maps.read(top.child("world"))
+    else:
+        top.child("world").fault("missing; expected [world] with map = the path of a map file")
+    if "simulation" in top and (node := top.child("simulation")).expect_table():
+        fields = file_fields(Scenario, names=_TIMES)
+        node.refuse_unknown(fields)
+        values.update(read_fields(node, fields))
+    if "recording" in top:
+        values["recording"] = read_component(Recording, top.child("recording"))
+
+    robots = top.child("robots")
+    read: list[Robot | None] = []
+    if robots.value is None or robots.value == []:
+        robots.fault("missing; expected one robot at least, [[robots]] with name, model and controller")
+    elif robots.expect_list("a list of tables, [[robots]]"):
+        for node in robots.items():
+            drop_removed(node.value)
+            read.append(read_robot(node, maps, world, registry))
+    obstacles = top.child("obstacles")
+    bodies = []
+    if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
+        bodies = [read_obstacle(node, number, registry) for number, node in enumerate(obstacles.items(), start=1)]
+    _check_names(robots, obstacles)
+    values.update(map=world, robots=_placed(robots, read, world), obstacles=[body for body in bodies if body])
+    return values
+
+
+def _check_names(robots: Node, obstacles: Node) -> None:
+    """A fault for every body that is called as one before it."""
+    seen: dict[str, str] = {}
+    for group in (robots, obstacles):
+        for node in group.items() if isinstance(group.value, list) else ():
+            name = node.value.get("name") if node.is_table else None
+            if not isinstance(name, str):
+                continue
+            if name in seen:
+                node.child("name").fault(f"{seen[name]} is called {name!r} too; names must differ")
+            seen.setdefault(name, ".".join(node.path))
+
+
+def _placed(robots: Node, read: list[Robot | None], world: Map | None) -> list[Robot]:
+    """The robots, those without a pose put where the map wants them."""
+    placed = []
+    start = None
+    for index, robot in enumerate(read):
+        if robot is not None and robot.pose is None and world is not None:
+            try:
+                start = start or start_of(world)
+                robot = attrs.evolve(robot, pose=start)
+            except MapError as error:
+                Node(None, (*robots.path, str(index), "pose"), robots.book).fault(f"missing, and {error}")
+        if robot is not None:
+            placed.append(robot)
+    return placed

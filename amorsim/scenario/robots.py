@@ -1,0 +1,126 @@
+"""Robots and obstacles in documents."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError
+from amorsim.plugins.checks import check_name
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.bodies import read_pose, read_shape
+from amorsim.scenario.components import (
+    read_chain,
+    read_controller,
+    read_drive,
+    read_estimator,
+    read_motion,
+    read_sensor,
+)
+from amorsim.scenario.deviations import read_deviations
+from amorsim.scenario.faults import Node
+from amorsim.scenario.fields import file_fields, read_fields
+from amorsim.scenario.spec import Obstacle, Pose, Robot
+from amorsim.scenario.worlds import Maps
+
+__all__ = ["read_obstacle", "read_robot"]
+
+_ROBOT_KEYS = (
+    "name",
+    "model",
+    "resolved_from",
+    "pose",
+    "shape",
+    "drive",
+    "sensors",
+    "ground",
+    "estimators",
+    "controller",
+    "on_collision",
+    "errors",
+    "knowledge",
+)
+_OBSTACLE_KEYS = ("name", "shape", "pose", "motion")
+
+
+def read_robot(node: Node, maps: Maps, world: Map | None, registry: Registry) -> Robot | None:
+    """The robot in a table that its model was merged into, None after faults; its pose may be None."""
+    if not node.expect_table("a table: name, model, pose, controller ..."):
+        return None
+    before = node.book.count
+    node.refuse_unknown(_ROBOT_KEYS)
+    values: dict[str, Any] = {"name": _name(node.child("name"), "robot")}
+    if "resolved_from" in node:
+        values["model"] = node.child("resolved_from").text("a text")
+    # What is missing where a model could not be read is not the robot's fault.
+    is_incomplete = node.path in node.book.incomplete
+    if "shape" in node or not is_incomplete:
+        values["shape"] = read_shape(node.child("shape"))
+    drive = None
+    if "drive" in node:
+        drive = read_drive(node.child("drive"), registry)
+    elif not is_incomplete:
+        node.child("drive").fault(
+            f"missing; expected a model, or drive = {{ use = ... }} with one of: {', '.join(registry.names('drive'))}"
+        )
+    sensors = {name: read_sensor(child, registry) for name, child in _named(node, "sensors")}
+    estimators = {name: read_estimator(child, registry) for name, child in _named(node, "estimators")}
+    values.update(drive=drive, sensors=sensors, estimators=estimators)
+    if "ground" in node:
+        values["ground"] = read_chain(node.child("ground"), registry, "m")
+    if "controller" in node:
+        values["controller"] = read_controller(node.child("controller"), registry)
+    if "pose" in node:
+        values["pose"] = read_pose(node.child("pose"))
+    if "knowledge" in node:
+        values["knowledge"] = maps.read_knowledge(node.child("knowledge"), world)
+    values.update(read_fields(node, file_fields(Robot, names=("on_collision",))))
+    if "errors" in node:
+        pose = values.get("pose", Pose())
+        values["errors"] = read_deviations(node.child("errors"), {"drive": drive, "sensors": sensors, "pose": pose})
+    if node.book.count > before or is_incomplete:
+        return None
+    try:
+        return Robot(**values)
+    except ParameterError as error:
+        node.child(error.name).fault(error.problem)
+        return None
+
+
+def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | None:
+    """The obstacle in a table, called ``obstacle<number>`` if it has no name; None after faults."""
+    if not node.expect_table("a table: name, shape, pose, motion"):
+        return None
+    before = node.book.count
+    node.refuse_unknown(_OBSTACLE_KEYS)
+    values: dict[str, Any] = {"name": _name(node.child("name"), f"obstacle{number}")}
+    values["shape"] = read_shape(node.child("shape"))
+    if "pose" in node:
+        values["pose"] = read_pose(node.child("pose"))
+    if "motion" in node:
+        values["motion"] = read_motion(node.child("motion"), registry)
+    return Obstacle(**values) if node.book.count == before else None
+
+
+def _name(node: Node, default: str) -> str:
+    if node.value is None:
+        return default
+    problem = check_name(node.value)
+    if problem:
+        node.fault(problem)
+        return default
+    return str(node.value)
+
+
+def _named(node: Node, key: str) -> list[tuple[str, Node]]:
+    """The named tables under a key of a robot, with faults for names that are none."""
+    if key not in node:
+        return []
+    child = node.child(key)
+    if not child.expect_table(f"tables by name, as in [robots.{key}.NAME]"):
+        return []
+    for name, item in child.children():
+        problem = check_name(name)
+        if problem:
+            item.fault(problem)
+    return list(child.children())

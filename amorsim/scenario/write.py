@@ -1,0 +1,178 @@
+"""Scenarios on the disk: documents written as readable TOML, with copies of the files that they name."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
+
+from amorsim.core.errors import RunError
+from amorsim.scenario.angles import LongDegrees
+from amorsim.scenario.controller_files import is_controller_file
+from amorsim.scenario.document import document_of
+from amorsim.scenario.spec import Scenario
+
+__all__ = ["document_of", "document_text", "with_copies", "write_document"]
+
+# Tables of a robot that get a header of their own; whatever else holds keys stands on one line.
+_HEADED = (
+    ("world",),
+    ("simulation",),
+    ("recording",),
+    ("robots", "shape"),
+    ("robots", "drive"),
+    ("robots", "sensors"),
+    ("robots", "sensors", "*"),
+    ("robots", "estimators"),
+    ("robots", "estimators", "*"),
+    ("robots", "knowledge"),
+)
+_LINE = 100
+
+
+def write_document(document: Mapping[str, Any], path: str | Path) -> None:
+    """Write a document as TOML; numbers as the shortest decimals that read as the same bits.
+
+    Raises
+    ------
+    RunError
+        If the file cannot be written.
+    """
+    text = document_text(document)
+    try:
+        Path(path).write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def document_text(document: Mapping[str, Any]) -> str:
+    """A document as TOML: a table a thing, mounts, poses and noise on a line each."""
+    root = tomlkit.document()
+    for key, value in document.items():
+        if key in ("robots", "obstacles"):
+            array = tomlkit.aot()
+            for item in value:
+                array.append(_table(item, (key,)))
+            root.append(key, array)
+        else:
+            root.append(key, _item(value, (key,)))
+    return tomlkit.dumps(root)
+
+
+def _table(values: Mapping[str, Any], path: tuple[str, ...]) -> Table:
+    # A table of nothing but tables needs no header of its own.
+    is_super = bool(values) and all(_is_headed((*path, key), value) for key, value in values.items())
+    table = tomlkit.table(is_super_table=is_super)
+    headed = {key: value for key, value in values.items() if _is_headed((*path, key), value)}
+    for key, value in values.items():
+        if key not in headed:
+            table.append(key, _item(value, (*path, key)))
+    # TOML wants a table's own keys before its tables.
+    for key, value in headed.items():
+        table.append(key, _item(value, (*path, key)))
+    return table
+
+
+def _is_headed(path: tuple[str, ...], value: Any) -> bool:
+    if not isinstance(value, dict):
+        return False
+    if path[:2] == ("robots", "errors"):
+        # Down to where numbers are named, which stand on a line each.
+        return len(path) == 2 or not set(value) <= {"scale", "add", "value", "per"}
+    return any(
+        len(path) == len(pattern) and all(want in ("*", part) for want, part in zip(pattern, path, strict=True))
+        for pattern in _HEADED
+    )
+
+
+def _item(value: Any, path: tuple[str, ...]) -> Item:
+    if isinstance(value, dict):
+        return _table(value, path) if _is_headed(path, value) else _inline(value)
+    return _value(value)
+
+
+def _inline(values: Mapping[str, Any]) -> InlineTable:
+    table = tomlkit.inline_table()
+    for key, value in values.items():
+        table.append(key, _value(value))
+    return table
+
+
+def _value(value: Any) -> Item:
+    if isinstance(value, dict):
+        return _inline(value)
+    if isinstance(value, (list, tuple)):
+        array: Array = tomlkit.array()
+        for part in value:
+            array.append(_value(part))
+        array.multiline(len(array.as_string()) > _LINE)
+        return array
+    if isinstance(value, float):
+        return Float(value, Trivia(), value.text if isinstance(value, LongDegrees) else repr(value))
+    item: Item = tomlkit.item(value)
+    return item
+
+
+def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
+    """The document of a scenario, its map and controller files copied into a folder and named there.
+
+    Each file is copied once; files of the same name from different places get numbers.
+
+    Raises
+    ------
+    RunError
+        If a file cannot be read, or its copy not be written.
+    ScenarioError
+        As for `document_of`; nothing has been copied then.
+    """
+    document = document_of(scenario)
+    copies = _Copies(Path(folder))
+    document["world"]["map"] = copies.of(document["world"]["map"])
+    for robot in document["robots"]:
+        if "map" in robot.get("knowledge", {}):
+            robot["knowledge"]["map"] = copies.of(robot["knowledge"]["map"])
+        use = robot.get("controller", {}).get("use", "")
+        if is_controller_file(use):
+            file, _, name = use.rpartition(":")
+            robot["controller"]["use"] = f"{copies.of(file)}:{name}"
+    return document
+
+
+class _Copies:
+    """Files copied into a folder, and what they are called there."""
+
+    # What a run writes into its folder beside them.
+    _TAKEN = (
+        "scenario.toml",
+        "run.json",
+        "poses.csv",
+        "velocities.csv",
+        "commands.csv",
+        "events.csv",
+        "picture.png",
+    )
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._names: dict[str, str] = {}
+
+    def of(self, file: str) -> str:
+        """The name of a file's copy."""
+        if file not in self._names:
+            path = Path(file)
+            name, number = path.name, 1
+            taken = {known.casefold() for known in (*self._TAKEN, *self._names.values())}
+            while name.casefold() in taken:
+                number += 1
+                name = f"{path.stem}_{number}{path.suffix}"
+            try:
+                if path.resolve() != (self._folder / name).resolve():
+                    shutil.copyfile(path, self._folder / name)
+            except OSError as error:
+                raise RunError(f"{file}: cannot be copied into {self._folder}: {error.strerror or error}") from error
+            self._names[file] = name
+        return self._names[file]

@@ -1,0 +1,11 @@
+"""What ideal devices read of the world; all that real ones do to it is in `amorsim.noise`."""
+
+from __future__ import annotations
+
+from amorsim.sensors.compass import Compass
+from amorsim.sensors.encoder import Encoder
+from amorsim.sensors.gyro import Gyro
+from amorsim.sensors.laser import Laser
+from amorsim.sensors.sonar import Sonar
+
+__all__ = ["Compass", "Encoder", "Gyro", "Laser", "Sonar"]

@@ -1,0 +1,41 @@
+"""Which way a robot looks in the world."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View
+from amorsim.kernels import readings
+
+__all__ = ["Compass"]
+
+Array = npt.NDArray[np.float64]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+
+
+@attrs.frozen(kw_only=True)
+class Compass(Sensor):
+    """The heading of the mount in the world [rad], anticlockwise from the world's x axis, in [-pi, pi].
+
+    What is measured is whatever the noise chain makes of it, and may lie beyond pi: the chain works on
+    numbers, not on directions. Wrap the *difference* of two headings (`amorsim.core.poses.wrap_angle`), which
+    is needed near pi even where nothing is noisy.
+    """
+
+    unit: ClassVar[str] = "rad"
+
+    def size(self, drive: Drive) -> int:
+        """One value."""
+        return 1
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """Headings `(N, 1)` [rad] in [-pi, pi]."""
+        out = np.empty((len(view.pose), 1))
+        readings.wrap_headings(view.pose, out)
+        return out, _NOTHING

@@ -1,0 +1,37 @@
+"""How fast a robot turns."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View
+
+__all__ = ["Gyro"]
+
+Array = npt.NDArray[np.float64]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+
+
+@attrs.frozen(kw_only=True)
+class Gyro(Sensor):
+    """The rate of turn [rad/s], anticlockwise, as the mean over the last step; 0 before the first.
+
+    The range of a device is a ``saturate`` in its chain, the drift of its zero a ``gaussian`` with
+    ``per = "increment"``.
+    """
+
+    unit: ClassVar[str] = "rad/s"
+
+    def size(self, drive: Drive) -> int:
+        """One value."""
+        return 1
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """Rates of turn `(N, 1)` [rad/s]."""
+        return view.twist[:, 2:].copy(), _NOTHING

@@ -1,0 +1,75 @@
+"""A scanning laser range finder."""
+
+from __future__ import annotations
+
+import functools
+import math
+import types
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+
+__all__ = ["Laser"]
+
+Array = npt.NDArray[np.float64]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+_FULL_CIRCLE = 2.0 * math.pi - 1e-9  # [rad] so far round, the last beam would fall on the first
+
+
+@functools.cache
+def _fractions(beams: int) -> tuple[Array, Array]:
+    """Bearings `(1, beams)` as fractions of the field of view: of a part of the circle, and of all of it."""
+    steps = np.arange(beams, dtype=np.float64).reshape(1, -1)
+    part = steps / (beams - 1) - 0.5 if beams > 1 else steps
+    return part, steps / beams - 0.5
+
+
+@attrs.frozen(kw_only=True)
+class Laser(Sensor):
+    """Ranges [m] along beams spread evenly over a field of view, from its right end; inf for no return.
+
+    The first beam looks at -fov / 2 from the mount's heading and the last at fov / 2; a full circle does not
+    double its last beam; a single beam of a smaller field looks straight ahead.
+
+    Parameters
+    ----------
+    beams
+        How many beams a scan has.
+    fov
+        Angle from the first beam to the last [rad].
+    range_max
+        Longest range that is seen [m].
+    """
+
+    unit: ClassVar[str] = "m"
+
+    beams: int = parameter(181, ge=1, le=100_000, static=True, help="beams in a scan")
+    fov: float = parameter(
+        math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="angle from the first beam to the last"
+    )
+    range_max: float = parameter(8.0, unit="m", gt=0, help="longest range that is seen")
+
+    def size(self, drive: Drive) -> int:
+        """One value for each beam."""
+        return self.beams
+
+    def bearings(self) -> Array:
+        """Bearings of the beams [rad] from the mount's heading, `(1, beams)`; `(N, beams)` if rows differ."""
+        fov: Any = self.fov
+        if np.ndim(fov) == 2 and len(fov) > 1 and (fov == fov[0]).all():
+            fov = fov[:1]  # one table of directions for all rows
+        part, full = _fractions(self.beams)
+        return np.asarray(np.where(np.less(fov, _FULL_CIRCLE), part, full) * fov)
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """Ranges `(N, beams)` [m], inf for no return."""
+        bearings = self.bearings()
+        if aim.bearing is not None:
+            bearings = bearings + aim.bearing
+        range_max: Any = self.range_max
+        return view.cast(view.pose, bearings, range_max), _NOTHING

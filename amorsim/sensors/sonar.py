@@ -1,0 +1,82 @@
+"""A ring of ultrasonic range finders."""
+
+from __future__ import annotations
+
+import math
+import types
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
+from amorsim.core.parameters import ParameterError
+from amorsim.kernels import readings
+
+__all__ = ["Sonar"]
+
+Array = npt.NDArray[np.float64]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+
+
+@attrs.frozen(kw_only=True)
+class Sonar(Sensor):
+    """The nearest return [m] in the cone of each element of a ring; inf where nothing returns.
+
+    Parameters
+    ----------
+    elements
+        Where each element sits and looks, in the frame of the ring's mount. One element straight ahead by
+        default.
+    half_angle
+        Between the axis of a cone and its edge [rad]. The default is half of the 30 degrees that MobileSim
+        gives the Pioneer's sonars.
+    range_min
+        Nearer things read as this far [m], as the transducer still rings when their echo comes.
+    range_max
+        Longest range that is seen [m].
+    """
+
+    unit: ClassVar[str] = "m"
+
+    elements: tuple[Mount, ...] = parameter(
+        (Mount(),), help="where each element sits on the mount, and looks"
+    )
+    half_angle: float = parameter(
+        math.pi / 12.0, unit="rad", ge=0, le=math.pi / 2.0, help="between a cone's axis and its edge"
+    )
+    range_min: float = parameter(0.1, unit="m", ge=0, help="nearer things read as this far")
+    range_max: float = parameter(5.0, unit="m", gt=0, help="longest range that is seen")
+
+    def __attrs_post_init__(self) -> None:
+        if not self.elements:
+            raise ParameterError("elements", "expected one element at least, got none")
+        if self.range_min >= self.range_max:
+            raise ParameterError(
+                "range_min", f"expected less than range_max {self.range_max!r}, got {self.range_min!r}"
+            )
+
+    def size(self, drive: Drive) -> int:
+        """One value for each element."""
+        return int(self.bearings().shape[1])
+
+    def bearings(self) -> Array:
+        """Where the elements' axes look [rad] `(N, k)` from the mount's heading."""
+        elements: Any = self.elements
+        if isinstance(elements, Mount):  # over rows: a table of arrays
+            return np.asarray(elements.heading)
+        return np.array([[element.heading for element in elements]])
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """Ranges `(N, k)` [m], inf for no return."""
+        ring: Any = self.elements
+        origins = np.empty((ring.x.size, 3))
+        readings.place_ring(view.pose, ring.x, ring.y, ring.heading, origins)
+        if aim.bearing is not None:
+            origins[:, 2] += aim.bearing.reshape(-1)
+        half_angle: Any = self.half_angle
+        range_max: Any = self.range_max
+        ranges = view.cone(origins, half_angle, range_max)
+        return np.maximum(ranges, self.range_min), _NOTHING

@@ -1,0 +1,31 @@
+"""The plugin: the module that the entry point in pyproject.toml names, with the hook that registers all there is.
+
+A component may be named in place of being imported, as here; then it is imported when a scenario first asks for it,
+and a plugin that nobody uses costs nothing.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import amorsim as am
+
+if TYPE_CHECKING:
+    from amorsim.plugins.registry import Registry
+
+__all__ = ["amorsim_register"]
+
+_HERE = Path(__file__).parent
+
+
+@am.hookimpl
+def amorsim_register(registry: Registry) -> None:
+    """Register the components, the robot and the scenario."""
+    registry.drive("tricycle", "amorsim_example.tricycle:Tricycle")
+    registry.sensor("beacon", "amorsim_example.beacon:Beacon")
+    registry.noise("drift", "amorsim_example.drift:Drift")
+    registry.map_loader("maze", "amorsim_example.maze:Maze")
+    registry.estimator("compass_odometry", "amorsim_example.compass_odometry:CompassOdometry")
+    registry.robot("example-tricycle", _HERE / "robots" / "tricycle.toml")
+    registry.scenario("example-maze", _HERE / "scenarios" / "maze.toml")

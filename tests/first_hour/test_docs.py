@@ -1,0 +1,157 @@
+"""The documentation: its code runs, its commands work, its links lead somewhere, its generated page is up to date."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from PIL import Image
+
+from amorsim.recorders.text import Text
+from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
+
+DOCS = ROOT / "docs"
+PAGES = sorted([*DOCS.rglob("*.md"), *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))])
+# Written by others, with tests of their own.
+ELSEWHERE = {DOCS / "how-to" / "write-a-plugin.md", DOCS / "how-to" / "write-a-controller.md", ROOT / "README.md"}
+EXAMPLES = sorted((DOCS / "examples").glob("*.py"))
+
+_LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+
+
+def _is_run(path: Path) -> bool:
+    return path not in ELSEWHERE and any(
+        block.language in ("console", "python", "toml") for block in blocks_of(path)
+    )
+
+
+def _name(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def _tool(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("path", [path for path in PAGES if _is_run(path)], ids=_name)
+def test_a_page_does_what_it_says(path: Path, page: Page) -> None:
+    for block in blocks_of(path):
+        page.run(block)
+    assert page.ran
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=_name)
+def test_an_example_prints_what_stands_beside_it(path: Path) -> None:
+    check_output(path.with_suffix(".out").read_text(encoding="utf-8"), _tool("make_example_outputs").output_of(path))
+
+
+def test_the_page_of_components_is_up_to_date() -> None:
+    tool = _tool("make_reference")
+    written = tool.PAGE.read_text(encoding="utf-8")
+    assert written == tool.page(), "run: python tools/make_reference.py"
+
+
+def _anchors(page: Path) -> set[str]:
+    found: dict[str, int] = {}
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE):
+        # As GitHub makes them: lower case, blanks to hyphens, and nothing but letters, digits and these.
+        slug = re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+        found[slug] = found.get(slug, -1) + 1
+        if found[slug]:
+            found[f"{slug}-{found[slug]}"] = 0
+    return set(found)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=_name)
+def test_links_lead_somewhere(path: Path) -> None:
+    text = re.sub(r"^```.*?^```$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for link in _LINK.findall(text):
+        if link.startswith(("https://", "http://")):
+            continue
+        target, _, anchor = link.partition("#")
+        found = (path.parent / target).resolve() if target else path
+        assert found.exists(), f"{link} leads nowhere"
+        if anchor:
+            assert anchor in _anchors(found), f"{link}: {found.name} has no such heading"
+
+
+def test_every_page_can_be_reached_from_the_index() -> None:
+    seen: set[Path] = set()
+    waiting = [DOCS / "index.md"]
+    while waiting:
+        path = waiting.pop()
+        if path in seen or path.suffix != ".md" or not path.exists():
+            continue
+        seen.add(path)
+        links = _LINK.findall(path.read_text(encoding="utf-8"))
+        waiting += [
+            (path.parent / link.partition("#")[0]).resolve() for link in links if not link.startswith("http")
+        ]
+    assert set(DOCS.rglob("*.md")) <= seen
+
+
+def test_pictures_are_small() -> None:
+    pictures = sorted((DOCS / "pictures").glob("*.png"))
+    assert pictures
+    for path in pictures:
+        assert path.stat().st_size < 300_000, path.name
+        with Image.open(path) as picture:
+            assert min(picture.size) > 400
+
+
+def test_every_column_is_described(page: Page) -> None:
+    import amorsim as am
+
+    summary = am.run(am.load("demo"), "run", duration=0.2)
+    text = (DOCS / "reference" / "run-folder.md").read_text(encoding="utf-8")
+    files = sorted(summary.folder.rglob("*.csv"))
+    assert {path.stem for path in files} >= {"poses", "velocities", "commands", "events", "laser"}
+    for path in files:
+        for column in path.read_text(encoding="utf-8").partition("\n")[0].split(","):
+            plain = re.sub(r"_\d+$", "_0", column)
+            plain = re.sub(r"^(true|measured)_(left|right)_wheel$", r"\1_JOINT", plain)
+            assert f"`{plain}`" in text, f"{path.name}: nothing is said of {column}"
+    for key in _tool_keys(summary.folder / "run.json"):
+        assert f"`{key}`" in text, f"run.json: nothing is said of {key}"
+    assert (Text.__doc__ or "").startswith("Writes")
+
+
+def _tool_keys(path: Path) -> list[str]:
+    import json
+
+    return list(json.loads(path.read_text(encoding="utf-8")))
+
+
+def test_every_key_of_a_scenario_is_described() -> None:
+    from amorsim.scenario import models, read, robots
+
+    text = (DOCS / "reference" / "scenario.md").read_text(encoding="utf-8")
+    keys = {*read._KEYS, *read._TIMES, *robots._ROBOT_KEYS, *robots._OBSTACLE_KEYS, *models.MODEL_KEYS}
+    for key in keys:
+        assert re.search(rf"`(\[+)?(robots\.)?{key}(\]+)?`", text), f"nothing is said of {key}"
+
+
+def test_every_option_of_a_command_is_described() -> None:
+    import typer.main
+
+    from amorsim.cli.app import app
+
+    text = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
+    group = typer.main.get_command(app)
+    commands = group.commands  # type: ignore[attr-defined]
+    assert "run" in commands
+    for name, command in commands.items():
+        assert f"## amorsim {name}" in text
+        for parameter in command.params:
+            for option in parameter.opts:
+                if option.startswith("--") and option != "--help":
+                    assert f"`{option}" in text, f"amorsim {name}: nothing is said of {option}"

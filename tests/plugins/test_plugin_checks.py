@@ -1,0 +1,255 @@
+"""What a class must be to be registered: each rule broken by itself, and the words that say so."""
+
+from typing import Any, ClassVar
+
+import attrs
+import pytest
+
+from amorsim.contracts import Drive, Joint, MapLoader, Noise, Recorder, Sensor, parameter
+from amorsim.plugins.checks import check_class
+
+
+def frozen(cls):
+    return attrs.frozen(kw_only=True)(cls)
+
+
+class GoodMethods:
+    def size(self, drive):
+        return 1
+
+    def sense(self, view, aim, state, draws):
+        return None
+
+
+@frozen
+class Good(GoodMethods, Sensor):
+    unit: ClassVar[str] = "m"
+    range_max: float = parameter(1.0, unit="m", gt=0, help="longest")
+    corners: tuple[float, ...] = parameter((), help="some")
+    limit: int | None = parameter(None, help="none for no limit")
+
+
+def test_a_good_class_passes():
+    assert check_class("sensor", Sensor, Good) == ()
+
+
+def only(problems):
+    assert len(problems) == 1, problems
+    return problems[0]
+
+
+@pytest.mark.parametrize("thing", [3, "Good", Good(), lambda: Good])
+def test_no_class_at_all(thing):
+    assert "expected a subclass of amorsim.contracts.Sensor, got" in only(check_class("sensor", Sensor, thing))
+
+
+def test_a_class_of_another_kind_names_its_bases():
+    problem = only(check_class("noise", Noise, Good))
+    assert "amorsim.contracts.Noise" in problem
+    assert "GoodMethods, Sensor" in problem
+
+
+def test_a_missing_method_is_named_and_a_misspelt_one_found():
+    @frozen
+    class Missing(Sensor):
+        unit: ClassVar[str] = "m"
+
+        def size(self, drive):
+            return 1
+
+        def sence(self, view, aim, state, draws):
+            return None
+
+    problem = only(check_class("sensor", Sensor, Missing))
+    assert "expected the methods sense" in problem
+    assert "'sence' meant to be sense" in problem
+
+
+def test_wrong_positional_names_say_found_and_expected():
+    @frozen
+    class Swapped(Sensor):
+        unit: ClassVar[str] = "m"
+
+        def size(self, drive):
+            return 1
+
+        def sense(self, aim, view, state, draws):
+            return None
+
+    problem = only(check_class("sensor", Sensor, Swapped))
+    assert problem == "sense: expected (view, aim, state, draws), found (aim, view, state, draws)"
+
+
+def test_a_further_argument_needs_a_default():
+    @frozen
+    class More(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+
+        def size(self, drive, extra):
+            return 1
+
+    @frozen
+    class Optional(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+
+        def size(self, drive, extra=1):
+            return 1
+
+    @frozen
+    class Keyword(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+
+        def size(self, drive, *, extra):
+            return 1
+
+    assert "size: expected (drive), found (drive, extra)" in only(check_class("sensor", Sensor, More))
+    assert check_class("sensor", Sensor, Optional) == ()
+    assert "size: expected (drive)" in only(check_class("sensor", Sensor, Keyword))
+
+
+def test_a_method_in_the_place_of_which_there_is_a_value():
+    @frozen
+    class Valued(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        size = 3
+
+    assert "size: expected a method, found int" in only(check_class("sensor", Sensor, Valued))
+
+
+def test_a_class_without_attrs_is_refused():
+    class Plain(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+
+    assert "@attrs.frozen(kw_only=True)" in only(check_class("sensor", Sensor, Plain))
+
+
+def test_a_subclass_that_lost_its_decorator_is_refused():
+    class Derived(Good):
+        extra: float = 1.0
+
+    assert "found one without that decorator" in only(check_class("sensor", Sensor, Derived))
+
+
+@pytest.mark.parametrize("slots", [True, False])
+def test_a_class_whose_fields_can_be_set_is_refused(slots):
+    @attrs.define(kw_only=True, slots=slots)
+    class Mutable(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        scale: float = parameter(1.0)
+
+    assert "expected a frozen class" in only(check_class("sensor", Sensor, Mutable))
+
+
+def test_a_field_is_made_with_parameter_and_has_a_type_that_files_know():
+    @frozen
+    class Undescribed(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        scale: float = 1.0
+
+    @frozen
+    class Anything(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        scale: Any = parameter(1.0)
+
+    @frozen
+    class Listed(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        scales: list[float] = parameter(())
+
+    assert "field 'scale': expected it to be made with amorsim.parameter" in only(
+        check_class("sensor", Sensor, Undescribed)
+    )
+    assert "field 'scale': expected float, int" in only(check_class("sensor", Sensor, Anything))
+    assert "field 'scales': expected float, int" in only(check_class("sensor", Sensor, Listed))
+
+
+def test_fields_are_keywords_and_leave_the_names_that_stand_beside_them_alone():
+    @attrs.frozen
+    class Positional(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        scale: float = parameter(1.0)
+
+    @frozen
+    class Clashing(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        latency: float = parameter(1.0)
+
+    assert "expected a keyword-only field" in only(check_class("sensor", Sensor, Positional))
+    assert "field 'latency': the name has a meaning of its own" in only(check_class("sensor", Sensor, Clashing))
+
+
+def test_constants_of_the_class():
+    @frozen
+    class NoUnit(GoodMethods, Sensor):
+        pass
+
+    @frozen
+    class BadExtensions(MapLoader):
+        extensions: ClassVar = ("MAP",)
+
+        def load(self, path):
+            return None
+
+    assert "unit: expected a text" in only(check_class("sensor", Sensor, NoUnit))
+    assert "expected lower case with the dot" in only(check_class("map_loader", MapLoader, BadExtensions))
+
+
+def test_a_drive_needs_joints_and_channels():
+    class Methods:
+        def advance(self, joints, rates, command, dt, state, draws): ...
+        def twist(self, before, after): ...
+        def command_for(self, twist, joints): ...
+        def rolling_radius(self): ...
+
+    @frozen
+    class Bare(Methods, Drive):
+        channels: ClassVar = ["left"]
+
+    @frozen
+    class Whole(Methods, Drive):
+        joints: ClassVar = (Joint(name="wheel"),)
+        channels: ClassVar = ("wheel",)
+
+    problems = check_class("drive", Drive, Bare)
+    assert [problem.split(":")[0] for problem in problems] == ["channels", "joints"]
+    assert check_class("drive", Drive, Whole) == ()
+
+
+def test_a_noise_does_something():
+    @frozen
+    class Nothing(Noise):
+        pass
+
+    @frozen
+    class Bends(Noise):
+        def aim(self, aim, elapsed, state, draws):
+            return aim
+
+    assert "expected aim or corrupt to be overridden" in only(check_class("noise", Noise, Nothing))
+    assert check_class("noise", Noise, Bends) == ()
+
+
+def test_a_recorder_may_keep_its_files():
+    @attrs.define(kw_only=True)
+    class Log(Recorder):
+        every: int = parameter(1, ge=1)
+        _file: Any = attrs.field(init=False, default=None)
+
+        def open(self, run, frames): ...
+        def write(self, frames, events): ...
+        def close(self): ...
+
+    assert check_class("recorder", Recorder, Log) == ()
+
+
+def test_all_that_is_wrong_is_said():
+    @attrs.define
+    class Awful(Sensor):
+        def size(self):
+            return 1
+
+        def sense(self, view):
+            return None
+
+    problems = check_class("sensor", Sensor, Awful)
+    assert len(problems) == 3  # two signatures and the unit

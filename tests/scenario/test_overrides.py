@@ -1,0 +1,124 @@
+"""Settings of the command line: what they reach, and how their faults are told."""
+
+import pytest
+
+from amorsim.core.errors import ScenarioError
+from amorsim.scenario.spec import Deviation
+
+TWO = """
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+controller = { use = "wander" }
+[[robots]]
+name = "scout"
+model = "pioneer2dx"
+"""
+
+
+def test_values_are_toml_or_else_plain_texts(read):
+    scenario = read(
+        TWO,
+        "simulation.dt=0.05",
+        "simulation.seed = 3",
+        "recording.sensors=none",
+        "recording.picture=false",
+        'robots.scout.name="pathfinder"',
+        "robots.rover.controller.speed=0.2",
+        "robots.1.pose={x=3.0, y=2.0}",
+        "robots.1.pose.heading_deg=90",
+    )
+    assert (scenario.dt, scenario.seed, scenario.recording.sensors, scenario.recording.picture) == (
+        0.05,
+        3,
+        "none",
+        False,
+    )
+    assert scenario.robots[1].name == "pathfinder"
+    assert scenario.robots[0].controller.speed == 0.2
+    assert (scenario.robots[1].pose.x, scenario.robots[1].pose.heading) == (3.0, pytest.approx(1.5707963267948966))
+
+
+def test_tables_are_made_on_the_way(read):
+    scenario = read(TWO, "robots.0.errors.drive.track.scale=1.02", "robots.0.errors.drive.wheel_radius_left=0.08")
+    assert scenario.robots[0].errors == {
+        "drive.track": Deviation(scale=1.02),
+        "drive.wheel_radius_left": Deviation(value=0.08),
+    }
+
+
+def test_what_the_model_says_can_be_reached_too(read):
+    scenario = read(
+        TWO,
+        "robots.rover.sensors.laser.noise.gaussian.std=0.1",
+        "robots.rover.sensors.laser.noise.1.step=0.5",
+        "robots.rover.drive.track=0.4",
+        "robots.rover.sensors.sonar=false",
+        "robots.scout.sensors.sonar.elements.3.heading_deg=11",
+    )
+    rover, scout = scenario.robots
+    assert rover.sensors["laser"].noise[0].noise.std == 0.1
+    assert rover.sensors["laser"].noise[1].noise.step == 0.5
+    assert rover.drive.track == 0.4
+    assert "sonar" not in rover.sensors
+    assert scout.sensors["sonar"].sensor.elements[3].heading == pytest.approx(0.19198621771937624)
+    assert scout.drive.track == 0.33, "only the robot that was named changes"
+
+
+def test_another_use_forgets_the_fields_of_the_one_before(read):
+    scenario = read(TWO, "robots.rover.controller.speed=0.1", "robots.rover.controller.use=manual")
+    assert type(scenario.robots[0].controller).__name__ == "Manual"
+
+
+def test_a_model_can_be_chosen(read, folder):
+    (folder / "cart.toml").write_text(
+        "format = 1\nshape = { circle = 0.3 }\n"
+        'drive = { use = "differential", wheel_radius_left = 0.1, '
+        "wheel_radius_right = 0.1, track = 0.4, rate_max_deg = 1 }\n"
+    )
+    scenario = read(TWO, f"robots.rover.model={folder / 'cart.toml'}", "robots.rover.drive.track=0.5")
+    assert scenario.robots[0].drive.wheel_radius_left == 0.1
+    assert scenario.robots[0].drive.track == 0.5
+
+
+def test_a_path_of_the_command_line_starts_where_it_was_typed(read, tmp_path, monkeypatch):
+    (tmp_path / "other.wld").write_text("width 2000\nheight 2000\n")
+    monkeypatch.chdir(tmp_path)
+    assert read(TWO, "world.map=other.wld").map.size == (2.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("setting", "path", "words"),
+    [
+        ("simulation.dt", "", "expected PATH=VALUE"),
+        ("=3", "", "expected PATH=VALUE"),
+        ("simulation..dt=3", "", "expected PATH=VALUE"),
+        ("simulation.dt=fast", "simulation.dt", "got 'fast'"),
+        ("simulation.dt=inf", "simulation.dt", "got inf"),
+        ("simulation.dt=1\nseed=3", "simulation.dt", "got '1\\nseed=3'"),
+        ("robots.rovr.pose.x=1", "robots.rovr", "Did you mean 'rover'?"),
+        ("robots.2.pose.x=1", "robots.2", "there is no '2' among these, but 2 of them: rover, scout"),
+        ("robots.0.name.first=x", "robots.0.name.first", "there is nothing under robots.0.name: it is 'rover'"),
+        ("robots.0.sensors.laser.noise.3.std=1", "robots.0.sensors.laser.noise.3", "2 of them: gaussian, quantize"),
+        ("robots.0.sensors.laser.rnage_max=1", "robots.0.sensors.laser.rnage_max", "Did you mean 'range_max'?"),
+        ("format=2", "format", "expected 1"),
+    ],
+)
+def test_a_fault_of_a_setting_names_the_setting(read, setting, path, words):
+    with pytest.raises(ScenarioError) as caught:
+        read(TWO, setting)
+    (fault,) = caught.value.faults
+    assert fault.file == f"--set {setting}"
+    assert fault.path == path
+    assert words in fault.message
+
+
+def test_faults_of_settings_and_files_come_together(read):
+    with pytest.raises(ScenarioError) as caught:
+        read(f"[simulation]\nseed = 'x'\n{TWO}", "simulation.dt=0", "nonsense", "robots.rover.drive.track=no")
+    assert [fault.file for fault in caught.value.faults] == [
+        "--set nonsense",
+        "--set simulation.dt=0",
+        "test.toml",
+        "--set robots.rover.drive.track=no",
+    ]

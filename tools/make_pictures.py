@@ -1,0 +1,54 @@
+"""Makes the pictures of the README and the docs: runs the demo and the scenario of ``amorsim new``.
+
+They are looked at and not compared, so they are made anew only where they should look different::
+
+    python tools/make_pictures.py
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+__all__ = ["make"]
+
+PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
+WIDTH = 1200  # pixels
+COLOURS = 64  # enough for lines and their soft edges
+
+
+def make(folder: Path) -> None:
+    """Write the pictures into `folder`."""
+    with tempfile.TemporaryDirectory() as name:
+        work = Path(name)
+        _amorsim(work, "run", "demo", "--out", "demo", "--quiet")
+        _amorsim(work, "new", "first")
+        _amorsim(work, "run", "first/scenario.toml", "--out", "run", "--quiet")
+        _amorsim(work, "plot", "run")
+        for source, target in (
+            ("demo/picture.png", "demo.png"),
+            ("run/picture.png", "first-run.png"),
+            ("run/plots/error.png", "first-run-error.png"),
+        ):
+            _save_small(work / source, folder / target)
+
+
+def _amorsim(work: Path, *arguments: str) -> None:
+    subprocess.run([sys.executable, "-m", "amorsim", *arguments], cwd=work, check=True)
+
+
+def _save_small(source: Path, target: Path) -> None:
+    with Image.open(source) as opened:
+        picture = opened.convert("RGB")
+    if picture.width > WIDTH:
+        height = round(picture.height * WIDTH / picture.width)
+        picture = picture.resize((WIDTH, height), Image.Resampling.LANCZOS)
+    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(target, optimize=True)
+
+
+if __name__ == "__main__":
+    make(PICTURES)
