@@ -68,7 +68,8 @@ if TYPE_CHECKING:
     )
     from amorsim.simulation.events import Event
     from amorsim.simulation.reproduce import reproduce
-    from amorsim.simulation.run import RunSummary, run
+    from amorsim.simulation.run import run
+    from amorsim.simulation.session import RunSession, RunSummary, record
     from amorsim.simulation.phases import PHASES
     from amorsim.simulation.simulation import Simulation
 
@@ -93,7 +94,8 @@ _MODULES = {
     ),
     "amorsim.simulation.events": "Event",
     "amorsim.simulation.reproduce": "reproduce",
-    "amorsim.simulation.run": "RunSummary run",
+    "amorsim.simulation.run": "run",
+    "amorsim.simulation.session": "RunSession RunSummary record",
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
 }
@@ -138,6 +140,7 @@ __all__ = [
     "RobotModel",
     "RunError",
     "RunInfo",
+    "RunSession",
     "RunSummary",
     "Scenario",
     "ScenarioError",
@@ -161,6 +164,7 @@ __all__ = [
     "logarithm",
     "noise",
     "parameter",
+    "record",
     "relative",
     "reproduce",
     "run",

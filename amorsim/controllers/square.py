@@ -65,9 +65,7 @@ class Square(Controller):
     )
     laps: int = parameter(1, ge=1, help="how often it goes round")
     turn_rate: float = parameter(0.7, unit="rad/s", gt=0, help="at which it turns at the corners")
-    tolerance: float = parameter(
-        0.002, unit="m", gt=0, help="distance from a corner within which it turns there"
-    )
+    tolerance: float = parameter(0.002, unit="m", gt=0, help="distance from a corner within which it turns there")
     heading_tolerance: float = parameter(
         0.002, unit="rad", gt=0, help="error of the heading with which it leaves a corner at most"
     )

@@ -128,7 +128,8 @@ class UserController(Controller):
     - ``clock``: a `RobotClock` with `tick`, `time` [s], `dt` [s];
 
     which are copies, theirs to keep. They return a `Twist`, `WheelSpeeds`, a number in rad/s for each channel
-    of the drive in order, a mapping from some channels' names to rad/s (0 for the others), or None to stop.
+    of the drive in order (and of devices that take commands, or these stay at 0), a mapping from some
+    channels' names to numbers (0 for the others), or None to stop.
 
     Parameters
     ----------
@@ -153,9 +154,7 @@ class UserController(Controller):
             If it cannot be called, an object cannot be made, or has no method `command`.
         """
         if not callable(self.function):
-            raise ControllerError(
-                f"controller {self.source!r}: expected a function or a class, got {self.function!r}"
-            )
+            raise ControllerError(f"controller {self.source!r}: expected a function or a class, got {self.function!r}")
         if not inspect.isclass(self.function):
             return {}
         objects = np.empty(context.rows, dtype=object)
@@ -267,9 +266,7 @@ class _Answers:
         whole = self._rates
         command = whole[:, : len(drive.channels)]
         if self._gave_twist.any():
-            command = np.where(
-                self._gave_twist, drive.command_for(self._twists, at_rest(self._robot)), command
-            )
+            command = np.where(self._gave_twist, drive.command_for(self._twists, at_rest(self._robot)), command)
         if self._gave_speeds.any():
             command = np.where(self._gave_speeds, drive.speeds_to_rates(self._speeds), command)
         whole[:, : len(drive.channels)] = command
@@ -278,9 +275,7 @@ class _Answers:
     def _numbers(self, row: int, answer: Any, values: Any) -> list[float]:
         found = []
         for value in values:
-            if isinstance(value, (bool, np.bool_)) or not isinstance(
-                value, (int, float, np.integer, np.floating)
-            ):
+            if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
                 raise self._wrong(row, answer, f"{value!r} is no number")
             if not math.isfinite(value):
                 raise self._wrong(row, answer, f"{value!r} is not finite")

@@ -53,6 +53,8 @@ class Map:
     warnings: tuple[str, ...] = ()
     """What its file says that was left out, one message each."""
     name: str = ""
+    source: Any = None
+    """The file it was read from, with the loader and its options (`amorsim.scenario.maps.MapFile`), or None."""
 
     @classmethod
     def from_segments(

@@ -6,6 +6,7 @@ The scenario file, the command line, forms and reference pages are all made from
 from __future__ import annotations
 
 import math
+import sys
 import types
 import typing
 from collections.abc import Mapping
@@ -173,7 +174,8 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
         return next((f"{problem} (element {i})" for i, problem in enumerate(problems) if problem), "")
     if kind is float:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(value):
+        # An int too large for a float is as good as infinite.
+        if not is_number or abs(value) > sys.float_info.max or not math.isfinite(value):
             return wrong
     elif kind is int:
         if not isinstance(value, int) or isinstance(value, bool):

@@ -59,11 +59,11 @@ def stack(components: Sequence[T]) -> T:
     values = {}
     for name, parameter in describe(type(first)).items():
         column = [getattr(component, name) for component in components]
-        values[name] = _stack_column(column) if _varies(parameter, column[0]) else column[0]
+        values[name] = _stack_column(column, parameter) if _varies(parameter, column[0]) else column[0]
     return _assemble(type(first), values)
 
 
-def _stack_column(column: list[Any]) -> Any:
+def _stack_column(column: list[Any], parameter: Parameter) -> Any:
     first = column[0]
     if isinstance(first, tuple) and attrs.has(type(first[0])):
         rows = [stack(items) for items in column]  # each field (k, 1)
@@ -72,19 +72,15 @@ def _stack_column(column: list[Any]) -> Any:
             for field in attrs.fields(type(first[0]))
         }
         return _assemble(type(first[0]), fields)
-    if isinstance(first, tuple):
-        return _frozen(column)
     if attrs.has(type(first)):
         return stack(column)
-    return _frozen([[value] for value in column])
+    # As annotated, not as given: a whole number given for a float is a float in every row.
+    dtype = np.float64 if "float" in str(parameter.type) else np.int64
+    return _frozen(column if isinstance(first, tuple) else [[value] for value in column], dtype)
 
 
-def _frozen(rows: Any) -> npt.NDArray[Any]:
-    array = np.ascontiguousarray(rows)
-    if array.dtype.kind not in "ui":
-        array = array.astype(np.float64)
-    if array.dtype.kind in "ui" and array.dtype != np.int64:
-        array = array.astype(np.int64)
+def _frozen(rows: Any, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+    array = np.ascontiguousarray(rows, dtype=dtype)
     array.flags.writeable = False
     return array
 

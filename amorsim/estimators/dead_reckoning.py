@@ -42,9 +42,7 @@ def _whole(rows: int) -> Array:
     return np.ones((rows, 1))
 
 
-def _jacobian(
-    drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np.int64], radius: Array
-) -> Array:
+def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np.int64], radius: Array) -> Array:
     """The body's motion (forward, left, turn) per metre of travel of each rolling joint, `(N, 3, r)`."""
     offered: Any = getattr(drive, "jacobian", None)
     if offered is not None:

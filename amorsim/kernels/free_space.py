@@ -96,14 +96,18 @@ def free_way(points: Floats, bearing: float, half_width: float, spread: float) -
 
 
 @kernel
-def nearest_point(points: Floats) -> float:
-    """Distance [m] of the nearest point from the base point."""
+def nearest_point(points: Floats) -> tuple[float, float]:
+    """Distance [m] of the nearest point from the base point, and which side it is on: 1 left, -1 right."""
     nearest = math.inf
+    side = 1.0
     for n in range(points.shape[0]):
         x = points[n, 0]
         y = points[n, 1]
-        nearest = min(nearest, x * x + y * y)
-    return math.sqrt(nearest)
+        square = x * x + y * y
+        if square < nearest:
+            nearest = square
+            side = 1.0 if y > 0.0 else -1.0
+    return math.sqrt(nearest), side
 
 
 @kernel

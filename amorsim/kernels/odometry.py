@@ -73,9 +73,7 @@ def wheel_twists(
 
 
 @kernel
-def wheel_rates(
-    twists: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats
-) -> None:
+def wheel_rates(twists: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats) -> None:
     """Rates [rad/s] of a left and a right wheel at which the body moves with `twists`, into `out` (N, 2).
 
     The inverse of `wheel_twists` for `twists` (N, 3) in m/s and rad/s. The part to the left cannot be met, and

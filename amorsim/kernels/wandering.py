@@ -37,7 +37,8 @@ _STILL = 7  # [s] for which it has been standing
 _VISITS = 8  # places written on its trail
 _BESIDE = 9  # [m] of room to the right and to the left when it last looked aside, two columns
 _PHASE = 11  # [rad] of its swaying
-MEMORY_COLUMNS = 12
+_WARY = 12  # [m] that it drove without turning aside, since it was in a tight place
+MEMORY_COLUMNS = 13
 
 # Columns of what a row knows of its own body.
 _SWING = 0  # [m] reach of the footprint from the base point
@@ -60,6 +61,8 @@ _RESTLESS = 0.3  # probability that it weighs all other directions when it looks
 _BETTER = 2.5  # times the promise of the way ahead that another must have to be taken instead
 _PLACE = 0.7  # [m] between places on the trail
 _SLOW = 0.15  # [m/s] in tight places
+_CREEP_RADIUS = 1.5  # [m] of the arc by which it leaves a wall beside it: its tail swings out by 1 cm or two
+_AWAY = 0.6  # [m] to be driven from a tight place, which may lie where it does not see, before it turns aside
 _DRIFT = 0.06  # of the way ahead, that the robot may get off it before it has stopped
 _TRACE_MAX = 0.6  # [m] farther back the way need not be straight
 _STRAIGHT = math.radians(1.5)  # a smaller turn is not worth stopping for
@@ -80,12 +83,12 @@ def _choose(
 ) -> int:
     """Choose where to go; what to do next, with the angle to turn in the memory."""
     swing = body[_SWING] + clearance
-    if nearest_point(points) < body[_SWING] + 0.4 * clearance:
+    if nearest_point(points)[0] < body[_SWING] + 0.4 * clearance:
         # Something stands where the robot would sweep: a thin thing seen late, or so it was put there.
         if memory[_TRACE] > 0.05:
             memory[_TRACE] = min(memory[_TRACE], _TRACE_MAX)
             return _BACK
-        if free_way(points, 0.0, body[_HALF_WIDTH] + 0.5 * clearance, 0.0) > _STOP:
+        if free_way(points, 0.0, body[_HALF_WIDTH] + 0.2 * clearance, 0.0) > _STOP:
             return _CREEP
     bearing = choose_direction(points, body[_VIEW:], swing, pose, trail, int(memory[_VISITS]), draws[0], bar)
     if math.isnan(bearing):
@@ -133,14 +136,14 @@ def _decide(
             return _TURN
         memory[_STILL] = 0.0
         mode = _LOOK
-    tight = nearest_point(points) < body[_SWING] + 0.6 * clearance
+    tight = nearest_point(points)[0] < body[_SWING] + 0.6 * clearance
     if mode == _BACK:
         if memory[_TRACE] > 0.03 and tight:
             return _BACK
         memory[_STILL] = 0.0
         mode = _AVOID
     if mode == _CREEP:
-        if tight and free_way(points, 0.0, body[_HALF_WIDTH] + 0.5 * clearance, 0.0) > _STOP:
+        if tight and free_way(points, 0.0, body[_HALF_WIDTH] + 0.2 * clearance, 0.0) > _STOP:
             return _CREEP
         memory[_STILL] = 0.0
         mode = _LOOK
@@ -150,7 +153,7 @@ def _decide(
     if mode == _DRIVE:
         if ahead < _STOP:
             return _choose(points, body, clearance, pose, trail, draws, 0.0, memory)
-        if memory[_SINCE] > _WEIGH:
+        if memory[_SINCE] > _WEIGH and memory[_WARY] > _AWAY:
             memory[_SINCE] = 0.0
             memory[_SIDE] = 0.0
             if _looks_in(points, body, clearance, draws[1], memory):
@@ -200,15 +203,18 @@ def _wander_row(
     v = 0.0
     w = 0.0
     if mode in (_DRIVE, _CREEP):
-        width = body[_SWING] + clearance if mode == _DRIVE else body[_HALF_WIDTH] + 0.5 * clearance
+        width = body[_SWING] + clearance if mode == _DRIVE else body[_HALF_WIDTH] + 0.2 * clearance
         driven = min(memory[_TRACE], speed_max * age)
         ahead = max(0.0, free_way(points, 0.0, width, 0.0) - driven)
         clear = max(0.0, free_way(points, 0.0, width, _DRIFT) - driven)
         v = min(speed_max if mode == _DRIVE else min(speed_max, _SLOW), ahead / max(_TIME_TO_STOP, 2.0 * dt))
         v = min(v, math.sqrt(braking * ahead))
         v = min(v, max(_SLOW, min(clear / _TIME_TO_STOP, math.sqrt(braking * clear))))
-        # A thin wall seen end on hides between two beams, unless they sweep.
-        if _SWAY_RATE * dt < 1.0 and v > 0.0:
+        if mode == _CREEP:
+            w = -nearest_point(points)[1] * v / _CREEP_RADIUS
+            memory[_WARY] = 0.0
+        elif _SWAY_RATE * dt < 1.0 and v > 0.0:
+            # A thin wall seen end on hides between two beams, unless they sweep.
             memory[_PHASE] += _SWAY_RATE * dt
             w = body[_SWAY] * _SWAY_RATE * math.cos(memory[_PHASE])
     elif mode == _BACK:
@@ -225,6 +231,7 @@ def _wander_row(
     memory[_RATE] = w_now
     memory[_ANGLE] -= w_now * dt
     memory[_SINCE] += abs(v_now) * dt
+    memory[_WARY] += abs(v_now) * dt
     memory[_TRACE] = 0.0 if mode == _TURN else max(memory[_TRACE] + v_now * dt, 0.0)
     memory[_STILL] = memory[_STILL] + dt if v_now == 0.0 and w_now == 0.0 else 0.0
     out[0] = v

@@ -27,9 +27,7 @@ class Bias(Noise):
 
     value: float = parameter(unit="sensor", help="what is added")
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` and the bias."""
         # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
         return values - (0.0 - self.value)

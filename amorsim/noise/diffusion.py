@@ -29,13 +29,9 @@ class Diffusion(Noise):
         Variance of the travel, per metre of it [m^2/m].
     """
 
-    variance_per_length: float = parameter(
-        unit="m", ge=0, help="variance of the travel [m^2] per metre of it"
-    )
+    variance_per_length: float = parameter(unit="m", ge=0, help="variance of the travel [m^2] per metre of it")
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The travels `(N, r)` [m] over the ground."""
         size = np.abs(values)
         size *= self.variance_per_length

@@ -49,9 +49,7 @@ class Gaussian(Noise):
         shape = (context.rows, context.size)
         return {"walk": np.zeros(shape), "last": np.zeros(shape)}
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` with noise on them."""
         noise = draws.normal(values.shape[1])
         if self.per == "sample":

@@ -32,9 +32,7 @@ class Quantize(Noise):
         "nearest", choices=("nearest", "floor"), static=True, help="to the nearest multiple, or down to one"
     )
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)`, rounded."""
         steps = values / self.step
         steps = np.rint(steps, out=steps) if self.rounding == "nearest" else np.floor(steps, out=steps)

@@ -35,9 +35,7 @@ class Saturate(Noise):
         if low is not None and high is not None and low > high:
             raise ParameterError("minimum", f"expected no more than maximum {high!r}, got {low!r}")
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)`, none beyond the ends."""
         held = values
         if self.minimum is not None:

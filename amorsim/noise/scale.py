@@ -27,8 +27,6 @@ class Scale(Noise):
 
     factor: float = parameter(gt=0, help="what every value is multiplied by")
 
-    def corrupt(
-        self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws
-    ) -> Array:
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` times the factor."""
         return values * self.factor

@@ -38,7 +38,6 @@ class Text(Recorder):
     """
 
     _files: LineFiles = attrs.field(factory=LineFiles, init=False)
-    _leads: list[list[str]] = attrs.field(factory=list, init=False)  # robot and replica of each row, by group
     _previous: list[dict[str, Any]] = attrs.field(factory=list, init=False)
     _joints: list[str] = attrs.field(factory=list, init=False)
     _channels: list[str] = attrs.field(factory=list, init=False)
@@ -105,8 +104,8 @@ class Text(Recorder):
                 fresh = np.flatnonzero(reading.fresh[:, 0]).tolist()
                 if not fresh:
                     continue
-                stamp = reading.stamp[:, 0]
-                leads = [f"{replica[i]}{time[i]},{stamp[i] * self._run.dt:.{self._decimals}f},{frame.names[i]}" for i in fresh]
+                stamp = [f"{tick * self._run.dt:.{self._decimals}f}" for tick in reading.stamp[:, 0].tolist()]
+                leads = [f"{replica[i]}{time[i]},{stamp[i]},{frame.names[i]}" for i in fresh]
                 missing = np.full((len(fresh), self._sizes[name] - true.shape[1]), np.nan)
                 parts = (true[fresh], missing, reading.measured[fresh], missing)
                 self._lines(f"sensors/{name}", leads, np.concatenate(parts, axis=1))
@@ -164,8 +163,9 @@ class Text(Recorder):
         replica = f"{event.replica}," if len(self._run.replicas) > 1 else ""
         x, y = ("", "") if event.point is None else (f"{part:.6f}" for part in event.point)
         speed = "" if event.speed is None else f"{event.speed:.6f}"
-        value = "" if event.value is None else _quoted(json.dumps(event.value, default=_plain))
-        cells = [f"{event.time:.{self._decimals}f}", event.name, event.kind, event.other, x, y, speed, event.path, value, event.tick]
+        value = _quoted(json.dumps(event.value, default=_plain)) if event.path else ""
+        time = f"{event.time:.{self._decimals}f}"
+        cells = [time, event.name, event.kind, event.other, x, y, speed, event.path, value, event.tick]
         return replica + ",".join(map(str, cells)) + "\n"
 
     def close(self) -> None:

@@ -13,7 +13,6 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import write_shape
 from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
-from amorsim.scenario.maps import source_of
 from amorsim.scenario.models import FORMAT
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Robot, Scenario
 from amorsim.scenario.worlds import start_of
@@ -83,7 +82,7 @@ class _Writer:
         return {"use": name, **write_fields(component, unit)}
 
     def _map(self, found: Map, path: str) -> dict[str, Any]:
-        file = source_of(found)
+        file = found.source
         if file is None:
             self._fault(
                 f"{path}.map",

@@ -1,8 +1,7 @@
-"""Map files: which loader reads one, its options, and which file a map was read from."""
+"""Map files: which loader reads one, its options, and the file that a map was read from."""
 
 from __future__ import annotations
 
-import weakref
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from amorsim.core.parameters import ParameterError, describe
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 
-__all__ = ["MapFile", "find_loader", "load_map", "read_map", "source_of"]
+__all__ = ["MapFile", "find_loader", "load_map", "read_map"]
 
 _HEAD = 4096
 
@@ -26,10 +25,6 @@ class MapFile:
 
     path: Path
     loader: MapLoader
-
-
-# A map knows nothing of files and loaders. Kept by identity: two files may hold equal maps. Copies are the map itself.
-_SOURCES: dict[int, tuple[weakref.ref[Map], MapFile]] = {}
 
 
 def load_map(path: str | Path, *, use: str | None = None, registry: Registry | None = None, **options: Any) -> Map:
@@ -74,7 +69,7 @@ def load_map(path: str | Path, *, use: str | None = None, registry: Registry | N
 
 
 def read_map(file: MapFile) -> Map:
-    """The map in a file, by the loader that is named with it; it remembers the file (`source_of`).
+    """The map in a file, by the loader that is named with it; it remembers the file as its `source`.
 
     Raises
     ------
@@ -90,25 +85,7 @@ def read_map(file: MapFile) -> Map:
         raise MapError(f"{file.path}: {loader} failed with {type(error).__name__}: {error}") from error
     if not isinstance(found, Map):
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
-    _remember(found, file)
-    return found
-
-
-def source_of(found: Map) -> MapFile | None:
-    """The file that a map was read from in this process, or None."""
-    reference, file = _SOURCES.get(id(found), (None, None))
-    return file if reference is not None and reference() is found else None
-
-
-def _remember(found: Map, file: MapFile) -> None:
-    key = id(found)
-
-    def forget(reference: weakref.ref[Map]) -> None:
-        # By now another map may have taken the place in memory.
-        if _SOURCES.get(key, (None, None))[0] is reference:
-            del _SOURCES[key]
-
-    _SOURCES[key] = (weakref.ref(found, forget), file)
+    return attrs.evolve(found, source=file)
 
 
 def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, type[MapLoader]]:

@@ -11,7 +11,7 @@ from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import read_component
-from amorsim.scenario.maps import MapFile, find_loader, read_map, source_of
+from amorsim.scenario.maps import MapFile, find_loader, read_map
 from amorsim.scenario.spec import Knowledge, Pose
 
 __all__ = ["Maps", "start_of"]
@@ -36,7 +36,7 @@ class Maps:
         use = node.child("use").text("the name of a map loader") if "use" in node else None
         if path is None:
             return None
-        other = None if like is None else source_of(like)
+        other = None if like is None else like.source
         if other is not None and other.path == path and not set(node.value) - {"map", *beside}:
             return like
         try:

@@ -49,9 +49,7 @@ class Laser(Sensor):
     unit: ClassVar[str] = "m"
 
     beams: int = parameter(181, ge=1, le=100_000, static=True, help="beams in a scan")
-    fov: float = parameter(
-        math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="angle from the first beam to the last"
-    )
+    fov: float = parameter(math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="angle from the first beam to the last")
     range_max: float = parameter(8.0, unit="m", gt=0, help="longest range that is seen")
 
     def size(self, drive: Drive) -> int:

@@ -41,9 +41,7 @@ class Sonar(Sensor):
 
     unit: ClassVar[str] = "m"
 
-    elements: tuple[Mount, ...] = parameter(
-        (Mount(),), help="where each element sits on the mount, and looks"
-    )
+    elements: tuple[Mount, ...] = parameter((Mount(),), help="where each element sits on the mount, and looks")
     half_angle: float = parameter(
         math.pi / 12.0, unit="rad", ge=0, le=math.pi / 2.0, help="between a cone's axis and its edge"
     )

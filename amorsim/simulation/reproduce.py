@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import csv
-import json
+import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from amorsim.core.errors import RunError
+from amorsim.core.errors import AmorsimError, RunError
 from amorsim.scenario.read import load
-from amorsim.simulation.run import run
+from amorsim.simulation.compare import TOLERANCE, Difference, first_difference
+from amorsim.simulation.folder import circumstances, fingerprints, read_about
+from amorsim.simulation.replay import Replay
+from amorsim.simulation.session import MOST_STEPS, RunSession
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Outcome", "reproduce"]
@@ -21,126 +23,144 @@ __all__ = ["Outcome", "reproduce"]
 
 @attrs.frozen(kw_only=True)
 class Outcome:
-    """How a second run compares with the first."""
+    """How a second run compares with the first.
+
+    On another kind of processor, or with other versions, the last bits of results may differ: `is_exact` is false
+    then, but `is_same` true as long as all files agree to 2e-6.
+    """
 
     is_same: bool
+    is_exact: bool
     steps: int
-    difference: str = ""
-    circumstances: tuple[str, ...] = ()  # versions and machines that differ
+    difference: str = ""  # the first, in words
+    tick: int | None = None  # of the first difference, where the files tell one
+    robot: str = ""  # whose it is
+    notes: tuple[str, ...] = ()  # versions, machines and files that are not what they were
 
     def __str__(self) -> str:
-        if self.is_same:
-            return f"the same to the bit, over {self.steps} steps"
-        lines = [f"not the same: {self.difference}"]
-        lines += [f"note: {text}" for text in self.circumstances]
-        return "\n".join(lines)
+        if self.is_exact:
+            head = f"the same to the bit, over {self.steps} steps"
+        elif self.is_same:
+            head = f"the same to {TOLERANCE:g}, over {self.steps} steps, but not to the bit"
+        else:
+            head = f"not the same: {self.difference}"
+        return "\n".join([head, *(f"note: {note}" for note in self.notes)])
 
 
-def reproduce(folder: Path) -> Outcome:
+def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], None] | None = None) -> Outcome:
     """Run what lies in a run's folder again: its scenario, its recorded hand-given commands, its live changes.
+
+    The digests of all exact results are compared, and all text files, line by line.
+
+    Parameters
+    ----------
+    folder
+        Of a run that has ended; one that was interrupted is run again up to there.
+    progress
+        Called after every step with the share done.
 
     Raises
     ------
     RunError
         If the folder is none of a run, or the run did not end.
     """
-    about = _read_about(folder)
-    scenario = load(folder / "scenario.toml")
-    scenario = attrs.evolve(scenario, recording=attrs.evolve(scenario.recording, picture=False, sensors="none"))
-    simulation = _Replay(scenario, about, folder)
+    before = Path(folder)
+    about = read_about(before)
+    steps = _steps_done(before, about)
+    notes = [*_other_circumstances(about), *_other_inputs(about, before)]
+    scenario = load(before / "scenario.toml")
+    scenario = attrs.evolve(scenario, recording=attrs.evolve(scenario.recording, picture=False))
     with tempfile.TemporaryDirectory(prefix="amorsim-") as beside:
-        again = Path(beside) / "run"
-        duration = about["steps_done"] * about["dt"]
-        summary = run(scenario, again, duration=duration, simulation=simulation)
-        differing = [replica for replica, digest in about["digests"].items() if summary.digests[int(replica)] != digest]
-        if not differing:
-            return Outcome(is_same=True, steps=summary.steps)
-        difference = _first_difference(folder, again) or (
-            f"replica {differing[0]} differs by less than the micrometre that files are written to, "
-            "or in a sensor's reading only"
+        after = Path(beside) / "run"
+        try:
+            simulation = Simulation(scenario, seed=about["seed"], replicas=about["replicas"])
+            replay = Replay(simulation, before)
+            with RunSession(simulation, after, wanted_steps=steps) as session:
+                for done in range(1, steps + 1):
+                    replay.give()
+                    simulation.step()
+                    session.keep()
+                    if progress is not None:
+                        progress(done / steps)
+        except AmorsimError as error:
+            if not notes:
+                raise
+            return Outcome(is_same=False, is_exact=False, steps=0, difference=str(error), notes=tuple(notes))
+        digests = {str(replica): digest for replica, digest in session.summary.digests.items()}
+        return _outcome(about, digests, first_difference(before, after, about["dt"]), steps, notes)
+
+
+def _steps_done(folder: Path, about: Mapping[str, Any]) -> int:
+    if not about.get("digests"):
+        raise RunError(
+            f"{folder}: this run did not end in order (its status is {about['status']!r}), so it has no digests to "
+            "compare with"
         )
+    steps = about.get("steps_done")
+    if not isinstance(steps, int) or not 0 <= steps <= MOST_STEPS or not isinstance(about["digests"], dict):
+        raise RunError(f"{folder / 'run.json'}: is damaged: expected a number of steps under 'steps_done'")
+    return steps
+
+
+def _outcome(
+    about: Mapping[str, Any], digests: Mapping[str, str], found: Difference | None, steps: int, notes: list[str]
+) -> Outcome:
+    differing = [replica for replica, digest in about["digests"].items() if digests.get(replica) != digest]
+    if not differing and found is None:
+        return Outcome(is_same=True, is_exact=True, steps=steps, notes=tuple(notes))
+    if not differing:
+        assert found is not None
+        text = f"the digests agree, but a file was changed after the run: {found}"
+        return Outcome(
+            is_same=False,
+            is_exact=False,
+            steps=steps,
+            difference=text,
+            tick=found.tick,
+            robot=found.robot,
+            notes=tuple(notes),
+        )
+    is_elsewhere = bool(_other_circumstances(about))
+    if is_elsewhere and (found is None or found.is_small):
+        return Outcome(is_same=True, is_exact=False, steps=steps, notes=tuple(notes))
+    if found is None:
+        text = f"the digest of replica {differing[0]}; all files agree, so by less than is written into them"
+        return Outcome(is_same=False, is_exact=False, steps=steps, difference=text, notes=tuple(notes))
+    if ".py" in "".join(about.get("inputs", ())):
+        notes = [*notes, "a controller with a clock or randomness of its own does not reproduce"]
     return Outcome(
-        is_same=False, steps=summary.steps, difference=difference, circumstances=tuple(_circumstances(about, folder))
+        is_same=False,
+        is_exact=False,
+        steps=steps,
+        difference=f"first {found}",
+        tick=found.tick,
+        robot=found.robot,
+        notes=tuple(notes),
     )
 
 
-def _read_about(folder: Path) -> dict[str, Any]:
-    path = folder / "run.json"
-    try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise RunError(f"{folder}: expected the folder of a run, with a run.json in it") from None
-    except (OSError, ValueError) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from None
-    if "digests" not in about:
-        raise RunError(f"{folder}: this run did not end (its status is {about.get('status')!r}), so it has no digest")
-    return dict(about)
+def _other_circumstances(about: Mapping[str, Any]) -> list[str]:
+    notes = []
+    for key, value in circumstances().items():
+        was = about.get(key)
+        if isinstance(value, dict) and isinstance(was, dict):
+            for name in sorted({*was, *value}):
+                if was.get(name) != value.get(name):
+                    notes.append(f"{name} was {_version(was.get(name))} and is {_version(value.get(name))}")
+        elif was != value:
+            notes.append(f"{key} was {was} and is {value}")
+    return notes
 
 
-class _Replay(Simulation):
-    """A simulation in which what came from outside comes again at its tick: commands by hand, changes, poses."""
-
-    def __init__(self, scenario: Any, about: Mapping[str, Any], folder: Path) -> None:
-        super().__init__(scenario, seed=about["seed"], replicas=about["replicas"])
-        self._changes: dict[int, list[dict[str, str]]] = {}
-        for row in _rows(folder / "events.csv"):
-            if row["kind"] in ("parameter_set", "pose_set"):
-                self._changes.setdefault(int(row["tick"]), []).append(row)
-        self._by_hand = [group for group in self._fleet.groups if "command" in group.controller_state]
-        self._commands = _rows(folder / "commands.csv") if self._by_hand else iter(())
-        self._next = next(self._commands, None)
-
-    def step(self) -> None:
-        """Give what was given before this step, then make it."""
-        for row in self._changes.get(self.tick, []):
-            replica = int(row.get("replica", self.replicas[0]))
-            value = json.loads(row["value"])
-            if row["kind"] == "pose_set":
-                self.set_pose(row["robot"], value, replica=replica)
-            else:
-                self.set(row["robot"], row["path"], value, replica=replica)
-        self._give_commands()
-        super().step()
-
-    def _give_commands(self) -> None:
-        """Commands stand in the file at the tick that they led to."""
-        at = (self.tick + 1) * self.dt
-        while self._next is not None and float(self._next["time"]) < at + 0.5 * self.dt:
-            row = self._next
-            if float(row["time"]) > at - 0.5 * self.dt:
-                replica = int(row.get("replica", self.replicas[0]))
-                handle = self.robot(row["robot"], replica)
-                if any(handle._group is group for group in self._by_hand) and handle.is_active:
-                    channels = handle._group.channels
-                    handle.command(*(float(row[name]) for name in channels))
-            self._next = next(self._commands, None)
+def _version(version: Any) -> str:
+    return "absent" if version is None else str(version)
 
 
-def _rows(path: Path) -> Iterator[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        yield from csv.DictReader(file)
-
-
-def _first_difference(before: Path, after: Path) -> str:
-    for name in ("poses.csv", "commands.csv"):
-        for old, new in zip(_rows(before / name), _rows(after / name), strict=False):
-            if old != new:
-                column = next(key for key in old if old[key] != new[key])
-                where = f"replica {old['replica']}, " if "replica" in old else ""
-                return (
-                    f"first at {float(old['time']):g} s, {where}robot {old['robot']!r}: "
-                    f"{column} was {old[column]} and is {new[column]}"
-                )
-    return ""
-
-
-def _circumstances(about: Mapping[str, Any], folder: Path) -> Iterator[str]:
-    from amorsim.simulation.run import circumstances
-
-    now = circumstances()
-    for key, value in now.items():
-        if about.get(key) != value:
-            yield f"{key} was {about.get(key)!r} and is {value!r}"
-    scenario = (folder / "scenario.toml").read_text(encoding="utf-8")
-    if ".py:" in scenario:
-        yield "a controller of a user's own does not reproduce if it has a clock or randomness of its own"
+def _other_inputs(about: Mapping[str, Any], folder: Path) -> list[str]:
+    were = about.get("inputs", {})
+    now = fingerprints(folder, list(were))
+    return [
+        f"{name} {'has been changed' if name in now else 'has gone'} since the run"
+        for name, digest in were.items()
+        if now.get(name) != digest
+    ]

@@ -68,9 +68,7 @@ def test_a_square_shows_the_errors_of_the_drive():
     from amorsim.scenario.spec import Deviation
 
     scale = 0.99
-    sim = simulate(
-        Square(side=4.0), pose=(0.0, 0.0, 0.0), errors={"drive.track": Deviation(scale=scale)}
-    )
+    sim = simulate(Square(side=4.0), pose=(0.0, 0.0, 0.0), errors={"drive.track": Deviation(scale=scale)})
     sim.run(120.0)
     turned = math.pi / 2.0 * (1.0 / scale - 1.0)  # too far, at each corner
     x = y = heading = 0.0

@@ -17,7 +17,9 @@ def make_robot(rows, devices=()):
         for i in range(rows)
     ]
     channels = drives[0].channels
-    return RobotModel(rows=rows, dt=0.1, drive=stack(drives), shape=Shape.circle(0.2), sensors={}, channels=(*channels, *devices))
+    return RobotModel(
+        rows=rows, dt=0.1, drive=stack(drives), shape=Shape.circle(0.2), sensors={}, channels=(*channels, *devices)
+    )
 
 
 class Runner:

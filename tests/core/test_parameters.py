@@ -39,6 +39,7 @@ def make(**values: object) -> Thing:
         ({"length": "1"}, "got '1'"),
         ({"length": True}, "got True"),
         ({"length": None}, "got None"),
+        ({"needed": 10**400}, "got 1000"),
         ({"count": 1.0}, "a whole number >= 1, got 1.0"),
         ({"count": 0}, "got 0"),
         ({"count": True}, "got True"),

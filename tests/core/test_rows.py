@@ -49,6 +49,12 @@ def test_numbers_become_columns_and_the_rest_stays() -> None:
     assert (made.beams, made.mode, made.limit) == (3, "a", None)
 
 
+def test_a_whole_number_given_for_a_float_is_a_float() -> None:
+    made = stack([Device(gain=1), Device(gain=2)])
+    assert made.gain.dtype == np.float64
+    assert stack([Device(weights=(1, 2))]).weights.dtype == np.float64  # type: ignore[attr-defined]
+
+
 def test_arrays_are_read_only() -> None:
     made = stack(devices(2))
     for array in (made.gain, made.mount.x, take(made, np.array([1])).gain):

@@ -28,9 +28,7 @@ def over_rows(*drives):
 
 
 def advance(drive, joints, rates, command, dt=0.1):
-    return drive.advance(
-        *(np.array(a, dtype=float) for a in (joints, rates, command)), dt, {}, NO_DRAWS
-    )
+    return drive.advance(*(np.array(a, dtype=float) for a in (joints, rates, command)), dt, {}, NO_DRAWS)
 
 
 def drive_along(drive, left, right, steps):
@@ -49,9 +47,7 @@ def test_an_arc_is_the_closed_form():
     turn = (travel_right - travel_left) / 0.32
     radius = 0.5 * (travel_left + travel_right) / turn
     x, y, heading = drive.displacement(np.zeros((1, 2)), np.array([[left, right]]), np.ones((1, 1)))[0]
-    assert (x, y, heading) == pytest.approx(
-        (radius * np.sin(turn), radius * (1.0 - np.cos(turn)), turn), abs=1e-14
-    )
+    assert (x, y, heading) == pytest.approx((radius * np.sin(turn), radius * (1.0 - np.cos(turn)), turn), abs=1e-14)
 
 
 @given(left=st.floats(-30.0, 30.0), right=st.floats(-30.0, 30.0), steps=st.integers(2, 40))

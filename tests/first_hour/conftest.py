@@ -8,7 +8,6 @@ import re
 import shlex
 import tomllib
 import warnings
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -43,9 +42,7 @@ class Block:
 
 def blocks_of(page: Path) -> list[Block]:
     """The fenced blocks of a page, in order."""
-    return [
-        Block(language, file, text) for language, file, text in _BLOCK.findall(page.read_text(encoding="utf-8"))
-    ]
+    return [Block(language, file, text) for language, file, text in _BLOCK.findall(page.read_text(encoding="utf-8"))]
 
 
 def check_output(expected: str, got: str) -> None:
@@ -162,16 +159,10 @@ class Page:
 
 
 @pytest.fixture
-def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
+def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
     """A page to run in a folder of its own, where a map lies."""
     monkeypatch.chdir(tmp_path)
     template = ROOT / "amorsim" / "cli" / "template" / "rooms.wld"
     (tmp_path / "rooms.wld").write_bytes(template.read_bytes())
     (tmp_path / "room.wld").write_bytes(template.read_bytes())
-    yield Page(monkeypatch)
-
-
-@pytest.fixture
-def printed_alike() -> Callable[[str, str], None]:
-    """`check_output`, for tests."""
-    return check_output
+    return Page(monkeypatch)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import re
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+import typer.main
 from PIL import Image
 
-from amorsim.recorders.text import Text
+import amorsim as am
+from amorsim.cli.app import app
+from amorsim.scenario import models, read, robots
 from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
 
 DOCS = ROOT / "docs"
@@ -23,9 +27,7 @@ _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 
 
 def _is_run(path: Path) -> bool:
-    return path not in ELSEWHERE and any(
-        block.language in ("console", "python", "toml") for block in blocks_of(path)
-    )
+    return path not in ELSEWHERE and any(block.language in ("console", "python", "toml") for block in blocks_of(path))
 
 
 def _name(path: Path) -> str:
@@ -93,9 +95,7 @@ def test_every_page_can_be_reached_from_the_index() -> None:
             continue
         seen.add(path)
         links = _LINK.findall(path.read_text(encoding="utf-8"))
-        waiting += [
-            (path.parent / link.partition("#")[0]).resolve() for link in links if not link.startswith("http")
-        ]
+        waiting += [(path.parent / link.partition("#")[0]).resolve() for link in links if not link.startswith("http")]
     assert set(DOCS.rglob("*.md")) <= seen
 
 
@@ -109,8 +109,6 @@ def test_pictures_are_small() -> None:
 
 
 def test_every_column_is_described(page: Page) -> None:
-    import amorsim as am
-
     summary = am.run(am.load("demo"), "run", duration=0.2)
     text = (DOCS / "reference" / "run-folder.md").read_text(encoding="utf-8")
     files = sorted(summary.folder.rglob("*.csv"))
@@ -120,20 +118,11 @@ def test_every_column_is_described(page: Page) -> None:
             plain = re.sub(r"_\d+$", "_0", column)
             plain = re.sub(r"^(true|measured)_(left|right)_wheel$", r"\1_JOINT", plain)
             assert f"`{plain}`" in text, f"{path.name}: nothing is said of {column}"
-    for key in _tool_keys(summary.folder / "run.json"):
+    for key in json.loads((summary.folder / "run.json").read_text(encoding="utf-8")):
         assert f"`{key}`" in text, f"run.json: nothing is said of {key}"
-    assert (Text.__doc__ or "").startswith("Writes")
-
-
-def _tool_keys(path: Path) -> list[str]:
-    import json
-
-    return list(json.loads(path.read_text(encoding="utf-8")))
 
 
 def test_every_key_of_a_scenario_is_described() -> None:
-    from amorsim.scenario import models, read, robots
-
     text = (DOCS / "reference" / "scenario.md").read_text(encoding="utf-8")
     keys = {*read._KEYS, *read._TIMES, *robots._ROBOT_KEYS, *robots._OBSTACLE_KEYS, *models.MODEL_KEYS}
     for key in keys:
@@ -141,10 +130,6 @@ def test_every_key_of_a_scenario_is_described() -> None:
 
 
 def test_every_option_of_a_command_is_described() -> None:
-    import typer.main
-
-    from amorsim.cli.app import app
-
     text = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
     group = typer.main.get_command(app)
     commands = group.commands  # type: ignore[attr-defined]

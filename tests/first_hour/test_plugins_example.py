@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import itertools
 import os
 import re
 import subprocess
@@ -13,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import attrs
 import numpy as np
 import pytest
 
@@ -31,17 +33,12 @@ IMPORTS = "import amorsim as am\nimport attrs\nimport numpy as np\n\n\n"
 
 
 class Block(NamedTuple):
-    """A block of code of a page: its language, what else its first line says, its text, the headings above it."""
+    """A block of code of a page: its language, what else its first line says, its text, the heading above it."""
 
     language: str
     about: str
     text: str
     heading: str
-
-    @property
-    def title(self) -> str:
-        found = re.search(r'title="([^"]*)"', self.about)
-        return found[1] if found else ""
 
 
 def blocks(page: Path) -> list[Block]:
@@ -61,10 +58,10 @@ def blocks(page: Path) -> list[Block]:
     return found
 
 
-def write_titled(page: Path, folder: Path) -> None:
-    """Write each block whose title is a file's name; one whose title adds "(more)" goes to the file's end."""
+def write_files(page: Path, folder: Path) -> None:
+    """Write each block that names a file; one that says ``more`` behind the name goes to the file's end."""
     for block in blocks(page):
-        name, _, more = block.title.partition(" ")
+        name, _, more = block.about.partition(" ")
         if re.fullmatch(r"[\w-]+\.(py|toml|wld)", name):
             path = folder / name
             before = path.read_text(encoding="utf-8") + "\n\n" if more else ""
@@ -100,7 +97,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modules: None) -> P
     """The how-to's project, installed in a place that Python looks into."""
     folder = tmp_path / "project"
     folder.mkdir()
-    write_titled(PLUGIN_PAGE, folder)
+    write_files(PLUGIN_PAGE, folder)
     install(folder, tmp_path / "site")
     monkeypatch.syspath_prepend(tmp_path / "site")
     monkeypatch.chdir(folder)
@@ -176,14 +173,31 @@ def test_the_test_of_the_how_to_passes(project: Path) -> None:
 
 def test_the_noise_with_state_keeps_its_contract_and_repeats_as_often_as_it_says(project: Path) -> None:
     stuck = importlib.import_module("amorsim_dropout").Stuck
-    check_component(stuck(share=0.4), keeps_inf=False)
+    check_component(stuck(share=0.4), inf="changed")
     with pytest.raises(am.ComponentError, match="inf"):
         check_component(stuck(share=0.4))
+
+    chain = tuple(
+        am.NoiseElement(name=name, noise=noise)
+        for name, noise in (("white", am.noise.Gaussian(std=0.1)), ("stuck", stuck(share=0.4)))
+    )
+    rover = attrs.evolve(
+        am.load("demo").robots[0], sensors={"compass": am.MountedSensor(sensor=am.sensors.Compass(), noise=chain)}
+    )
+    rover = attrs.evolve(rover, controller=am.controllers.Manual(), estimators={}, errors={})
+    sim = am.Simulation(attrs.evolve(am.load("demo"), robots=[rover]), replicas=200)
+    read = []
+    for _ in range(50):
+        read.append(sim.readings["compass"].measured[:, 0])
+        sim.step()
+    # White noise is never the same twice: what repeats was stuck. A binomial number, five deviations.
+    repeated = (np.diff(read, axis=0) == 0.0).mean()
+    assert repeated == pytest.approx(0.4, abs=5.0 * np.sqrt(0.4 * 0.6 / (49 * 200)))
 
 
 MISTAKES = [
     pytest.param(block, answer, id=block.heading)
-    for block, answer in zip(blocks(PLUGIN_PAGE), blocks(PLUGIN_PAGE)[1:], strict=False)
+    for block, answer in itertools.pairwise(blocks(PLUGIN_PAGE))
     if block.language == "python" and not block.about and answer.language == "text"
 ]
 
@@ -203,7 +217,7 @@ def test_there_are_mistakes() -> None:
 
 def test_a_field_that_is_given_nonsense_is_answered_as_the_how_to_says(project: Path) -> None:
     registry = make_registry(entry_points=distribution(project).entry_points)
-    (answer,) = [block for block in blocks(PLUGIN_PAGE) if block.title == "share = 1.5"]
+    (answer,) = [block for block in blocks(PLUGIN_PAGE) if block.about == "nonsense"]
     text = Path("scenario.toml").read_text(encoding="utf-8")
     Path("scenario.toml").write_text(text.replace("share = 0.2", "share = 1.5"), encoding="utf-8")
     with pytest.raises(am.ScenarioError) as caught:
@@ -213,7 +227,7 @@ def test_a_field_that_is_given_nonsense_is_answered_as_the_how_to_says(project: 
 
 BROKEN = [
     pytest.param(block, answer, id=str(number))
-    for number, (block, answer) in enumerate(zip(blocks(PLUGIN_PAGE), blocks(PLUGIN_PAGE)[1:], strict=False))
+    for number, (block, answer) in enumerate(itertools.pairwise(blocks(PLUGIN_PAGE)))
     if block.about == "check"
 ]
 
@@ -260,3 +274,95 @@ def test_the_example_plugins_keep_their_contracts_and_run(
 def _parts(robot: am.Robot) -> list[object]:
     chains = [element.noise for unit in robot.sensors.values() for element in unit.noise]
     return [robot.drive, *(unit.sensor for unit in robot.sensors.values()), *chains, *robot.estimators.values()]
+
+
+# ------------------------------------------------------------------------------------------ write-a-controller.md
+
+
+@pytest.fixture
+def controllers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modules: None) -> Path:
+    """A folder with the files of the how-to."""
+    write_files(CONTROLLER_PAGE, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_function_drives_and_keeps_away_from_the_walls(controllers: Path) -> None:
+    sim = am.Simulation(am.load("scenario.toml"))
+    sim.run(60.0)
+    assert not sim.events
+    x, y, _ = sim.true_pose[0]
+    assert 0.3 < x < 5.7
+    assert 0.3 < y < 3.7
+    assert np.hypot(x - 1.5, y - 1.5) > 0.2
+
+
+def test_a_wrong_answer_is_answered_as_the_how_to_says(controllers: Path) -> None:
+    page = blocks(CONTROLLER_PAGE)
+    ((wrong, answer),) = [(b, a) for b, a in itertools.pairwise(page) if b.about == "wrong"]
+    Path("controller.py").write_text(IMPORTS + wrong.text, encoding="utf-8")
+    text = Path("scenario.toml").read_text(encoding="utf-8").replace(", speed = 0.25", "")
+    Path("scenario.toml").write_text(text, encoding="utf-8")
+    sim = am.Simulation(am.load("scenario.toml"))
+    with pytest.raises(am.ControllerError) as caught:
+        sim.step()
+    assert_says(str(caught.value), answer)
+
+
+def test_the_class_comes_by_all_its_places_and_each_replica_has_its_own(controllers: Path) -> None:
+    sim = am.Simulation(am.load("patrol.toml"), replicas=2)
+    path = []
+    for _ in range(600):
+        sim.step()
+        path.append(sim.true_pose[:, :2])
+    assert not sim.events
+    for place in ((4.5, 1.5), (4.5, 2.5), (1.5, 2.5), (1.5, 1.5)):
+        near = np.sqrt(((np.array(path) - place) ** 2).sum(axis=2)).min(axis=0)
+        assert (near < 0.3).all()
+
+
+def test_a_snapshot_takes_the_plan_with_it(controllers: Path) -> None:
+    text = Path("patrol.toml").read_text(encoding="utf-8").replace("patrol.py:Patrol", "plan.py:Plan")
+    Path("plan.toml").write_text(text, encoding="utf-8")
+    sim = am.Simulation(am.load("plan.toml"))
+    sim.run(2.5)
+    middle = sim.snapshot()
+    sim.run(4.0)
+    end = sim.digest()
+    sim.restore(middle)
+    sim.run(4.0)
+    assert sim.digest() == end
+
+    source = Path("plan.py").read_text(encoding="utf-8")
+    Path("plan.py").write_text(source.replace("get_state", "get").replace("set_state", "put"), encoding="utf-8")
+    sim = am.Simulation(am.load("plan.toml"))
+    sim.run(1.0)
+    (answer,) = [block for block in blocks(CONTROLLER_PAGE) if block.about == "no-get-state"]
+    with pytest.raises(am.SnapshotError) as caught:
+        sim.snapshot()
+    assert_says(str(caught.value), answer)
+
+
+def test_the_script_drives_by_hand(controllers: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (script,) = [block for block in blocks(CONTROLLER_PAGE) if block.about == "script"]
+    exec(script.text, {})
+    x, y, _ = (float(number) for number in capsys.readouterr().out.strip(" []\n").split())
+    # Five seconds at 0.3 m/s on an arc of 0.1 rad/s, less what it takes to get going.
+    assert 1.0 < np.hypot(x - 1.5, y - 1.5) < 1.5
+
+
+def test_the_component_over_rows_keeps_its_contract_and_keeps_away_from_the_walls(
+    controllers: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(controllers)
+    module = importlib.import_module("amorsim_bounce")
+    check_component(module.Bounce())
+    registry = make_registry({"bounce": module}, entry_points=[])
+    assert not registry.problems
+    text = Path("scenario.toml").read_text(encoding="utf-8").replace("controller.py:bounce", "bounce")
+    Path("rows.toml").write_text(text, encoding="utf-8")
+    sim = am.Simulation(am.load("rows.toml", registry=registry), replicas=20)
+    start = sim.true_pose[:, :2]
+    sim.run(60.0)
+    assert not sim.events
+    assert (np.sqrt(((sim.true_pose[:, :2] - start) ** 2).sum(axis=1)) > 0.2).all()

@@ -1,6 +1,5 @@
 """Maps from files: which loader reads one, its options, and what is said when none can."""
 
-import gc
 import os
 import pickle
 import sys
@@ -15,8 +14,7 @@ from amorsim.core.map import Map
 from amorsim.maps.bmp import Bitmap
 from amorsim.maps.wld import Wld
 from amorsim.plugins.manager import make_registry
-from amorsim.scenario import maps
-from amorsim.scenario.maps import MapFile, find_loader, load_map, source_of
+from amorsim.scenario.maps import MapFile, find_loader, load_map
 
 
 @attrs.frozen(kw_only=True)
@@ -113,9 +111,9 @@ def test_a_file_that_may_not_be_read(registry, folder, monkeypatch):
 
 def test_a_map_knows_its_file_and_options(registry, folder):
     found = load_map(folder / "room.wld", registry=registry, resolution=0.25)
-    assert source_of(found) == MapFile(path=folder / "room.wld", loader=Wld(resolution=0.25))
-    assert source_of(Map.from_segments([], extent=(0, 0, 1, 1), resolution=0.1)) is None
-    assert pickle.loads(pickle.dumps(source_of(found))) == source_of(found)
+    assert found.source == MapFile(path=folder / "room.wld", loader=Wld(resolution=0.25))
+    assert Map.from_segments([], extent=(0, 0, 1, 1), resolution=0.1).source is None
+    assert pickle.loads(pickle.dumps(found)).source == found.source
 
 
 def test_equal_maps_from_two_files_each_keep_their_own(registry, folder, tmp_path):
@@ -123,18 +121,5 @@ def test_equal_maps_from_two_files_each_keep_their_own(registry, folder, tmp_pat
     path.write_bytes((folder / "room.wld").read_bytes())
     first = load_map(folder / "room.wld", registry=registry, resolution=0.25)
     second = load_map(path, registry=registry, resolution=0.25)
-    assert source_of(first).path == folder / "room.wld"
-    assert source_of(second).path == path
-    del first
-    gc.collect()
-    assert source_of(second).path == path
-
-
-def test_maps_that_are_gone_leave_nothing_behind(registry, folder):
-    gc.collect()
-    before = len(maps._SOURCES)
-    kept = [load_map(folder / "room.wld", registry=registry, resolution=0.25) for _ in range(20)]
-    assert len(maps._SOURCES) == before + 20
-    del kept
-    gc.collect()
-    assert len(maps._SOURCES) <= before
+    assert first.source.path == folder / "room.wld"
+    assert second.source.path == path

@@ -1,0 +1,159 @@
+"""Comparing the text files of two runs, and naming the first thing that differs."""
+
+from __future__ import annotations
+
+import csv
+import filecmp
+import itertools
+from pathlib import Path
+from typing import TextIO
+
+import attrs
+
+from amorsim.core.errors import RunError
+
+__all__ = ["TOLERANCE", "Difference", "first_difference"]
+
+TOLERANCE = 2e-6
+"""What numbers in files may differ by on another kind of processor: they are written to 1e-6."""
+
+
+@attrs.frozen(kw_only=True)
+class Difference:
+    """Where two runs' files first differ.
+
+    `is_small` says that no number of any file differs by more than `TOLERANCE`, relative to its size if that is
+    more than 1.
+    """
+
+    file: str
+    line: int
+    time: float  # [s]; inf where no line tells one
+    tick: int | None
+    replica: str
+    robot: str
+    column: str
+    old: str
+    new: str
+    is_small: bool
+
+    def __str__(self) -> str:
+        when = "" if self.tick is None else f"at tick {self.tick} ({self.time:g} s), "
+        whose = f"replica {self.replica}, " if self.replica else ""
+        whose += f"robot {self.robot!r}, " if self.robot else ""
+        return f"{when}{whose}in {self.file}, line {self.line}: {self.column} was {self.old} and is {self.new}"
+
+
+def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
+    """The earliest difference between the text files of two runs' folders; None if they agree to the letter.
+
+    Of differences at one time, the one in commands counts as first, then those in readings: they lead to the others.
+
+    Raises
+    ------
+    RunError
+        If a file cannot be read.
+    """
+    names = sorted({path.relative_to(folder).as_posix() for folder in (before, after) for path in _tables(folder)})
+    names.sort(key=_rank)
+    found = [_difference(before / name, after / name, name, dt) for name in names]
+    differences = [difference for difference in found if difference is not None]
+    if not differences:
+        return None
+    first = min(differences, key=lambda difference: difference.time)
+    return attrs.evolve(first, is_small=all(difference.is_small for difference in differences))
+
+
+def _tables(folder: Path) -> list[Path]:
+    return [*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")]
+
+
+def _rank(name: str) -> int:
+    order = ("commands.csv", "events.csv", "sensors/", "poses.csv", "velocities.csv", "estimates/")
+    return next(i for i, start in enumerate((*order, "")) if name.startswith(start))
+
+
+def _difference(old: Path, new: Path, name: str, dt: float) -> Difference | None:
+    if not old.exists() or not new.exists():
+        there = ("there", "not there") if old.exists() else ("not there", "there")
+        return _whole_file(name, *there)
+    try:
+        if filecmp.cmp(old, new, shallow=False):
+            return None
+        with old.open(encoding="utf-8") as one, new.open(encoding="utf-8") as other:
+            return _compare(one, other, name, dt)
+    except (OSError, UnicodeDecodeError) as error:
+        raise RunError(f"{old}: cannot be read ({error})") from None
+
+
+def _whole_file(name: str, was: str, now: str, line: int = 1) -> Difference:
+    return Difference(
+        file=name,
+        line=line,
+        time=float("inf"),
+        tick=None,
+        replica="",
+        robot="",
+        column="the file",
+        old=was,
+        new=now,
+        is_small=False,
+    )
+
+
+def _compare(old: TextIO, new: TextIO, name: str, dt: float) -> Difference | None:
+    header: list[str] = []
+    first: Difference | None = None
+    lines = itertools.zip_longest(old, new, fillvalue="")
+    for number, (was, now) in enumerate(lines, start=1):
+        if number == 1:
+            header = was.rstrip("\n").split(",")
+            if was != now:
+                return _whole_file(name, f"headed {was.strip()!r}", f"headed {now.strip()!r}")
+        elif was != now:
+            here = _line_difference(header, was, now, name, number, dt)
+            first = first or here
+            if not here.is_small:
+                return attrs.evolve(first, is_small=False)
+    return first
+
+
+def _line_difference(header: list[str], was: str, now: str, name: str, number: int, dt: float) -> Difference:
+    before, after = _cells(was), _cells(now)
+    told = dict(zip(header, before if was else after, strict=False))
+    time = _number(told.get("time", ""))
+    column, old, new, is_small = "the line", was.strip() or "not there", now.strip() or "not there", False
+    if len(before) == len(after) == len(header):
+        unequal = [i for i in range(len(header)) if before[i] != after[i]]
+        is_small = all(_is_close(before[i], after[i]) for i in unequal)
+        column, old, new = header[unequal[0]], before[unequal[0]], after[unequal[0]]
+    return Difference(
+        file=name,
+        line=number,
+        time=float("inf") if time is None else time,
+        tick=None if time is None else round(time / dt),
+        replica=told.get("replica", ""),
+        robot=told.get("robot", ""),
+        column=column,
+        old=old,
+        new=new,
+        is_small=is_small,
+    )
+
+
+def _cells(line: str) -> list[str]:
+    return next(csv.reader([line.rstrip("\n")]), [])
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+def _is_close(one: str, other: str) -> bool:
+    a, b = _number(one), _number(other)
+    if a is None or b is None:
+        return False
+    return a == b or abs(a - b) <= TOLERANCE * max(1.0, abs(a), abs(b))

@@ -1,0 +1,172 @@
+"""The folder of a run: claimed before, given back if the run never began, and its ``run.json``."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import platform
+import sys
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from amorsim.core.errors import RunError
+from amorsim.plugins.manager import default_registry
+
+__all__ = ["RunFolder", "circumstances", "fingerprints", "new_folder", "read_about"]
+
+FORMAT = 1
+ABOUT = "run.json"
+
+
+def new_folder(name: str, base: Path | None = None) -> Path:
+    """The first free folder ``amorsim-runs/<name>-<number>`` under `base`, else under the present folder, made.
+
+    Made at once, so that of two runs that begin together each gets its own.
+
+    Raises
+    ------
+    RunError
+        If it cannot be made.
+    """
+    parent = (base or Path.cwd()) / "amorsim-runs"
+    number = 1
+    while True:
+        path = parent / f"{name}-{number:03d}"
+        try:
+            parent.mkdir(parents=True, exist_ok=True)
+            path.mkdir()
+        except FileExistsError:
+            if not parent.is_dir():
+                raise RunError(f"{parent}: is in the way of the folder for runs; name one with --out") from None
+            number += 1
+        except OSError as error:
+            raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
+        else:
+            return path
+
+
+class RunFolder:
+    """A folder that belongs to one run from now on: `path` exists and holds nothing but a new ``run.json``.
+
+    Parameters
+    ----------
+    path
+        The folder, which must be empty or not be there; without it, a new one is made after `name`.
+
+    Raises
+    ------
+    RunError
+        If it holds something, or cannot be made or written.
+    """
+
+    def __init__(self, path: str | os.PathLike[str] | None, name: str = "run") -> None:
+        self._made: list[Path] = []  # by us, the innermost first
+        if path is None:
+            self.path = new_folder(name)
+            self._made = [self.path, self.path.parent]
+        else:
+            self.path = Path(path)
+            self._make()
+        try:
+            # Only one of two that begin together makes this file.
+            (self.path / ABOUT).open("x").close()
+        except OSError as error:
+            self._remove_folders()
+            raise self._failure(error) from None
+
+    def _make(self) -> None:
+        missing = [self.path]
+        while not missing[-1].exists() and missing[-1].parent != missing[-1]:
+            missing.append(missing[-1].parent)
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._made = missing[:-1]
+            holds_something = any(self.path.iterdir())
+        except FileExistsError:
+            raise RunError(f"{self.path}: is a file; name a folder for the run, new or empty") from None
+        except OSError as error:
+            raise self._failure(error) from None
+        if holds_something:
+            raise RunError(f"{self.path}: the folder holds files already; name another one, or one that is not there")
+
+    def _failure(self, error: OSError) -> RunError:
+        return RunError(f"{self.path}: cannot make this folder for the run ({error.strerror or error})")
+
+    def give_back(self) -> None:
+        """Remove what was made: for a run that did not begin. Only files of this run can be in it."""
+        for file in sorted(self.path.rglob("*"), reverse=True):
+            with contextlib.suppress(OSError):
+                file.rmdir() if file.is_dir() else file.unlink()
+        self._remove_folders()
+
+    def _remove_folders(self) -> None:
+        for folder in self._made:
+            with contextlib.suppress(OSError):  # another run's files are in it
+                folder.rmdir()
+
+    def write_about(self, about: Mapping[str, Any]) -> None:
+        """Write ``run.json``: beside, and then moved over, so that it is whole at any moment.
+
+        Raises
+        ------
+        RunError
+            If it cannot be written.
+        """
+        path = self.path / ABOUT
+        beside = path.with_suffix(".json.part")
+        try:
+            beside.write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
+            beside.replace(path)
+        except OSError as error:
+            raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """What the ``run.json`` of a folder says.
+
+    Raises
+    ------
+    RunError
+        If it is not the folder of a run, or the file is damaged.
+    """
+    path = Path(folder) / ABOUT
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
+    except (OSError, ValueError) as error:
+        raise RunError(f"{path}: cannot be read ({error})") from None
+    expected = {"seed": int, "replicas": list, "dt": float, "steps": int, "status": str}
+    for key, kind in expected.items():
+        if not isinstance(about, dict) or not isinstance(about.get(key), kind):
+            raise RunError(f"{path}: is damaged: expected a {kind.__name__} under {key!r}")
+    return dict(about)
+
+
+def circumstances() -> dict[str, Any]:
+    """Versions and machine, on which the last bits of results may hang."""
+    from llvmlite import binding
+
+    packages = ("numpy", "numba", "attrs", "shapely", "pillow")
+    return {
+        "amorsim": metadata.version("amorsim"),
+        "python": sys.version.split()[0],
+        "packages": {name: metadata.version(name) for name in packages},
+        "plugins": {plugin.name: plugin.version for plugin in default_registry().plugins},
+        # For which kind the kernels are compiled: two of one kind give the same bits.
+        "processor": f"{platform.machine()} {binding.get_host_cpu_name()}",
+        "system": platform.system(),
+    }
+
+
+def fingerprints(folder: Path, names: list[str]) -> dict[str, str]:
+    """A digest of each of the named files in a folder; without those that are not there."""
+    found = {}
+    for name in names:
+        with contextlib.suppress(OSError):
+            found[name] = hashlib.blake2b((folder / name).read_bytes(), digest_size=16).hexdigest()
+    return found

@@ -1,0 +1,273 @@
+"""Writing a simulation down while somebody steps it: `run` does, or a script that drives by hand."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import attrs
+
+from amorsim.contracts import Recorder, RunInfo
+from amorsim.core.errors import RunError
+from amorsim.plugins.manager import default_registry, run_finished, run_started
+from amorsim.render.picture import draw_run
+from amorsim.scenario.spec import Scenario
+from amorsim.scenario.write import document_of, with_copies, write_document
+from amorsim.simulation.folder import FORMAT, RunFolder, circumstances, fingerprints
+from amorsim.simulation.simulation import Simulation
+from amorsim.simulation.traces import Traces
+
+__all__ = ["MOST_STEPS", "RunSession", "RunSummary", "record", "run_name", "steps_of"]
+
+SENSOR_FILES_UP_TO = 32  # replicas; beyond, sensors are written only if asked for
+MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
+OUTPUTS = ("run.json", "run.json.part")
+
+
+@attrs.frozen(kw_only=True)
+class RunSummary:
+    """What happened in a run, and where its files lie."""
+
+    folder: Path
+    steps: int
+    digests: dict[int, str]  # by replica; none if it broke off in the middle of a step
+    distance: dict[str, float]  # [m] driven by each robot, in the first replica
+    final_error: dict[str, float]  # [m] between true and estimated position at the end
+    collisions: dict[str, int]
+    seconds: float  # of the clock on the wall
+    is_complete: bool  # false if it was broken off
+
+
+def record(
+    simulation: Simulation, folder: str | os.PathLike[str] | None = None, *, duration: float | None = None
+) -> RunSession:
+    """Write down a simulation that you step yourself; it must not have been stepped yet.
+
+    ::
+
+        with am.record(simulation, "by-hand") as session:
+            for _ in range(100):
+                simulation.robot("rover").drive(forward=0.3)
+                simulation.step()
+                session.keep()
+        print(session.summary.distance)
+
+    The folder is one like that of `run`, and reproduces too: commands given by hand, `Simulation.set` and
+    `Simulation.set_pose` are written down and given again.
+
+    Parameters
+    ----------
+    simulation
+        At its start; changes may have been made to it.
+    folder
+        New or empty; without it, ``amorsim-runs/<scenario>-<number>``.
+    duration
+        How long it is meant to last [s], for ``run.json`` and ``scenario.toml``; without it, the scenario's.
+
+    Raises
+    ------
+    RunError
+        If the simulation has been stepped, or the folder cannot be made or holds something.
+    ScenarioError
+        If a file cannot name something in the scenario; nothing is written then.
+    """
+    return RunSession(simulation, folder, duration=duration)
+
+
+class RunSession:
+    """A run that is being written down; made by `record`. As a context manager it closes itself.
+
+    Attributes
+    ----------
+    folder
+        Where the files lie.
+    steps
+        How many have been written.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        folder: str | os.PathLike[str] | None = None,
+        *,
+        duration: float | None = None,
+        wanted_steps: int | None = None,
+    ) -> None:
+        scenario = simulation.scenario
+        if simulation.ticks.any() or simulation._fleet.episodes.any():
+            raise RunError("only a simulation in which no step was made can be recorded; make a new one")
+        duration = scenario.duration if duration is None else duration
+        planned = steps_of(simulation, duration) if wanted_steps is None else wanted_steps
+        scenario = attrs.evolve(scenario, seed=simulation.seed, duration=duration)
+        document_of(scenario)  # complains before there is a folder
+        self.steps = 0
+        self._simulation = simulation
+        self._scenario = scenario
+        self._summary: RunSummary | None = None
+        self._events = 0  # of the simulation's, that have been written
+        self._started = time.perf_counter()
+        self._registry = default_registry()
+        self._recorder: Recorder = self._registry.get("recorder", "text")()
+        self._folder = RunFolder(folder, run_name(scenario))
+        self.folder = self._folder.path
+        try:
+            self._open(planned)
+        except BaseException:
+            self._recorder.close()
+            self._folder.give_back()
+            raise
+
+    def _open(self, planned: int) -> None:
+        simulation = self._simulation
+        write_document(with_copies(self._scenario, self.folder), self.folder / "scenario.toml")
+        inputs = sorted(path.name for path in self.folder.iterdir() if path.name not in OUTPUTS)
+        wanted = self._scenario.recording.sensors
+        many = len(simulation.replicas) > SENSOR_FILES_UP_TO
+        self._with_sensors = wanted == "all" or (wanted == "auto" and not many)
+        self._about: dict[str, Any] = {
+            "format": FORMAT,
+            "status": "running",
+            "seed": simulation.seed,
+            "replicas": list(simulation.replicas),
+            "dt": simulation.dt,
+            "duration": self._scenario.duration,
+            "steps": planned,
+            "inputs": fingerprints(self.folder, inputs),
+            **circumstances(),
+        }
+        self._folder.write_about(self._about)
+        info = RunInfo(
+            folder=self.folder, dt=simulation.dt, replicas=simulation.replicas, with_sensors=self._with_sensors
+        )
+        self._recorder.open(info, simulation.frames())
+        self._traces = Traces(simulation)
+        run_started(simulation, self._registry)
+
+    def keep(self) -> None:
+        """Write down the step that was just made.
+
+        Raises
+        ------
+        RunError
+            If not exactly one step was made since the last, or a file cannot be written.
+        """
+        simulation = self._simulation
+        if self._summary is not None:
+            raise RunError(f"{self.folder}: this run has been closed")
+        if (simulation.ticks != self.steps + 1).any():
+            raise RunError(
+                f"{self.folder}: expected one step after tick {self.steps}, the last that was kept, got tick "
+                f"{', '.join(map(str, sorted(set(simulation.ticks.tolist()))[:5]))}; call keep() after every step"
+            )
+        events = simulation.events
+        self._recorder.write(simulation.frames(), events[self._events :])
+        self._events = len(events)
+        self._traces.keep()
+        self.steps += 1
+
+    @property
+    def summary(self) -> RunSummary:
+        """What happened; there is one once the session is closed.
+
+        Raises
+        ------
+        RunError
+            If it is still open.
+        """
+        if self._summary is None:
+            raise RunError(f"{self.folder}: this run has not been closed yet")
+        return self._summary
+
+    def close(self, status: str = "finished") -> RunSummary:
+        """Close the files, draw the picture, and say in ``run.json`` how the run ended."""
+        if self._summary is not None:
+            return self._summary
+        try:
+            self._recorder.close()
+        except RunError:
+            self._end("broken off")
+            raise
+        self._end(status)
+        if self._scenario.recording.picture:
+            picture = draw_run(self._scenario.map, self._traces.paths(), title=self._title())
+            try:
+                picture.save(self.folder / "picture.png")
+            except OSError as error:
+                raise RunError(f"{self.folder / 'picture.png'}: cannot be written ({error})") from None
+        run_finished(self._simulation, self._registry)
+        return self.summary
+
+    def _end(self, status: str) -> None:
+        self._summary = self._sum_up(status)
+        self._folder.write_about(self._about | _outcome(self._summary, status))
+
+    def _sum_up(self, status: str) -> RunSummary:
+        simulation = self._simulation
+        # An error in the middle of a step leaves nothing that a second run could be compared with.
+        is_whole = not (simulation.ticks != self.steps).any()
+        names = simulation.names
+        return RunSummary(
+            folder=self.folder,
+            steps=self.steps,
+            digests={replica: simulation.digest(replica) for replica in simulation.replicas} if is_whole else {},
+            distance=dict(zip(names, self._traces.distance.tolist(), strict=True)),
+            final_error=dict(zip(names, self._traces.errors().tolist(), strict=True)),
+            collisions={name: len(self._traces.collisions(name)) for name in names},
+            seconds=time.perf_counter() - self._started,
+            is_complete=status == "finished",
+        )
+
+    def _title(self) -> str:
+        return f"{run_name(self._scenario)} · seed {self._simulation.seed}"
+
+    def __enter__(self) -> RunSession:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()
+            return
+        status = "interrupted" if issubclass(kind, KeyboardInterrupt) else "broken off"
+        try:
+            self.close(status)
+        except RunError as second:
+            assert error is not None
+            error.add_note(str(second))  # the first one says why
+
+
+def run_name(scenario: Scenario) -> str:
+    """What a scenario is called in titles and folders: after its file, or else after its map."""
+    return scenario.source.stem if scenario.source else scenario.map.name or "run"
+
+
+def steps_of(simulation: Simulation, duration: float) -> int:
+    """How many steps a run of `duration` [s] takes.
+
+    Raises
+    ------
+    RunError
+        If they are more than can be counted.
+    """
+    if not 0.0 < duration / simulation.dt <= MOST_STEPS:
+        raise RunError(
+            f"duration: expected a number of seconds > 0 and <= {MOST_STEPS * simulation.dt:g} "
+            f"(2^32 - 1 steps of {simulation.dt:g} s), got {duration!r}"
+        )
+    return simulation.steps_of(duration)
+
+
+def _outcome(summary: RunSummary, status: str) -> dict[str, Any]:
+    return {
+        "status": status,
+        "steps_done": summary.steps,
+        "digests": {str(replica): digest for replica, digest in summary.digests.items()},
+        "distance": summary.distance,
+        "final_error": summary.final_error,
+        "collisions": summary.collisions,
+        "seconds": round(summary.seconds, 3),
+    }
