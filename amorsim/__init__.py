@@ -50,8 +50,10 @@ if TYPE_CHECKING:
     from amorsim.core.map import Map
     from amorsim.core.parameters import ParameterError
     from amorsim.core.poses import compose, exponential, logarithm, relative, wrap_angle
+    from amorsim.core.rows import stack
     from amorsim.core.shapes import Shape
     from amorsim.plugins.hooks import hookimpl
+    from amorsim.plugins.registry import Registry
     from amorsim.scenario.maps import load_map
     from amorsim.scenario.read import load
     from amorsim.scenario.spec import (
@@ -67,10 +69,10 @@ if TYPE_CHECKING:
         Scenario,
     )
     from amorsim.simulation.events import Event
+    from amorsim.simulation.phases import PHASES
     from amorsim.simulation.reproduce import reproduce
     from amorsim.simulation.run import run
     from amorsim.simulation.session import RunSession, RunSummary, record
-    from amorsim.simulation.phases import PHASES
     from amorsim.simulation.simulation import Simulation
 
 _MODULES = {
@@ -86,7 +88,9 @@ _MODULES = {
     "amorsim.core.parameters": "ParameterError",
     "amorsim.core.poses": "compose exponential logarithm relative wrap_angle",
     "amorsim.core.shapes": "Shape",
+    "amorsim.core.rows": "stack",
     "amorsim.plugins.hooks": "hookimpl",
+    "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
@@ -136,6 +140,7 @@ __all__ = [
     "Pose",
     "Recorder",
     "Recording",
+    "Registry",
     "Robot",
     "RobotModel",
     "RunError",
@@ -169,6 +174,7 @@ __all__ = [
     "reproduce",
     "run",
     "sensors",
+    "stack",
     "testing",
     "wrap_angle",
 ]

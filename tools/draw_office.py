@@ -83,9 +83,7 @@ def _table_on_legs(x: int, y: int, turn: int, span: int) -> Piece:
 
 def _round_table(x: int, y: int, turn: int, radius: int, chairs: Sequence[int]) -> Piece:
     reach = radius + 90
-    seats = [
-        (round(reach * math.cos(math.radians(a))), round(reach * math.sin(math.radians(a)))) for a in chairs
-    ]
+    seats = [(round(reach * math.cos(math.radians(a))), round(reach * math.sin(math.radians(a)))) for a in chairs]
     outlines = (_round(radius, 16), *(_round(220, x=i, y=j) for i, j in seats))
     return Piece("round table", outlines, x, y, turn)
 

@@ -18,7 +18,7 @@ __all__ = ["make"]
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 WIDTH = 1200  # pixels
-COLOURS = 64  # enough for lines and their soft edges
+COLOURS = 256
 
 
 def make(folder: Path) -> None:
@@ -47,7 +47,7 @@ def _save_small(source: Path, target: Path) -> None:
     if picture.width > WIDTH:
         height = round(picture.height * WIDTH / picture.width)
         picture = picture.resize((WIDTH, height), Image.Resampling.LANCZOS)
-    picture.quantize(COLOURS, dither=Image.Dither.NONE).save(target, optimize=True)
+    picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 if __name__ == "__main__":

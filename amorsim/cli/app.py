@@ -11,6 +11,7 @@ import typer
 
 from amorsim.cli import check, new, plot, plugins, reproduce, run
 from amorsim.cli.console import complain
+from amorsim.cli.trouble import explain
 from amorsim.core.errors import AmorsimError
 
 __all__ = ["app", "main"]
@@ -18,18 +19,19 @@ __all__ = ["app", "main"]
 app = typer.Typer(
     name="amorsim",
     help="Simulate mobile robots in the plane, where every quantity is true, measured and estimated.",
+    epilog="Begin with `amorsim run demo`, or with `amorsim new my-study` and what it says then.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command("run")(run.command)
-app.command("reproduce")(reproduce.command)
-app.command("check")(check.command)
-app.command("plot")(plot.command)
-app.command("new")(new.command)
-app.add_typer(plugins.app, name="plugins")
+app.command("run", short_help="Simulate a scenario, or a map alone.")(run.command)
+app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
+app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
+app.command("plot", short_help="Draw a run, from its files.")(plot.command)
+app.command("new", short_help="Make a scenario, a controller and a map to start from.")(new.command)
+app.add_typer(plugins.app, name="plugins", short_help="List all components, or show the manual of one.")
 
 
 def _version(wanted: bool) -> None:
@@ -51,17 +53,18 @@ def _root(
 
 def main() -> None:
     """Run the command line; the exit status is 0 for success, 1 for a difference found, 2 for a user's mistake."""
-    # One line a warning, without the place in our code that a user cannot do anything about.
-    warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
-    try:
-        app()
-    except AmorsimError as error:
-        complain(str(error))
-        sys.exit(2)
-    except KeyboardInterrupt:
-        complain("interrupted")
-        sys.exit(130)
-    except BrokenPipeError:
-        # Whoever read our output has gone (``| head``); nothing more can be said to him.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+    with warnings.catch_warnings():
+        # One line a warning, without the place in our code that a user cannot do anything about.
+        warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
+        try:
+            app()
+        except AmorsimError as error:
+            complain(explain(error))
+            sys.exit(2)
+        except KeyboardInterrupt as error:
+            complain("\n".join(["interrupted", *getattr(error, "__notes__", ())]))
+            sys.exit(130)
+        except BrokenPipeError:
+            # Whoever read our output has gone (``| head``); nothing more can be said to him.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(1)

@@ -17,7 +17,9 @@ _FILES = ("scenario.toml", "controller.py", "rooms.wld")
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="The folder to make; it may exist, but nothing in it is replaced.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="The folder to make; it may exist, but nothing in it is replaced.")
+    ],
 ) -> None:
     """Make a folder with a scenario, a controller of ten lines and a map, which run as they are."""
     template = resources.files("amorsim.cli") / "template"

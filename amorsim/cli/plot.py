@@ -14,12 +14,12 @@ __all__ = ["command"]
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="The folder of a run.")],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of a run.")],
     out: Annotated[
-        Path | None, typer.Option(help="Folder for the pictures. [default: plots, in the run's folder]")
+        Path | None, typer.Option(metavar="DIR", help="Folder for the pictures. [default: plots, in the run's folder]")
     ] = None,
-    robot: Annotated[str | None, typer.Option(help="Which robot. [default: the first]")] = None,
-    replica: Annotated[int | None, typer.Option(help="Which replica. [default: the first]")] = None,
+    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    replica: Annotated[int | None, typer.Option(metavar="N", help="Which replica. [default: the first]")] = None,
 ) -> None:
     """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated."""
     try:

@@ -38,7 +38,10 @@ def list_all(context: typer.Context) -> None:
 
 @app.command()
 def show(
-    name: Annotated[str, typer.Argument(help="A component's name, such as laser; or kind/name, such as sensor/laser.")],
+    name: Annotated[
+        str,
+        typer.Argument(metavar="NAME", help="A component's name, such as laser; or kind/name, such as sensor/laser."),
+    ],
 ) -> None:
     """Print the manual of a component: what it is, and its fields with units, defaults, bounds and help."""
     from amorsim.analysis.reference import manual

@@ -13,7 +13,7 @@ __all__ = ["command"]
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="The folder of a run.")],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of a run.")],
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing; only the exit status tells.")] = False,
 ) -> None:
     """Run a run again, from what its folder holds, and compare all exact results.

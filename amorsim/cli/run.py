@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import time
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import attrs
 import typer
 
 from amorsim.cli.console import complain, say
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
-    from amorsim.simulation.run import RunSummary
+    from amorsim.simulation.session import RunSummary
+    from amorsim.simulation.simulation import Simulation
 
 __all__ = ["command"]
 
@@ -25,33 +29,41 @@ def command(
     scenario: Annotated[
         str,
         typer.Argument(
+            metavar="SCENARIO",
             help="A scenario file (.toml), the name of a bundled scenario (such as demo), or a map alone (such as "
-            "lab.wld or plan.bmp), in which a Pioneer 2DX then wanders."
+            "lab.wld or plan.bmp), in which a Pioneer 2DX then wanders.",
         ),
     ],
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder for the run's files, new or empty. [default: amorsim-runs/<name>-<number>]"),
+        typer.Option(
+            metavar="DIR", help="Folder for the run's files, new or empty. [default: amorsim-runs/<name>-<number>]"
+        ),
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of all random draws, in place of the scenario's.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of all random draws, in place of the scenario's.")
+    ] = None,
     duration: Annotated[
-        float | None, typer.Option(help="Simulated time in seconds, in place of the scenario's.")
+        float | None, typer.Option(metavar="SECONDS", help="Simulated time, in place of the scenario's.")
     ] = None,
     replicas: Annotated[
-        int | None, typer.Option(help="How many replicas to simulate, each with its own draws.")
+        int | None, typer.Option(metavar="N", help="How many replicas to simulate, each with draws of its own.")
     ] = None,
     replica: Annotated[
-        list[int] | None, typer.Option(help="The number of one replica to simulate; may be given again.")
+        list[int] | None,
+        typer.Option(metavar="N", help="The number of one replica to simulate; may be given again."),
     ] = None,
     resolution: Annotated[
-        float | None, typer.Option(help="For a map alone: the side of a cell (of a pixel) in metres.")
+        float | None,
+        typer.Option(metavar="METRES", help="For a map alone: the side of a cell (of a picture: of a pixel)."),
     ] = None,
     changes: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Change a value of the scenario, as in robots.0.errors.drive.track.scale=1.02; may be given again.",
+            help="Change a value of the scenario, as in robots.0.errors.drive.track.scale=1.02; may be given again. "
+            "`amorsim check SCENARIO --resolved` prints all there are.",
         ),
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
@@ -59,46 +71,58 @@ def command(
     """Simulate a scenario and write what happened into a folder.
 
     The folder holds the scenario with its map, text files of all that was true, measured and estimated, and a
-    picture of the paths.
+    picture of the paths. Ctrl-C ends the run with its files whole.
     """
-    from amorsim.cli.scenarios import read_scenario
+    from amorsim.cli.scenarios import make_simulation, read_scenario
     from amorsim.core.errors import AmorsimError
-    from amorsim.simulation.run import new_folder
     from amorsim.simulation.run import run as run_scenario
-    from amorsim.simulation.simulation import Simulation
 
     if replicas is not None and replica:
         raise AmorsimError("--replicas and --replica exclude each other: the first counts them, the second names them")
-    if duration is not None and not 0.0 < duration < float("inf"):
-        raise AmorsimError(f"--duration: expected a number of seconds > 0, got {duration}")
+    if replicas is not None and replicas < 1:
+        raise AmorsimError(f"--replicas: expected a whole number > 0, got {replicas}")
+    if quiet:
+        warnings.simplefilter("ignore")
+    else:
+        _announce_compiling()
     read = read_scenario(scenario, resolution=resolution, changes=changes or [])
-    if not quiet:
-        for warning in read.map.warnings:
-            complain(f"{read.map.name}: {warning}")
+    read = _with_options(read, seed, duration)
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
-    with _announce_compiling(quiet):
-        simulation = Simulation(read, seed=seed, replicas=numbers)
-    name = read.source.stem if read.source else Path(scenario).stem
-    folder = out or new_folder(name)
-    with _bar(quiet) as progress:
-        summary = run_scenario(read, folder, duration=duration, progress=progress, simulation=simulation)
+    simulation, remark = make_simulation(read, numbers)
     if not quiet:
-        _report(read, summary)
+        for warning in (*read.map.warnings, *([remark] if remark else ())):
+            complain(f"{read.map.name}: {warning}")
+    with _progress(quiet) as progress:
+        summary = run_scenario(simulation.scenario, out, progress=progress, simulation=simulation)
+    if not quiet:
+        _report(simulation, summary)
     if not summary.is_complete:
         raise typer.Exit(130)
 
 
-@contextlib.contextmanager
-def _announce_compiling(quiet: bool) -> Iterator[None]:
+def _with_options(scenario: Scenario, seed: int | None, duration: float | None) -> Scenario:
+    from amorsim.core.errors import AmorsimError
+    from amorsim.core.parameters import ParameterError
+
+    try:
+        if seed is not None:
+            scenario = attrs.evolve(scenario, seed=seed)
+        if duration is not None:
+            scenario = attrs.evolve(scenario, duration=duration)
+    except ParameterError as error:
+        raise AmorsimError(f"--{error.name}: {error.problem}") from None
+    return scenario
+
+
+def _announce_compiling() -> None:
     from amorsim.kernels.compile import is_cold
 
-    if is_cold() and not quiet:
+    if is_cold():
         say("compiling the kernels, once after installing (some ten seconds) ...")
-    yield
 
 
 @contextlib.contextmanager
-def _bar(quiet: bool) -> Iterator[Progress | None]:
+def _progress(quiet: bool) -> Iterator[Progress | None]:
     if quiet:
         yield None
     elif sys.stdout.isatty():
@@ -107,7 +131,15 @@ def _bar(quiet: bool) -> Iterator[Progress | None]:
         columns = (TextColumn("simulating"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
         with Progress(*columns, transient=True) as bar:
             task = bar.add_task("simulating", total=1.0)
-            yield lambda share: bar.update(task, completed=share)
+            drawn = 0.0
+
+            def draw(share: float) -> None:
+                nonlocal drawn
+                if (now := time.monotonic()) - drawn > 0.1:
+                    bar.update(task, completed=share)
+                    drawn = now
+
+            yield draw
     else:
         yield _PlainProgress()
 
@@ -116,27 +148,32 @@ class _PlainProgress:
     """Lines in place of a bar, one every quarter, where there is no terminal."""
 
     def __init__(self) -> None:
-        self._next = 0.25
+        self._told = 0
 
     def __call__(self, share: float) -> None:
-        if share >= self._next:
-            say(f"{int(self._next * 100)} % simulated")
-            self._next = (share // 0.25 + 1) * 0.25
+        quarter = int(4.0 * share)
+        if self._told < quarter < 4:
+            say(f"{25 * quarter} % simulated")
+            self._told = quarter
 
 
-def _report(scenario: Scenario, summary: RunSummary) -> None:
-    time = summary.steps * scenario.dt
+def _report(simulation: Simulation, summary: RunSummary) -> None:
+    time_ = summary.steps * simulation.dt
     if not summary.is_complete:
-        say(f"interrupted after {time:g} s of simulated time; the files are whole up to there")
+        say(f"interrupted after {time_:g} s of simulated time; the files are whole up to there")
+    numbers = simulation.replicas
+    of = f" (replica {numbers[0]} of {len(numbers)})" if len(numbers) > 1 else ""
     names = list(summary.distance)
     for name in names[:5]:
         count = summary.collisions[name]
         hits = "no collision" if count == 0 else "1 collision" if count == 1 else f"{count} collisions"
         say(
-            f"{name}: drove {summary.distance[name]:.2f} m in {time:g} s, {hits}; "
+            f"{name}{of}: drove {summary.distance[name]:.2f} m in {time_:g} s, {hits}; "
             f"at the end the estimate is off by {summary.final_error[name]:.3f} m"
         )
     if len(names) > 5:
         say(f"... and {len(names) - 5} robots more")
+    if simulation.scenario.recording.sensors == "auto" and not (summary.folder / "sensors").exists():
+        say("sensors are left out, there being so many replicas; --set recording.sensors=all writes them too")
     picture = summary.folder / "picture.png"
     say(f"results: {summary.folder}" + (f", picture: {picture}" if picture.exists() else ""))

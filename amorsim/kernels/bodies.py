@@ -82,9 +82,7 @@ def place_body(bodies: Bodies, body: int, x: float, y: float, cos: float, sin: f
 
 
 @kernel
-def _separation(
-    edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int
-) -> float:
+def _separation(edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int) -> float:
     """Largest distance [m] by which all the other part lies outside one edge; negative: of none."""
     most = -math.inf
     if last - first < 2:
@@ -114,9 +112,7 @@ def _nearest_edge(edges: Floats, first: int, last: int, x: float, y: float) -> f
 
 
 @kernel
-def _distance(
-    edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int
-) -> float:
+def _distance(edges: Floats, first: int, last: int, others: Floats, other_first: int, other_last: int) -> float:
     """Distance [m] between two convex parts that are apart."""
     nearest = math.inf
     square = math.inf
@@ -187,9 +183,7 @@ def body_gap(
 
 
 @kernel
-def body_gaps(
-    bodies: Bodies, a: Ints, poses_a: Floats, b: Ints, poses_b: Floats, cap: Floats, out: Floats
-) -> None:
+def body_gaps(bodies: Bodies, a: Ints, poses_a: Floats, b: Ints, poses_b: Floats, cap: Floats, out: Floats) -> None:
     """Write the signed gap [m] of each pair of bodies, no more than `cap`.
 
     A gap of 0 or more: the interiors are disjoint, and the gap is their Euclidean distance less what rounding

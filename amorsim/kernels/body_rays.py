@@ -244,9 +244,7 @@ def cast_bodies(
                 in_circle = abs(dx * y - dy * x) <= circle and dx * x + dy * y >= -circle
                 if in_circle and out[i, b] > away - circle:
                     if not placed:
-                        place_body(
-                            bodies, j, x, y, math.cos(body_pose[j, 2]), math.sin(body_pose[j, 2]), edges
-                        )
+                        place_body(bodies, j, x, y, math.cos(body_pose[j, 2]), math.sin(body_pose[j, 2]), edges)
                         placed = True
                     distance = _body_range(bodies, j, edges, dx, dy)
                     if distance <= limit and distance < out[i, b]:

@@ -163,9 +163,7 @@ def _nearest(
                             continue
                         row = 8 * block_row + (bit >> 3)
                         col = 8 * block_col + (bit & 7)
-                        if _is_near(
-                            col * resolution - x, row * resolution - y, resolution, cos_h, sin_h, edge, least
-                        ):
+                        if _is_near(col * resolution - x, row * resolution - y, resolution, cos_h, sin_h, edge, least):
                             least = _least_into(
                                 row,
                                 col,

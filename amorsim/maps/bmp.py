@@ -92,9 +92,7 @@ class Bitmap(MapLoader):
                 "threshold= (0 to 1, 0.5 for mid grey) to take every pixel darker than that for occupied"
             )
         if luma[0] == luma[1]:
-            raise MapError(
-                "its two colours are equally bright, so neither is the darker, occupied one; make one black"
-            )
+            raise MapError("its two colours are equally bright, so neither is the darker, occupied one; make one black")
         darker = colours[int(np.argmin(luma))]
         return np.asarray(np.all(pixels == darker, axis=-1))
 

@@ -77,9 +77,7 @@ class Wld(MapLoader):
     extensions: ClassVar[tuple[str, ...]] = (".wld",)
 
     resolution: float = parameter(0.001, unit="m", gt=0, help="side of a cell")
-    push_sign: str = parameter(
-        "clockwise", choices=tuple(_PUSH_SIGNS), help="which way the angle of a push counts"
-    )
+    push_sign: str = parameter("clockwise", choices=tuple(_PUSH_SIGNS), help="which way the angle of a push counts")
 
     @classmethod
     def sniff(cls, head: bytes) -> bool:

@@ -61,9 +61,7 @@ class Canvas:
         ImageDraw.Draw(stencil).polygon(inside, fill=round(255 * opacity))
         self._image.paste(colour, (int(left), int(top)), stencil)
 
-    def line(
-        self, points: Points, colour: str, width: float, *, dash: tuple[float, float] | None = None
-    ) -> None:
+    def line(self, points: Points, colour: str, width: float, *, dash: tuple[float, float] | None = None) -> None:
         """A line of round ends and corners through points (T, 2), whole or in dashes and gaps of two lengths.
 
         A point that is not finite interrupts the line; a single point is a dot.

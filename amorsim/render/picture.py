@@ -42,9 +42,7 @@ def _no_points() -> Points:
 
 def _check_points(_: Any, attribute: attrs.Attribute[Any], value: Points | None) -> None:
     if value is not None and (value.ndim != 2 or value.shape[1] != 2):
-        raise ParameterError(
-            attribute.name, f"expected points (T, 2) [m], got an array of shape {value.shape}"
-        )
+        raise ParameterError(attribute.name, f"expected points (T, 2) [m], got an array of shape {value.shape}")
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -146,9 +144,7 @@ class _Page:
         canvas = self._canvas
         canvas.frame = self._plot
         canvas.rectangle(self._plot, COLOURS["outside"])
-        (left, top), (right, bottom) = self._in_plot(
-            np.array([(0.0, self._map.size[1]), (self._map.size[0], 0.0)])
-        )
+        (left, top), (right, bottom) = self._in_plot(np.array([(0.0, self._map.size[1]), (self._map.size[0], 0.0)]))
         canvas.rectangle((left, top, right, bottom), "white")
         fine = 1 / (self._scale * FINENESS)  # [m] side of a fine pixel
         pixels = self._map.to_array(resolution=fine)[::-1] != 0
@@ -316,9 +312,7 @@ class _Page:
         """A robot's name beside where it ended, clear of other names and ends where it can be."""
         left, top, right, bottom = self._plot
         reach = 16 * self._unit
-        marked = [
-            self._on_page(_finite(line)[-1:]) for path in self._paths for line in (path.true, path.estimated)
-        ]
+        marked = [self._on_page(_finite(line)[-1:]) for path in self._paths for line in (path.true, path.estimated)]
         taken: list[_Box] = [
             (x - 0.8 * reach, y - 0.8 * reach, x + 0.8 * reach, y + 0.8 * reach)
             for x, y in np.concatenate(marked).tolist()
@@ -332,12 +326,8 @@ class _Page:
                     ((x + reach, y + reach), "lt"),
                     ((x - reach, y + reach), "rt"),
                 ]
-                boxes = [
-                    pen.textbbox(place, path.name, self._font, anchor=anchor) for place, anchor in places
-                ]
-                inside = [
-                    box[0] >= left and box[1] >= top and box[2] <= right and box[3] <= bottom for box in boxes
-                ]
+                boxes = [pen.textbbox(place, path.name, self._font, anchor=anchor) for place, anchor in places]
+                inside = [box[0] >= left and box[1] >= top and box[2] <= right and box[3] <= bottom for box in boxes]
                 clear = [not any(_overlap(box, other) for other in taken) for box in boxes]
                 # The first that is inside and clear; failing that, inside; failing that, any.
                 best = max(range(4), key=lambda i: (inside[i] + clear[i], inside[i]))

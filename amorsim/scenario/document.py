@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from amorsim.contracts import Controller
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import Fault, PluginError, ScenarioError
 from amorsim.core.map import Map
@@ -147,11 +146,11 @@ class _Writer:
         return written
 
     def _controller(self, controller: Any, path: str) -> dict[str, Any]:
-        if isinstance(controller, UserController):
-            return {"use": controller.source, **dict(controller.options)}
-        if isinstance(controller, Controller):
+        if not isinstance(controller, UserController):
             return self._component("controller", controller, path)
-        name = getattr(controller, "__qualname__", repr(controller))
+        if controller.source:
+            return {"use": controller.source, **dict(controller.options)}
+        name = getattr(controller.function, "__qualname__", repr(controller.function))
         self._fault(
             path,
             f"{name} was given as an object, so a file cannot name it; put it into a file of its own, and "

@@ -7,13 +7,14 @@ a simulation is made of it.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
 
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Sensor, parameter
+from amorsim.controllers.user import UserController
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
@@ -38,8 +39,7 @@ def _check_name(_: Any, attribute: Any, value: Any) -> None:
     if not isinstance(value, str) or not _NAME.fullmatch(value):
         raise ParameterError(
             attribute.name,
-            "expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), "
-            f"got {value!r}",
+            f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {value!r}",
         )
 
 
@@ -98,6 +98,23 @@ class NoiseElement:
     noise: Noise
 
 
+def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
+    """A chain whose bare elements are called after their classes, numbered where one comes again."""
+    made: list[NoiseElement] = []
+    for element in given:
+        if isinstance(element, Noise):
+            name = type(element).__name__.lower()
+            count = sum(other.name.partition("_")[0] == name for other in made)
+            made.append(NoiseElement(name=f"{name}_{count + 1}" if count else name, noise=element))
+        else:
+            made.append(element)
+    names = [element.name for element in made]
+    for name in names:
+        if names.count(name) > 1:
+            raise ParameterError("noise", f"two elements of the chain are called {name!r}; names must differ")
+    return tuple(made)
+
+
 @attrs.frozen(kw_only=True)
 class MountedSensor:
     """A sensor on a robot: the device, where it sits, how often it reads, and what it does to the quantity."""
@@ -105,8 +122,8 @@ class MountedSensor:
     sensor: Sensor
     mount: Mount = attrs.field(factory=Mount)
     rate: float | None = parameter(None, unit="Hz", gt=0, help="readings a second; none: one every step")
-    latency: float = parameter(0.0, unit="s", ge=0, le=60, live=False, help="from the quantity to the reading's arrival")
-    noise: tuple[NoiseElement, ...] = ()
+    latency: float = parameter(0.0, unit="s", ge=0, le=60, live=False, help="until a reading arrives")
+    noise: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
 
 
 @attrs.frozen(kw_only=True)
@@ -122,6 +139,22 @@ def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, Mounted
         name: given if isinstance(given, MountedSensor) else MountedSensor(sensor=given)
         for name, given in sensors.items()
     }
+
+
+def _check_errors(_: Any, __: Any, value: Any) -> None:
+    for path, deviation in value.items():
+        if not isinstance(deviation, Deviation):
+            raise ParameterError(
+                "errors", f"{path}: expected a Deviation, as in Deviation(scale=1.02), got {deviation!r}"
+            )
+
+
+def _controller(given: Controller | Callable[..., Any] | None) -> Controller | None:
+    if given is None or isinstance(given, Controller):
+        return given
+    if not callable(given):
+        raise ParameterError("controller", f"expected a controller, a function or a class, got {given!r}")
+    return UserController(source="", function=given)
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -150,11 +183,11 @@ class Robot:
     shape: Shape
     drive: Drive
     sensors: dict[str, MountedSensor] = attrs.field(factory=dict, converter=_mounted)
-    ground: tuple[NoiseElement, ...] = ()
+    ground: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
     estimators: dict[str, Estimator] = attrs.field(factory=dict)
-    controller: Controller | Any = None
+    controller: Controller | None = attrs.field(default=None, converter=_controller)
     on_collision: str = parameter("end", choices=("end", "continue"), help="what a collision does to the controller")
-    errors: dict[str, Deviation] = attrs.field(factory=dict)
+    errors: dict[str, Deviation] = attrs.field(factory=dict, validator=_check_errors)
     pose: Pose | None = None
     knowledge: Knowledge = attrs.field(factory=Knowledge)
 
@@ -173,10 +206,16 @@ class Obstacle:
 class Recording:
     """What a run writes down."""
 
-    sensors: str = parameter(
-        "auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only"
-    )
+    sensors: str = parameter("auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only")
     picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")
+
+
+def _robots(given: Iterable[Robot]) -> tuple[Robot, ...]:
+    return tuple(given)
+
+
+def _obstacles(given: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+    return tuple(given)
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -188,8 +227,8 @@ class Scenario:
     """
 
     map: Map
-    robots: tuple[Robot, ...] = attrs.field(converter=tuple)
-    obstacles: tuple[Obstacle, ...] = attrs.field(default=(), converter=tuple)
+    robots: tuple[Robot, ...] = attrs.field(converter=_robots)
+    obstacles: tuple[Obstacle, ...] = attrs.field(default=(), converter=_obstacles)
     dt: float = parameter(0.1, unit="s", gt=0, le=10, help="length of a step")
     duration: float = parameter(60.0, unit="s", gt=0, help="simulated time of a run")
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")

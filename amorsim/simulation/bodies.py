@@ -80,6 +80,8 @@ class World:
     def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
         """Signed gaps [m] `(Q,)` between pairs of bodies, at most `cap`; below zero where they overlap."""
         out = np.empty(len(a))
+        if not len(a):  # a lone robot never loads, nor compiles, what it takes to meet others
+            return out
         body_kernels.body_gaps(self.bodies, a, poses_a, b, poses_b, cap, out)
         return out
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
@@ -12,6 +13,7 @@ from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.rows import signature
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
+from amorsim.scenario.worlds import start_of
 from amorsim.simulation.bodies import World
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group, group_key
@@ -46,7 +48,7 @@ class Fleet:
         self.dt = scenario.dt
         self.replicas = replicas
         self.events: list[Event] = []
-        robots = sorted(scenario.robots, key=lambda robot: robot.name)
+        robots = [_placed(robot, scenario) for robot in sorted(scenario.robots, key=lambda robot: robot.name)]
         obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
         self.names = tuple(robot.name for robot in robots)
         streams = [(robot.name, *stream) for robot in robots for stream in _stream_names(robot)]
@@ -132,6 +134,10 @@ class Fleet:
         group, row = self.row_of(index * self.world.count + self.names.index(name))
         assert isinstance(group, Group)
         return group, row
+
+
+def _placed(robot: Robot, scenario: Scenario) -> Robot:
+    return robot if robot.pose is not None else attrs.evolve(robot, pose=start_of(scenario.map))
 
 
 def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:

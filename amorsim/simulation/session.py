@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from pathlib import Path
@@ -116,8 +117,7 @@ class RunSession:
         try:
             self._open(planned)
         except BaseException:
-            self._recorder.close()
-            self._folder.give_back()
+            self._give_up()
             raise
 
     def _open(self, planned: int) -> None:
@@ -232,12 +232,20 @@ class RunSession:
         if kind is None:
             self.close()
             return
-        status = "interrupted" if issubclass(kind, KeyboardInterrupt) else "broken off"
+        assert error is not None
+        if self.steps == 0:  # nothing but the start: a mistake, rather than a run
+            self._give_up()
+            return
         try:
-            self.close(status)
+            self.close("interrupted" if issubclass(kind, KeyboardInterrupt) else "broken off")
         except RunError as second:
-            assert error is not None
             error.add_note(str(second))  # the first one says why
+        error.add_note(f"the files up to {self.steps * self._simulation.dt:g} s are in {self.folder}")
+
+    def _give_up(self) -> None:
+        with contextlib.suppress(RunError):
+            self._recorder.close()
+        self._folder.give_back()
 
 
 def run_name(scenario: Scenario) -> str:

@@ -170,9 +170,7 @@ def test_shapes_compare_hash_and_pickle_by_value():
         copy = pickle.loads(pickle.dumps(shape))
         assert copy == shape
         assert hash(copy) == hash(shape)
-    assert Shape.rectangle(0.5, 0.25) == Shape.polygon(
-        [(-0.25, -0.125), (0.25, -0.125), (0.25, 0.125), (-0.25, 0.125)]
-    )
+    assert Shape.rectangle(0.5, 0.25) == Shape.polygon([(-0.25, -0.125), (0.25, -0.125), (0.25, 0.125), (-0.25, 0.125)])
 
 
 def test_the_arrays_of_a_shape_are_copies():

@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -35,7 +37,7 @@ def drive_along(drive, left, right, steps):
     """Poses after each of `steps` equal steps in which the wheels turn by left / steps and right / steps [rad]."""
     pose = np.zeros((1, 3))
     joints = np.linspace([0.0, 0.0], [left, right], steps + 1)
-    for before, after in zip(joints[:-1], joints[1:], strict=True):
+    for before, after in itertools.pairwise(joints):
         pose = compose(pose, drive.displacement(before[None], after[None], np.ones((1, 1))))
     return pose[0]
 

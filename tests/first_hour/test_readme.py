@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import typer.main
 
+import amorsim as am
 from amorsim.cli.app import app
 from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
 
@@ -60,6 +61,16 @@ def test_the_script_as_written(page: Page) -> None:
     for block in blocks_of(README):
         page.run(block)
     assert page.ran == 2  # the script, and what it prints
+
+
+def test_the_demo_has_the_errors_that_the_picture_is_explained_with() -> None:
+    text = README.read_text(encoding="utf-8")
+    errors = am.load("demo").robots[0].errors
+    assert set(errors) == {"drive.wheel_radius_left", "drive.track"}
+    for deviation in errors.values():
+        assert isinstance(deviation.scale, float)
+        assert deviation.scale > 1.0
+        assert f"{100.0 * (deviation.scale - 1.0):.2g} %" in text
 
 
 def test_every_command_is_in_the_table() -> None:

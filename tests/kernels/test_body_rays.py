@@ -96,9 +96,7 @@ def check_against_shapely(shape, pose, origin, heading, bearings):
     (ranges,), (hits,) = Scene([shape], [pose]).cast((*origin, heading), bearings)
     grow = 1e-6 if shape.radius else 2e-8  # a chord's sagitta is 3e-7 m
     directions = [direction(heading, bearing) for bearing in bearings]
-    least, expected, most = (
-        shapely_ranges(placed(shape, pose, d), origin, directions) for d in (grow, 0.0, -grow)
-    )
+    least, expected, most = (shapely_ranges(placed(shape, pose, d), origin, directions) for d in (grow, 0.0, -grow))
     assert (least <= ranges).all()
     assert (ranges <= most).all()
     with np.errstate(invalid="ignore"):
@@ -187,9 +185,7 @@ def test_ranges_are_exact_to_a_few_units_in_the_last_place(far):
         if not crossings or min(sine for _, sine in crossings) < 0.05:
             continue
         expected, sine = crossings[0]
-        place = (
-            abs(expected) + shape.reach
-        )  # far from the world's origin is no excuse: the difference is exact
+        place = abs(expected) + shape.reach  # far from the world's origin is no excuse: the difference is exact
         worst = max(worst, abs(float(found - expected)) * float(sine) / (place * 2.0**-52))
         checked += 1
     assert checked > 1000
@@ -279,9 +275,7 @@ def test_the_order_of_bodies_changes_no_range():
 
 
 @pytest.mark.parametrize("spread", [0.5, 3.0, 50.0])
-@pytest.mark.parametrize(
-    "scan", [fan(181), fan(181, 1.5, -0.7), np.linspace(-math.pi, math.pi, 90), fan(7, 6, 2)]
-)
+@pytest.mark.parametrize("scan", [fan(181), fan(181, 1.5, -0.7), np.linspace(-math.pi, math.pi, 90), fan(7, 6, 2)])
 def test_leaving_out_beams_by_their_angle_changes_no_bit(spread, scan):
     """A scan in order is cut to the beams that can hit; the same beams shuffled, or each alone, are not."""
     scene, rng = random_scene(6, count=30, spread=spread)

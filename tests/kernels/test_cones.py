@@ -38,7 +38,7 @@ def somewhere(map_: Map, seed: int, count: int) -> np.ndarray:
     x, y, yaw = map_.origin
     inside = rng.uniform((0.0, 0.0), map_.size, (count, 2))
     turned = inside @ np.array([[math.cos(yaw), math.sin(yaw)], [-math.sin(yaw), math.cos(yaw)]])
-    return np.column_stack((turned + (x, y), rng.uniform(-math.pi, math.pi, count)))
+    return np.column_stack((turned + np.array([x, y]), rng.uniform(-math.pi, math.pi, count)))
 
 
 @pytest.mark.parametrize("half_deg", [0.02, 0.5, 7.5, 15.0, 40.0, 85.0, 100.0])

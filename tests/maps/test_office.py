@@ -24,9 +24,7 @@ def office() -> Map:
 
 def places() -> dict[str, tuple[float, float]]:
     """The free place that the office's file names for each room [m]."""
-    found = re.findall(
-        r"^;; (.+?), [^,]+, free at (\d+) (\d+)$", OFFICE.read_text(encoding="utf-8"), re.MULTILINE
-    )
+    found = re.findall(r"^;; (.+?), [^,]+, free at (\d+) (\d+)$", OFFICE.read_text(encoding="utf-8"), re.MULTILINE)
     return {name: (int(x) / 1000, int(y) / 1000) for name, x, y in found}
 
 

@@ -167,9 +167,7 @@ def test_words_after_a_pop_do_not_keep_the_frame() -> None:
 # ------------------------------------------------------------------------------------------ artifacts
 
 
-@pytest.mark.parametrize(
-    "line", ["WALL 1000 500 90 400", "WALL (7) 1000 500 90 400", "wall 7 1000 500 90 400"]
-)
+@pytest.mark.parametrize("line", ["WALL 1000 500 90 400", "WALL (7) 1000 500 90 400", "wall 7 1000 500 90 400"])
 def test_artifact_wall(line: str) -> None:
     assert walls(line) == [[1.0, 0.3, 1.0, 0.7]]
 
@@ -247,9 +245,7 @@ def test_pushes_piled_up_to_infinity_are_refused() -> None:
         parse_world("push 9e11 0 0\n" * 2 + "0 0 1 1")
 
 
-@pytest.mark.parametrize(
-    "text", ["", "; nothing\n", "push 0 0 0\npop", "position 0 0 0", "Dear Sir or Madam"]
-)
+@pytest.mark.parametrize("text", ["", "; nothing\n", "push 0 0 0\npop", "position 0 0 0", "Dear Sir or Madam"])
 def test_neither_wall_nor_size_is_an_error(text: str) -> None:
     with pytest.raises(MapError, match="no wall, and no width and height"):
         parse_world(text)
@@ -391,9 +387,7 @@ def test_what_is_written_is_read(parts: list[tuple[str, tuple[float, ...]]], dat
             ends = [offset + turn * complex(*numbers[i : i + 2]) for i in (0, 2)]
             expected.append([part / 1000 for end in ends for part in (end.real, end.imag)])
         elif word == "push":
-            stack.append(
-                (offset + turn * complex(*numbers[:2]), turn * cmath.rect(1, -math.radians(numbers[2])))
-            )
+            stack.append((offset + turn * complex(*numbers[:2]), turn * cmath.rect(1, -math.radians(numbers[2]))))
         elif word == "position":
             place = offset + turn * complex(*numbers[:2])
             start = (place.real / 1000, place.imag / 1000, turn * cmath.rect(1, math.radians(numbers[2])))

@@ -103,9 +103,7 @@ def test_a_file_cut_off_anywhere_is_read_so_far_or_refused(data: st.DataObject) 
     text = real("table.wld").read_text(encoding="latin-1")
     whole = parse_world(text)
     cut = text[: data.draw(st.integers(0, len(text)))]
-    if not re.search(r"^\s*width +[1-9]", cut, re.MULTILINE) or not re.search(
-        r"^height +[1-9]", cut, re.MULTILINE
-    ):
+    if not re.search(r"^\s*width +[1-9]", cut, re.MULTILINE) or not re.search(r"^height +[1-9]", cut, re.MULTILINE):
         with pytest.raises(MapError, match="no wall"):
             parse_world(cut)
         return

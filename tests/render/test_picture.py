@@ -236,9 +236,7 @@ def test_the_picture_grows_with_paths_outside(room: Map) -> None:
 def test_a_path_far_away_is_cut_off(room: Map) -> None:
     """The picture grows by a quarter of the map's longer side and no more; the scale stays of use."""
     for far in (20.0, 1e5, 1e12, 1e300):
-        image = draw_run(
-            room, [RobotPath(name="rover", true=[(1, 1), (1, far)], estimated=[(1, 1), (far, 1)])]
-        )
+        image = draw_run(room, [RobotPath(name="rover", true=[(1, 1), (1, far)], estimated=[(1, 1), (far, 1)])])
         at = Places(image, room.size)
         assert at.scale > image.width / 10 / 1.5
         green = has(image, COLOURS["true"])
@@ -307,8 +305,7 @@ def test_scale_bar_has_the_length_it_says(room: Map) -> None:
     at = Places(image, room.size)
     below = has(image, COLOURS["text"])[at.bottom + 20 :]
     longest = max(
-        int(np.diff(np.flatnonzero(np.diff(np.concatenate(([0], row, [0])))))[::2].max(initial=0))
-        for row in below
+        int(np.diff(np.flatnonzero(np.diff(np.concatenate(([0], row, [0])))))[::2].max(initial=0)) for row in below
     )
     assert abs(longest - 1.0 * at.scale) < 8  # 1 m is the round length for a seventh of ten metres
 
@@ -325,9 +322,7 @@ def test_legend_explains_what_is_there(room: Map) -> None:
     assert shown(alone, "true")
     assert not shown(alone, "estimated")
     assert not shown(alone, "collision")
-    both = below(
-        RobotPath(name="rover", true=[(1, 1), (2, 2)], estimated=[(1, 1), (2, 1)], collisions=[(2, 2)])
-    )
+    both = below(RobotPath(name="rover", true=[(1, 1), (2, 2)], estimated=[(1, 1), (2, 1)], collisions=[(2, 2)]))
     assert shown(both, "estimated")
     assert shown(both, "collision")
 
@@ -343,9 +338,7 @@ def test_several_robots_are_labelled_where_they_ended(room: Map) -> None:
         assert beside.sum() > 50
     single = draw_run(room, paths[:1])
     column, row = Places(single, room.size)(4, 1)
-    assert not (distance(single, COLOURS["text"]) < 40)[
-        row - 60 : row + 61, column - 180 : column + 181
-    ].any()
+    assert not (distance(single, COLOURS["text"]) < 40)[row - 60 : row + 61, column - 180 : column + 181].any()
 
 
 def test_many_robots_with_long_names(room: Map) -> None:

@@ -84,7 +84,7 @@ def test_a_laser_looks_from_its_mount_and_no_farther_than_its_range():
 def test_an_aim_bends_the_beams():
     laser, view = stack([Laser(beams=3)]), FakeView([0.0, 0.0, 0.0])
     sense(laser, view, Aim(bearing=np.array([[0.1, 0.2, -0.3]])))
-    np.testing.assert_allclose(view.asked[1], laser.bearings() + [[0.1, 0.2, -0.3]], rtol=1e-15)
+    np.testing.assert_allclose(view.asked[1], np.add(laser.bearings(), [[0.1, 0.2, -0.3]]), rtol=1e-15)
 
 
 def test_the_elements_of_a_ring_sit_on_its_mount():

@@ -102,7 +102,7 @@ def test_what_fixes_shapes_cannot_be_set() -> None:
     for path in ("sensors.laser.latency", "sensors.laser.beams"):
         with pytest.raises(am.AmorsimError, match="fixed once a simulation is made"):
             sim.set("rover", path, 3)
-    with pytest.raises(am.AmorsimError, match="there is no 'lasr' here, but: .* Did you mean 'laser'"):
+    with pytest.raises(am.AmorsimError, match=r"there is no 'lasr' here, but: .* Did you mean 'laser'"):
         sim.set("rover", "sensors.lasr.range_max", 3.0)
     with pytest.raises(am.AmorsimError, match=r"range_max: expected a number \[m\] > 0, got -1.0|expected a number"):
         sim.set("rover", "sensors.laser.range_max", -1.0)

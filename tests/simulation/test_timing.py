@@ -126,3 +126,16 @@ def test_readings_held_by_someone_do_not_change() -> None:
         np.testing.assert_array_equal(array, before)
     with pytest.raises(ValueError, match="read-only"):
         sim.true_pose[0, 0] = 1.0
+
+
+def test_a_plain_function_controls_a_robot() -> None:
+    seen = []
+
+    def drive(readings, estimate, clock):  # type: ignore[no-untyped-def]
+        seen.append((clock.tick, estimate.x if hasattr(estimate, "x") else estimate.pose[0]))
+        return am.Twist(0.5, 0.0)
+
+    sim = am.Simulation(building.scenario(building.robot(controller=drive, pose=am.Pose(x=2.0, y=2.0))))
+    sim.run(1.0)
+    assert sim.true_pose[0, 0] == pytest.approx(2.5)
+    assert [tick for tick, _ in seen] == list(range(10))

@@ -1,0 +1,36 @@
+"""What a user is told of an error: the message, and the lines of his own code that led to it."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from pathlib import Path
+
+from amorsim.core.errors import AmorsimError
+
+__all__ = ["explain"]
+
+_OURS = Path(__file__).resolve().parents[1]
+_PYTHONS = Path(sysconfig.get_path("stdlib"))
+
+
+def explain(error: AmorsimError) -> str:
+    """The error's message, with notes, and with the lines of a user's controller or plugin that raised it."""
+    cause = error.__cause__
+    lines = [str(error)]
+    if isinstance(cause, SyntaxError):
+        lines += [part.rstrip("\n") for part in traceback.format_exception_only(cause)]
+    elif cause is not None:
+        frames = traceback.extract_tb(cause.__traceback__)
+        users = [i for i, frame in enumerate(frames) if _is_users(frame.filename)]
+        if users:  # what lies before is ours, what lies behind a library's
+            lines += [part.rstrip("\n") for part in traceback.format_list(frames[users[0] : users[-1] + 1])]
+    return "\n".join([*lines, *getattr(error, "__notes__", ())])
+
+
+def _is_users(file: str) -> bool:
+    if file.startswith("<"):  # of the interpreter's own
+        return False
+    path = Path(file)
+    is_installed = "site-packages" in path.parts
+    return not path.is_relative_to(_OURS) and (is_installed or not path.is_relative_to(_PYTHONS))
