@@ -10,19 +10,20 @@ the same quotients that walking along it compares, so the result has the same bi
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.grid import NONE, ONE, Grid, word_at
+from amorsim.kernels.grid import NONE, ONE, Grid
 from amorsim.kernels.rays import cast_ray, cell_of, direction, to_frame
 
 __all__ = ["cast_cones"]
 
 Floats = NDArray[np.float64]
 
-_COARSE = 50  # every so many rays one is cast
+_COARSE = 100  # every so many rays one is cast
 _WIDEST = 1.5  # [rad] half a cone's angle; wider ones are cast ray by ray
 _SAFETY = 1e-9  # relative, on every bound that leaves something out
 
@@ -144,16 +145,27 @@ def _nearest(
     first_row = math.floor((y + low_y) / page - 1e-6)
     last_row = math.floor((y + high_y) / page + 1e-6)
     for page_row in range(first_row, last_row + 1):
-        for page_col in range(first_col, last_col + 1):
+        page_col = first_col - 1
+        skip = 1
+        while page_col + skip <= last_col:
+            page_col += skip
+            skip = 1
+            held: Any = 0  # wholly occupied, as outside the map
             if page_row >= 0 and page_col >= 0 and page_row * 64 < grid.rows and page_col * 64 < grid.cols:
-                table = grid.supers[(page_row >> 6) * grid.super_cols + (page_col >> 6)]
-                if table < 0 or grid.tables[table, (page_row & 63) * 64 + (page_col & 63)] < 0:
+                # What is free says how far it is free to the right, in its own units.
+                table: Any = grid.supers[(page_row >> 6) * grid.super_cols + (page_col >> 6)]
+                if table < 0:
+                    skip = max(1, ((page_col >> 6) + np.int64(table & 127)) * 64 - page_col)
+                    continue
+                held = grid.tables[table, (page_row & 63) * 64 + (page_col & 63)]
+                if held < 0:
+                    skip = max(1, np.int64(held & 127))
                     continue
             if not _is_near(page_col * page - x, page_row * page - y, page, cos_h, sin_h, edge, least):
                 continue
             for block_row in range(8 * page_row, 8 * page_row + 8):
                 for block_col in range(8 * page_col, 8 * page_col + 8):
-                    bits = word_at(grid, block_row, block_col)
+                    bits = grid.pages[held, (block_row & 7) * 8 + (block_col & 7)]
                     if bits == NONE or not _is_near(
                         block_col * word - x, block_row * word - y, word, cos_h, sin_h, edge, least
                     ):

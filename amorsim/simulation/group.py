@@ -23,9 +23,10 @@ from amorsim.contracts import (
     State,
 )
 from amorsim.core.errors import ComponentError
-from amorsim.core.poses import compose, logarithm
+from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import signature, stack, take
 from amorsim.kernels import digest
+from amorsim.kernels.paths import ARC, OTHER
 from amorsim.scenario.spec import Knowledge, Robot
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
@@ -243,11 +244,17 @@ class Group:
         """Bounds of the paths: length [m] and turning [rad] `(N, 2)`."""
         return self.drive.travel(self._before, self._ground_after)
 
-    def end_poses(self) -> Array:
-        """Where the bodies are at the end of the step, if nothing stops them."""
-        one = np.ones((self.rows, 1))
-        self._displacement = self.drive.displacement(self._before, self._ground_after, one)
-        return compose(self.true_pose, self._displacement)
+    def path(self) -> tuple[int, Array]:
+        """The form of the paths, and what they are made of `(N, 3)`: arcs, but for drives that say otherwise."""
+        if type(self.drive).displacement is Drive.displacement:
+            self._motion = ARC, self.drive.twist(self._before, self._ground_after)
+        else:
+            self._motion = OTHER, self._moved(np.ones((self.rows, 1)))
+        return self._motion
+
+    def _moved(self, fraction: Array) -> Array:
+        """The bodies' displacements `(N, 3)` at fractions `(N, 1)` of the step."""
+        return self.drive.displacement(self._before, self._ground_after, fraction)
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of the bodies are at fractions of the step."""
@@ -258,12 +265,13 @@ class Group:
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
-        displacement = self._displacement
+        form, motion = self._motion
+        fraction = stop[:, None]
+        displacement = exponential(motion, fraction) if form == ARC else motion
         stopped = stop < 1.0
         if stopped.any():
-            fraction = stop[:, None]
-            short = self.drive.displacement(self._before, self._ground_after, fraction)
-            displacement = np.where(stopped[:, None], short, displacement)
+            if form != ARC:
+                displacement = np.where(stopped[:, None], self._moved(fraction), displacement)
             between = self.drive.between(self._before, self._after, fraction)
             self._after = np.where(stopped[:, None], between, self._after)
             self.joint_rates = np.where(stopped[:, None], 0.0, self.joint_rates)
@@ -304,16 +312,13 @@ class Group:
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
-        out = self.fingerprint
-        digest.absorb(self.true_pose, out)
-        digest.absorb(self.joints, out)
-        digest.absorb(np.ascontiguousarray(self.command), out)
+        results = [self.true_pose, self.joints, np.ascontiguousarray(self.command)]
         for estimate in self.estimates.values():
-            digest.absorb(np.ascontiguousarray(estimate.pose), out)
-            digest.absorb(np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9), out)
+            covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
+            results += [np.ascontiguousarray(estimate.pose), covariance]
         for unit in self.sensors.values():
-            digest.absorb(np.ascontiguousarray(unit.true), out)
-            digest.absorb(np.ascontiguousarray(unit.measured), out)
+            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.measured)]
+        digest.absorb(results, self.fingerprint)
 
     # ---------------------------------------------------------------------------------------------------- for others
 

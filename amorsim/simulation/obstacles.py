@@ -13,6 +13,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
 from amorsim.kernels import digest
+from amorsim.kernels.paths import LINE
 from amorsim.scenario.spec import Obstacle
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Streams
@@ -78,9 +79,9 @@ class ObstacleGroup:
         x, y, turn = self.proposed.T
         return np.stack((np.sqrt(x * x + y * y), np.abs(turn)), axis=1)
 
-    def end_poses(self) -> Array:
-        """Where they are if nothing stops them."""
-        return compose(self.true_pose, self.proposed)
+    def path(self) -> tuple[int, Array]:
+        """The form of the paths, and the wanted displacements `(N, 3)`: straight ahead, turning evenly."""
+        return LINE, self.proposed
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of them are at fractions of the step: straight ahead, turning evenly."""
@@ -93,7 +94,7 @@ class ObstacleGroup:
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
-        digest.absorb(self.true_pose, self.fingerprint)
+        digest.absorb([self.true_pose], self.fingerprint)
 
     _ARRAYS = ("true_pose", "true_twist", "fingerprint")
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Emissions
 from amorsim.core.poses import compose
-from amorsim.kernels import body_rays, cones, poses, rays
+from amorsim.kernels import cones, poses, rays
 
 if TYPE_CHECKING:
     from amorsim.simulation.bodies import World
@@ -32,6 +32,8 @@ class GroupView:
         self._world = world
         self._bodies = rows  # the global body of each row
         self._bearings: dict[bytes, tuple[Array, Array]] = {}
+        # The body that carries each ray's origin and its replica, by how many origins a row has.
+        self._carriers: dict[int, tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]] = {}
         self.tick: npt.NDArray[np.int64] = np.zeros((self.rows, 1), dtype=np.int64)
         self.body_pose: Array = np.zeros((self.rows, 3))
         self.twist: Array = np.zeros((self.rows, 3))
@@ -64,8 +66,7 @@ class GroupView:
         out = np.empty((len(origins), bearings.shape[1]))
         world = self._world
         per_row = len(origins) // self.rows
-        # A copy, as arrays that cannot be written would have the kernels compiled a second time.
-        limits = np.array(np.broadcast_to(range_max, (self.rows, 1))[:, 0])
+        limits = self._per_row(range_max)
         if per_row > 1:
             limits = np.repeat(limits, per_row)
         origin = world.map.origin
@@ -109,8 +110,8 @@ class GroupView:
     def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
         per_row = len(origins) // self.rows
-        angles = np.broadcast_to(half_angle, (self.rows, 1))[:, 0]
-        limits = np.repeat(np.broadcast_to(range_max, (self.rows, 1))[:, 0], per_row)
+        angles = self._per_row(half_angle)
+        limits = np.repeat(self._per_row(range_max), per_row)
         widest = float(angles[0])
         if (angles == widest).all():
             return self._cones(origins, widest, limits).reshape(self.rows, per_row)
@@ -121,6 +122,12 @@ class GroupView:
             out = np.where((angles == angle)[:, None], found, out)
         return out
 
+    def _per_row(self, values: Array) -> Array:
+        """One number a row `(N,)`, of `(N, 1)` or of one for all; a copy, for kernels take what can be written."""
+        if np.shape(values) == (self.rows, 1):
+            return np.array(values[:, 0])
+        return np.array(np.broadcast_to(values, (self.rows, 1))[:, 0])
+
     def _cones(self, origins: Array, half_angle: float, limits: Array) -> Array:
         bearings = cone_bearings(half_angle)
         cos_b, sin_b = self._table(bearings)
@@ -129,19 +136,17 @@ class GroupView:
         cones.cast_cones(world.map.grid, *world.map.origin, origins, half_angle, cos_b, sin_b, limits, least)
         if not world.has_company:
             return least
-        out = np.repeat(least[:, None], bearings.shape[1], axis=1)
-        self._cast_bodies(origins, cos_b, sin_b, limits, out)
-        return np.asarray(out.min(axis=1))
+        self._cast_bodies(origins, cos_b, sin_b, limits, least[:, None])
+        return least
 
     def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""
-        world = self._world
-        own = np.repeat(self._bodies, len(origins) // self.rows)
-        replica = world.replica_index[own]
-        hit = np.full(out.shape, -1, dtype=np.int64)
-        body_rays.cast_bodies(
-            world.bodies, world.poses, world.first, replica, own, origins, cos_b, sin_b, limits, out, hit
-        )
+        per_row = len(origins) // self.rows
+        known = self._carriers.get(per_row)
+        if known is None:
+            own = np.repeat(self._bodies, per_row)
+            known = self._carriers[per_row] = own, self._world.replica_index[own]
+        self._world.cast(*known, origins, cos_b, sin_b, limits, out)
 
 
 @functools.lru_cache(maxsize=64)
