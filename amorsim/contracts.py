@@ -88,6 +88,11 @@ class RobotModel:
     channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
     map: Map | None = None  # `knowledge.map` of the scenario
     landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
+    names: Sequence[str] = ()  # of the rows' robots, for messages
+
+    def who(self, row: int) -> str:
+        """The robot of a row, as a message calls it."""
+        return f"robot {self.names[row]!r}" if self.names else f"row {row}"
 
 
 @attrs.frozen(kw_only=True)
@@ -129,9 +134,14 @@ class Estimate(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """How a sensor's beams are bent before it looks: an angle [rad] added to each beam's bearing `(N, k)`, or none."""
+    """How a sensor's beams are bent before it looks: an angle [rad] added to each beam's bearing `(N, k)`, or none.
+
+    And when each looks, from this tick on `(N, k)` [s], at most 0; none for all at the tick. An element of a chain
+    adds to what it is given (``aim._replace``); a sensor without beams heeds neither.
+    """
 
     bearing: Array | None = None
+    time: Array | None = None
 
 
 class Emissions(NamedTuple):

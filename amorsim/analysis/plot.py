@@ -2,212 +2,285 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D
 
+from amorsim.analysis.figures import ESTIMATED, MEASURED, TRUE, compare, legend, new_figure, tidy, unwrapped_gaps
 from amorsim.analysis.files import RunFiles, Table
-from amorsim.scenario.read import load
+from amorsim.core.errors import RunError
 
 __all__ = ["plot_run"]
 
 Array = npt.NDArray[Any]
 
-# One colour for each channel everywhere, and a dash of its own, for those who do not see colours.
-TRUE = {"color": "#1b7f5c", "linestyle": "-", "linewidth": 1.6, "label": "true"}
-MEASURED = {"color": "#d97706", "linestyle": ":", "linewidth": 1.2, "label": "measured"}
-ESTIMATED = {"color": "#2f6fde", "linestyle": "--", "linewidth": 1.4, "label": "estimated"}
+MANY = 24  # values of a sensor from which it is drawn as an image
+PIXELS = 900  # of the map's longer side
 
 
 def plot_run(
-    folder: Path, *, out: Path | None = None, robot: str | None = None, replica: int | None = None
+    folder: str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    robot: str | None = None,
+    replica: int | None = None,
 ) -> list[Path]:
     """Draw a run's pictures and return where they lie.
 
     ``path``, ``speed``, ``wheels``, ``heading``, ``error``, and ``sensor-<name>`` for each sensor that was written.
 
+    Parameters
+    ----------
+    out
+        The folder for the pictures; without it, ``plots`` in the run's.
+    robot, replica
+        Whose; without them, the first.
+
     Raises
     ------
     RunError
-        If the folder is none of a run, or there is no such robot.
+        If the folder is none of a run, there is no such robot or replica, or a picture cannot be written.
     """
-    files = RunFiles(folder)
+    files = RunFiles(Path(folder))
     name = robot or files.robots[0]
-    target = out or Path(folder) / "plots"
-    target.mkdir(parents=True, exist_ok=True)
-    poses = files.table("poses", robot=name, replica=replica)
-    velocities = files.table("velocities", robot=name, replica=replica)
-    figures = {
-        "path": _path(files, poses),
-        "speed": _speed(velocities),
-        "wheels": _wheels(velocities),
-        "heading": _heading(poses),
-        "error": _error(poses),
+    table = partial(files.table, robot=name, replica=replica)
+    poses, velocities = table("poses"), table("velocities")
+    drawn: dict[str, Callable[[], Figure | None]] = {
+        "path": lambda: _path(files, poses, table("events")),
+        "speed": lambda: _speed(velocities),
+        "wheels": lambda: _wheels(velocities),
+        "heading": lambda: _heading(poses),
+        "error": lambda: _error(poses),
     }
+    units = {key: unit.sensor.unit for r in files.scenario.robots if r.name == name for key, unit in r.sensors.items()}
     for sensor in files.sensors:
-        readings = files.table(f"sensors/{sensor}", robot=name, replica=replica)
-        if len(readings["time"]):
-            figures[f"sensor-{sensor}"] = _sensor(sensor, readings)
+        if sensor in units:
+            drawn[f"sensor-{sensor}"] = partial(_read_sensor, table, sensor, units[sensor])
+    target = Path(out) if out is not None else Path(folder) / "plots"
     made = []
-    for kind, figure in figures.items():
-        path = target / f"{kind}.png"
-        figure.savefig(path, dpi=120)
-        made.append(path)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        for kind, draw in drawn.items():
+            figure = draw()
+            if figure is not None:
+                figure.savefig(target / f"{kind}.png", dpi=120)
+                made.append(target / f"{kind}.png")
+    except OSError as error:
+        raise RunError(f"{target}: cannot be written ({error.strerror or error})") from None
     return made
 
 
-def _figure(rows: int = 1, height: float = 4.5) -> tuple[Figure, list[Any]]:
-    # Figures of their own, without pyplot: no window system is asked for, and nothing is kept open.
-    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False, "axes.grid": True}):
-        figure = Figure(figsize=(9.0, height), layout="constrained")
-        axes = figure.subplots(rows, 1, squeeze=False, sharex=True)
-    for axis in axes[:, 0]:
-        axis.grid(color="#e5e7eb", linewidth=0.8)
-        axis.set_axisbelow(True)
-    return figure, list(axes[:, 0])
-
-
-def _path(files: RunFiles, poses: Table) -> Figure:
-    figure, (axis,) = _figure(height=7.0)
-    map_ = load(files.folder / "scenario.toml").map
-    width, height = map_.size
-    cell = max(map_.resolution, max(width, height) / 1200.0)
-    x, y, yaw = map_.origin
-    image = map_.to_array(resolution=cell)
-    extent = (0.0, image.shape[1] * cell, 0.0, image.shape[0] * cell)
-    from matplotlib.transforms import Affine2D
-
-    placed = Affine2D().rotate(yaw).translate(x, y) + axis.transData
-    axis.imshow(
-        np.ma.masked_equal(image, 0), origin="lower", extent=extent, cmap="gray", vmin=0, vmax=4, transform=placed
-    )
+def _path(files: RunFiles, poses: Table, events: Table) -> Figure:
+    figure = Figure(figsize=(9.0, 7.5), layout="constrained")
+    axis: Any = figure.subplots()
+    tidy(axis)
+    axis.grid(visible=False)  # too like walls
+    corners = _draw_map(axis, files)
     axis.plot(poses["true_x"], poses["true_y"], **TRUE)
     axis.plot(poses["estimated_x"], poses["estimated_y"], **ESTIMATED)
-    axis.plot(poses["true_x"][:1], poses["true_y"][:1], "o", color="#111827", label="start")
-    corners = np.array([[0, 0], [width, 0], [width, height], [0, height]])
-    turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
-    world = corners @ turn + (x, y)
-    seen = np.vstack(
-        (
-            world,
-            np.column_stack((poses["true_x"], poses["true_y"])),
-            np.column_stack((poses["estimated_x"], poses["estimated_y"])),
+    if len(poses["time"]):
+        dots = {"linestyle": "", "markersize": 8, "zorder": 3}
+        axis.plot(poses["true_x"][:1], poses["true_y"][:1], "o", mfc="none", mec="#111827", label="start", **dots)
+        axis.plot(poses["true_x"][-1:], poses["true_y"][-1:], "o", color=TRUE["color"], label="end", **dots)
+        axis.plot(
+            poses["estimated_x"][-1:],
+            poses["estimated_y"][-1:],
+            "D",
+            color=ESTIMATED["color"],
+            label="believed end",
+            **dots,
         )
-    )
-    axis.set_xlim(seen[:, 0].min() - 0.2, seen[:, 0].max() + 0.2)
-    axis.set_ylim(seen[:, 1].min() - 0.2, seen[:, 1].max() + 0.2)
+    hits = events["kind"] == "collision"
+    if hits.any():
+        axis.plot(events["x"][hits], events["y"][hits], "x", color="#b91c1c", label="collision", mew=2, zorder=4)
+    seen = np.vstack((corners, *(np.column_stack((poses[f"{c}_x"], poses[f"{c}_y"])) for c in ("true", "estimated"))))
+    margin = 0.02 * np.ptp(seen, axis=0).max()
+    axis.set_xlim(seen[:, 0].min() - margin, seen[:, 0].max() + margin)
+    axis.set_ylim(seen[:, 1].min() - margin, seen[:, 1].max() + margin)
     axis.set_aspect("equal")
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
-    axis.set_title("path")
-    axis.legend(loc="upper right")
+    handles, labels = axis.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     return figure
+
+
+def _draw_map(axis: Any, files: RunFiles) -> Array:
+    """Draw the map, and return its corners in the world (4, 2)."""
+    found = files.scenario.map
+    width, height = found.size
+    cell = max(found.resolution, max(width, height) / PIXELS)
+    image = found.to_array(resolution=cell)
+    x, y, yaw = found.origin
+    axis.imshow(
+        np.ma.masked_equal(image, 0),
+        origin="lower",
+        extent=(0.0, image.shape[1] * cell, 0.0, image.shape[0] * cell),
+        cmap="gray",
+        vmin=0,
+        vmax=4,
+        # Walls are thinner than what the picture can show: a pixel is as dark as its darkest cell.
+        interpolation="nearest",
+        transform=Affine2D().rotate(yaw).translate(x, y) + axis.transData,
+    )
+    turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+    placed: Array = np.sum(corners[:, :, None] * turn, axis=1) + np.array([x, y])
+    return placed
 
 
 def _speed(velocities: Table) -> Figure:
-    figure, (forward, turn) = _figure(2, 5.5)
+    figure, axes = new_figure(4, height=7.5, ratios=[3, 1, 3, 1])
+    figure.suptitle("translational and rotational speed", x=0.02, ha="left")
     time = velocities["time"]
-    forward.plot(time, velocities["true_forward"], **TRUE)
-    forward.plot(time, velocities["estimated_forward"], **ESTIMATED)
-    forward.set_ylabel("forward [m/s]")
-    turn.plot(time, velocities["true_turn"], **TRUE)
-    turn.plot(time, velocities["estimated_turn"], **ESTIMATED)
-    turn.set_ylabel("turning [rad/s]")
-    return _finish(figure, [forward, turn], "translational and rotational speed")
+    for row, (key, label) in enumerate((("forward", "forward [m/s]"), ("turn", "turning [rad/s]"))):
+        main, below = axes[2 * row : 2 * row + 2]
+        compare(
+            figure, main, below, (time, velocities[f"true_{key}"]), (time, velocities[f"estimated_{key}"]), ESTIMATED
+        )
+        main.set_ylabel(label)
+    axes[-1].set_xlabel("time [s]")
+    return figure
 
 
-def _wheels(velocities: Table) -> Figure:
+def _wheels(velocities: Table) -> Figure | None:
     body = ("true_forward", "true_left", "true_turn")
     joints = [key.removeprefix("true_") for key in velocities if key.startswith("true_") and key not in body]
-    figure, axes = _figure(max(1, len(joints)), 1.0 + 2.3 * max(1, len(joints)))
-    for axis, joint in zip(axes, joints, strict=False):
-        axis.plot(velocities["time"], velocities[f"measured_{joint}"], **MEASURED)
-        axis.plot(velocities["time"], velocities[f"true_{joint}"], **TRUE)
-        axis.set_ylabel(f"{joint.replace('_', ' ')} [rad/s]")
-    return _finish(figure, axes, "wheels: true rate, and as the encoders say")
+    if not joints:
+        return None
+    figure, axes = new_figure(2 * len(joints), height=1.0 + 3.2 * len(joints), ratios=[3, 1] * len(joints))
+    figure.suptitle("joints: true rate, and as the encoders say", x=0.02, ha="left")
+    time = velocities["time"]
+    for row, joint in enumerate(joints):
+        main, below = axes[2 * row : 2 * row + 2]
+        true, measured = velocities[f"true_{joint}"], velocities[f"measured_{joint}"]
+        compare(figure, main, below, (time, true), (time, measured), MEASURED)
+        main.set_ylabel(f"{joint.replace('_', ' ')} [rad/s]")
+    axes[-1].set_xlabel("time [s]")
+    return figure
 
 
 def _heading(poses: Table) -> Figure:
-    figure, axes = _figure()
-    for channel, style in (("true", TRUE), ("estimated", ESTIMATED)):
-        axes[0].plot(poses["time"], np.degrees(np.unwrap(poses[f"{channel}_heading"])), **style)
-    axes[0].set_ylabel("heading [°], turns counted")
-    return _finish(figure, axes, "heading")
+    figure, (main, below) = new_figure(2, ratios=[3, 1])
+    figure.suptitle("heading, turns counted", x=0.02, ha="left")
+    true, estimated = (np.degrees(np.unwrap(poses[f"{channel}_heading"])) for channel in ("true", "estimated"))
+    compare(figure, main, below, (poses["time"], true), (poses["time"], estimated), ESTIMATED)
+    main.set_ylabel("heading [°]")
+    below.set_xlabel("time [s]")
+    return figure
 
 
 def _error(poses: Table) -> Figure:
-    figure, axes = _figure(2, 5.5)
+    figure, (position, heading) = new_figure(2, height=5.5)
+    figure.suptitle("estimated less true", x=0.02, ha="left")
     distance = np.hypot(poses["true_x"] - poses["estimated_x"], poses["true_y"] - poses["estimated_y"])
-    turn = poses["estimated_heading"] - poses["true_heading"]
-    axes[0].plot(poses["time"], distance, color=ESTIMATED["color"])
-    axes[0].set_ylabel("position [m]")
-    axes[1].plot(poses["time"], np.degrees((turn + np.pi) % (2 * np.pi) - np.pi), color=ESTIMATED["color"])
-    axes[1].set_ylabel("heading [°]")
-    return _finish(figure, axes, "estimated less true", legend=False)
+    turn = np.degrees(poses["estimated_heading"] - poses["true_heading"])
+    position.plot(poses["time"], distance, color=ESTIMATED["color"])
+    position.set_ylabel("position [m]")
+    heading.plot(poses["time"], unwrapped_gaps((turn + 180.0) % 360.0 - 180.0), color=ESTIMATED["color"])
+    heading.set_ylabel("heading [°]")
+    heading.set_xlabel("time [s]")
+    return figure
 
 
-def _sensor(name: str, readings: Table) -> Figure:
+def _read_sensor(table: Callable[[str], Table], name: str, unit: str) -> Figure | None:
+    readings = table(f"sensors/{name}")
+    if not len(readings["time"]):
+        return None
     size = sum(key.startswith("true_") for key in readings)
-    if size > 24:
-        return _scan(name, readings, size)
-    columns = min(size, 4)
-    rows = -(-size // columns)
-    figure = Figure(figsize=(9.0, max(3.5, 1.9 * rows)), layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=True).ravel()
+    true, measured = (np.array([readings[f"{channel}_{i}"] for i in range(size)]) for channel in ("true", "measured"))
+    true[~np.isfinite(true)] = np.nan  # no return
+    measured[~np.isfinite(measured)] = np.nan
+    if unit.startswith("rad"):
+        true, measured, unit = np.degrees(true), np.degrees(measured), unit.replace("rad", "°", 1)
+    if size > MANY:
+        return _scans(name, unit, readings["stamp"], true, measured)
+    if size <= 2:
+        return _values(name, unit, readings["stamp"], true, measured)
+    return _elements(name, unit, readings["stamp"], true, measured)
+
+
+def _values(name: str, unit: str, time: Array, true: Array, measured: Array) -> Figure:
+    """A panel for each of one or two values, and their differences."""
+    size = len(true)
+    figure, axes = new_figure(2 * size, height=1.6 + 3.2 * size, ratios=[3, 1] * size)
+    figure.suptitle(name, x=0.02, ha="left")
+    for i in range(size):
+        main, below = axes[2 * i : 2 * i + 2]
+        one, other = true[i], measured[i]
+        if unit == "°":
+            with np.errstate(invalid="ignore"):
+                nearest = one + (other - one + 180.0) % 360.0 - 180.0
+            compare(figure, main, below, (time, unwrapped_gaps(one)), (time, unwrapped_gaps(nearest)), MEASURED)
+        else:
+            compare(figure, main, below, (time, one), (time, other), MEASURED)
+        main.set_ylabel(f"{name} {i} [{unit}]" if size > 1 else f"{name} [{unit}]")
+    axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def _elements(name: str, unit: str, time: Array, true: Array, measured: Array) -> Figure:
+    """A ring of a few elements: a small panel for each."""
+    columns = 4
+    rows = -(-len(true) // columns)
+    figure = Figure(figsize=(11.0, 1.2 + 1.9 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
     for i, axis in enumerate(axes):
-        if i >= size:
+        if i >= len(true):
             axis.axis("off")
             continue
-        axis.grid(color="#e5e7eb", linewidth=0.8)
-        axis.plot(readings["time"], _finite(readings[f"measured_{i}"]), **MEASURED)
-        axis.plot(readings["stamp"], _finite(readings[f"true_{i}"]), **TRUE)
-        if size > 1:
-            axis.set_title(f"{name} {i}", fontsize=9)
+        tidy(axis)
+        axis.plot(time, true[i], **(TRUE | {"linewidth": 1.6}))
+        axis.plot(time, measured[i], **(MEASURED | {"linewidth": 1.0}))
+        axis.set_title(str(i), fontsize=9, loc="left")
         axis.tick_params(labelsize=8)
-    axes[0].legend(fontsize=8)
-    figure.suptitle(name)
-    figure.supxlabel("time [s]")
+    figure.suptitle(name, x=0.02, ha="left")
+    figure.supxlabel("time [s]", fontsize=10)
+    figure.supylabel(f"{name} [{unit}]", fontsize=10)
+    legend(figure, axes[0])
     return figure
 
 
-def _scan(name: str, readings: Table, size: int) -> Figure:
-    """A ring of many beams as an image, beam over time: true, measured, and their difference."""
-    figure = Figure(figsize=(9.0, 8.0), layout="constrained")
-    axes = figure.subplots(3, 1, sharex=True, sharey=True)
-    true = np.array([readings[f"true_{i}"] for i in range(size)])
-    measured = np.array([readings[f"measured_{i}"] for i in range(size)])
-    with np.errstate(invalid="ignore"):  # no return on either side
-        difference = measured - true
-    time = readings["time"]
-    extent = (float(time[0]), float(time[-1]) if len(time) > 1 else float(time[0]) + 1.0, -0.5, size - 0.5)
-    finite = np.abs(difference[np.isfinite(difference)])
-    limit = max(float(finite.max(initial=0.0)), 1e-9)
+def _scans(name: str, unit: str, time: Array, true: Array, measured: Array) -> Figure:
+    """A ring of many beams as images, beam over time: true, measured, and their difference."""
+    figure = Figure(figsize=(9.0, 8.5), layout="constrained")
+    axes: Any = figure.subplots(3, 1, sharex=True, sharey=True)
+    difference = measured - true
+    low, high = _range_of(np.concatenate((true, measured)))
+    _, limit = _range_of(np.abs(difference))
+    last = float(time[-1]) if time[-1] > time[0] else float(time[0]) + 1.0
     for axis, values, title, how in (
-        (axes[0], true, "true [m]", {"cmap": "viridis"}),
-        (axes[1], measured, "measured [m]", {"cmap": "viridis"}),
-        (axes[2], difference, "measured less true [m]", {"cmap": "coolwarm", "vmin": -limit, "vmax": limit}),
+        (axes[0], true, "true", {"cmap": "viridis", "vmin": low, "vmax": high}),
+        (axes[1], measured, "measured", {"cmap": "viridis", "vmin": low, "vmax": high}),
+        (axes[2], difference, "measured less true", {"cmap": "coolwarm", "vmin": -limit, "vmax": limit}),
     ):
+        axis.set_facecolor("white")
         image = axis.imshow(
-            np.ma.masked_invalid(values), aspect="auto", origin="lower", extent=extent, interpolation="nearest", **how
+            np.ma.masked_invalid(values),
+            aspect="auto",
+            origin="lower",
+            extent=(float(time[0]), last, -0.5, len(true) - 0.5),
+            interpolation="nearest",
+            **how,
         )
         axis.set_ylabel("beam")
-        axis.set_title(f"{name}: {title}", fontsize=10)
-        figure.colorbar(image, ax=axis)
-    axes[2].set_xlabel("time [s]")
+        axis.set_title(title, fontsize=10, loc="left")
+        figure.colorbar(image, ax=axis, label=f"[{unit}]", pad=0.01)
+    axes[2].set_xlabel("time [s]      white: no return")
+    figure.suptitle(name, x=0.02, ha="left")
     return figure
 
 
-def _finite(values: Array) -> Array:
-    return np.where(np.isfinite(values), values, np.nan)
-
-
-def _finish(figure: Figure, axes: list[Any], title: str, *, legend: bool = True) -> Figure:
-    axes[0].set_title(title)
-    axes[-1].set_xlabel("time [s]")
-    if legend:
-        axes[0].legend()
-    return figure
+def _range_of(values: Array) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    if not len(finite):
+        return 0.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    return low, high if high > low else low + 1e-9

@@ -25,7 +25,7 @@ def command(
     try:
         from amorsim.analysis.plot import plot_run
     except ModuleNotFoundError as error:
-        if error.name != "matplotlib":
+        if (error.name or "").partition(".")[0] != "matplotlib":
             raise
         raise AmorsimError('plots need matplotlib: python -m pip install "amorsim[plot]"') from None
     for path in plot_run(folder, out=out, robot=robot, replica=replica):

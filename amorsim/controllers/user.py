@@ -163,7 +163,7 @@ class UserController(Controller):
                 objects[row] = self.function(**dict(self.options))
             except Exception as error:
                 raise ControllerError(
-                    f"controller {self.source!r}: making its object for row {row} with the options "
+                    f"controller {self.source!r}: making its object for {context.robot.who(row)} with the options "
                     f"{dict(self.options)} raised {type(error).__name__}: {error}"
                 ) from error
             if not callable(getattr(objects[row], "command", None)):
@@ -204,7 +204,7 @@ class UserController(Controller):
                 answer = call(*arguments, **options) if objects is None else call(*arguments)
             except Exception as error:
                 raise ControllerError(
-                    f"controller {self.source!r} of row {row} at {arguments[2].time:g} s raised "
+                    f"controller {self.source!r} of {robot.who(row)} at {arguments[2].time:g} s raised "
                     f"{type(error).__name__}: {error}"
                 ) from error
             answers.take(row, answer)
@@ -285,7 +285,7 @@ class _Answers:
     def _wrong(self, row: int, answer: Any, problem: str) -> ControllerError:
         channels = ", ".join(self._robot.channels)
         return ControllerError(
-            f"controller {self._source!r} of row {row} returned {answer!r}: {problem}. Expected "
+            f"controller {self._source!r} of {self._robot.who(row)} returned {answer!r}: {problem}. Expected "
             f"am.Twist(forward, turn), am.WheelSpeeds(left, right) in m/s, rad/s for each of ({channels}) in "
             "order or by name, or None to stop"
         )

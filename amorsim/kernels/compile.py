@@ -23,7 +23,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.core import caching, config
 
-__all__ = ["compile_seconds", "is_cold", "kernel"]
+__all__ = ["compile_seconds", "is_cold", "kernel", "mark_warm"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -125,19 +125,25 @@ def compile_seconds() -> float:
     return _compiled_seconds
 
 
-def is_cold() -> bool:
-    """Whether the cache holds no kernel of the present sources, so that a first run will compile."""
+def _stamp() -> Path | None:
     folder = _cache_folder()
-    if folder is None:
-        return True
-    stamp = folder / f"warm-{_source_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
-    if stamp.exists():
-        return False
-    with contextlib.suppress(OSError):
-        for stale in folder.glob("warm-*"):
-            stale.unlink(missing_ok=True)
-        stamp.touch()
-    return True
+    return None if folder is None else folder / f"warm-{_source_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
+
+
+def is_cold() -> bool:
+    """Whether no process has yet compiled the present sources and said so, so that a first step will take a while."""
+    stamp = _stamp()
+    return stamp is None or not stamp.exists()
+
+
+def mark_warm() -> None:
+    """Leave word that the kernels are compiled; stamps of other sources go."""
+    stamp = _stamp()
+    if stamp is not None and not stamp.exists():
+        with contextlib.suppress(OSError):
+            for stale in stamp.parent.glob("warm-*"):
+                stale.unlink(missing_ok=True)
+            stamp.touch()
 
 
 def kernel(function: F) -> F:

@@ -146,7 +146,7 @@ def _nearest(
     last_row = math.floor((y + high_y) / page + 1e-6)
     for page_row in range(first_row, last_row + 1):
         page_col = first_col - 1
-        skip = 1
+        skip: Any = 1
         while page_col + skip <= last_col:
             page_col += skip
             skip = 1

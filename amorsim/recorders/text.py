@@ -178,8 +178,8 @@ def _fixed(values: Iterable[float]) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON can say of a value that it does not know: NumPy's numbers and arrays, which a script may set."""
-    return value.tolist() if isinstance(value, (np.generic, np.ndarray)) else str(value)
+    """What JSON can say of a value that it does not know: the fields of a `Deviation` or a `Distribution`."""
+    return attrs.asdict(value, recurse=False) if attrs.has(type(value)) else str(value)
 
 
 def _quoted(text: str) -> str:

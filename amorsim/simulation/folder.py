@@ -21,6 +21,14 @@ __all__ = ["RunFolder", "circumstances", "fingerprints", "new_folder", "read_abo
 FORMAT = 1
 ABOUT = "run.json"
 
+_EXPECTED: dict[str, tuple[type, str]] = {
+    "status": (str, "a text"),
+    "seed": (int, "a whole number"),
+    "replicas": (list, "a list of numbers"),
+    "dt": (float, "a number"),
+    "steps": (int, "a whole number"),
+}
+
 
 def new_folder(name: str, base: Path | None = None) -> Path:
     """The first free folder ``amorsim-runs/<name>-<number>`` under `base`, else under the present folder, made.
@@ -140,11 +148,12 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
         raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
     except (OSError, ValueError) as error:
         raise RunError(f"{path}: cannot be read ({error})") from None
-    expected = {"seed": int, "replicas": list, "dt": float, "steps": int, "status": str}
-    for key, kind in expected.items():
-        if not isinstance(about, dict) or not isinstance(about.get(key), kind):
-            raise RunError(f"{path}: is damaged: expected a {kind.__name__} under {key!r}")
-    return dict(about)
+    if not isinstance(about, dict):
+        raise RunError(f"{path}: is damaged: expected a table, got {str(about)[:40]!r}")
+    for key, (kind, what) in _EXPECTED.items():
+        if not isinstance(about.get(key), kind):
+            raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {about.get(key)!r}")
+    return about
 
 
 def circumstances() -> dict[str, Any]:

@@ -133,6 +133,7 @@ class Group:
         self.robot = RobotModel(
             rows=self.rows,
             dt=self.dt,
+            names=tuple(self.names),
             drive=stack([robot.drive for robot in nominal]),
             shape=nominal[0].shape,
             sensors={

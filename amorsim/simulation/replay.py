@@ -6,8 +6,10 @@ import csv
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from amorsim.core.errors import RunError
+from amorsim.scenario.spec import Distribution
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Replay", "read_rows"]
@@ -48,7 +50,7 @@ class Replay:
         for row in self._changes.get(simulation.tick, []):
             try:
                 replica = int(row.get("replica", simulation.replicas[0]))
-                value = json.loads(row["value"])
+                value = _revived(json.loads(row["value"]))
             except ValueError as error:
                 raise _damaged(self._events, error) from None
             if row["kind"] == "pose_set":
@@ -74,6 +76,15 @@ class Replay:
                 if handle.is_active:
                     handle.command(*(float(row[name]) for name in handle._group.drive.channels))
             self._next = next(self._rows, None)
+
+
+def _revived(value: Any) -> Any:
+    """A value of JSON as `Simulation.set` takes it: tables may hold distributions."""
+    if not isinstance(value, dict):
+        return value
+    if value.keys() == {"kind", "values"}:
+        return Distribution(kind=value["kind"], values=tuple(value["values"]))
+    return {name: _revived(part) for name, part in value.items()}
 
 
 def _damaged(path: Path, error: Exception) -> RunError:

@@ -126,7 +126,7 @@ def _outcome(
     if found is None:
         text = f"the digest of replica {differing[0]}; all files agree, so by less than is written into them"
         return Outcome(is_same=False, is_exact=False, steps=steps, difference=text, notes=tuple(notes))
-    if ".py" in "".join(about.get("inputs", ())):
+    if not notes and any(name.endswith(".py") for name in about.get("inputs", ())):
         notes = [*notes, "a controller with a clock or randomness of its own does not reproduce"]
     return Outcome(
         is_same=False,

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Sequence
 from types import FrameType
 
+from amorsim.kernels.compile import mark_warm
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.folder import new_folder
 from amorsim.simulation.session import RunSession, RunSummary, steps_of
@@ -59,6 +60,8 @@ def run(
         for done in range(1, steps + 1):
             simulation.step()
             session.keep()
+            if done == 1:
+                mark_warm()
             if progress is not None:
                 progress(done / steps)
             if interrupt.is_wanted:

@@ -46,7 +46,9 @@ class Traces:
     def keep(self) -> None:
         """Take the present step."""
         now = self._now()
-        self.distance += np.hypot(now[:, 0] - self._last[:, 0], now[:, 1] - self._last[:, 1])
+        # Of the velocity, not of the places: somebody may have put the robot elsewhere.
+        twist = self._simulation._gather(lambda group: group.true_twist)[: self._count]
+        self.distance += np.hypot(twist[:, 0], twist[:, 1]) * self._simulation.dt
         self._last = now
         self._seen += 1
         if self._seen % self._every == 0:

@@ -143,6 +143,7 @@ class Rig:
         return RobotModel(
             rows=len(rows),
             dt=DT,
+            names=[f"robot_{row}" for row in rows],
             drive=take(self.drive, rows % ROWS),
             shape=_BODY,
             sensors=sensors,

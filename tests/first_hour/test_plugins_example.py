@@ -105,13 +105,13 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modules: None) -> P
 
 
 def distribution(project: Path) -> importlib.metadata.Distribution:
-    return importlib.metadata.Distribution.at(project.parent / "site" / "amorsim_dropout-0.1.0.dist-info")
+    return importlib.metadata.Distribution.at(project.parent / "site" / "amorsim_gaps-0.1.0.dist-info")
 
 
 def registry_with(project: Path, code: str) -> Registry:
     """The registry when the how-to's module says `code`."""
-    (project.parent / "site" / "amorsim_dropout.py").write_text(code, encoding="utf-8")
-    sys.modules.pop("amorsim_dropout", None)
+    (project.parent / "site" / "amorsim_gaps.py").write_text(code, encoding="utf-8")
+    sys.modules.pop("amorsim_gaps", None)
     importlib.invalidate_caches()
     sys.dont_write_bytecode, before = True, sys.dont_write_bytecode
     try:
@@ -167,12 +167,12 @@ def test_the_scenario_runs_and_loses_a_fifth_of_the_laser_s_values(project: Path
 
 def test_the_test_of_the_how_to_passes(project: Path) -> None:
     namespace: dict[str, object] = {}
-    exec((project / "test_dropout.py").read_text(encoding="utf-8"), namespace)
+    exec((project / "test_gaps.py").read_text(encoding="utf-8"), namespace)
     namespace["test_contract"]()  # type: ignore[operator]
 
 
 def test_the_noise_with_state_keeps_its_contract_and_repeats_as_often_as_it_says(project: Path) -> None:
-    stuck = importlib.import_module("amorsim_dropout").Stuck
+    stuck = importlib.import_module("amorsim_gaps").Stuck
     check_component(stuck(share=0.4), inf="changed")
     with pytest.raises(am.ComponentError, match="inf"):
         check_component(stuck(share=0.4))
@@ -204,7 +204,7 @@ MISTAKES = [
 
 @pytest.mark.parametrize(("mistake", "answer"), MISTAKES)
 def test_a_mistake_is_answered_as_the_how_to_says(project: Path, mistake: Block, answer: Block) -> None:
-    stub = "" if "class Dropout" in mistake.text else "class Dropout(am.Noise): ...\n\n\n"
+    stub = "" if "class Gaps" in mistake.text else "class Gaps(am.Noise): ...\n\n\n"
     registry = registry_with(project, IMPORTS + stub + mistake.text)
     assert_says(" ".join(registry.problems), answer)
     # The rest works.
@@ -239,7 +239,7 @@ def test_a_broken_promise_is_answered_as_the_how_to_says(
     (tmp_path / "amorsim_broken.py").write_text(IMPORTS + mistake.text, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(am.ComponentError) as caught:
-        check_component(importlib.import_module("amorsim_broken").Dropout)
+        check_component(importlib.import_module("amorsim_broken").Gaps)
     assert_says(str(caught.value), answer)
 
 

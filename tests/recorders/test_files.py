@@ -1,0 +1,97 @@
+"""Files of whole lines: in the system in time, and whole when the disk is full."""
+
+from __future__ import annotations
+
+import resource
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from amorsim.core.errors import RunError
+from amorsim.recorders.files import LONGEST_WAIT, LineFile, LineFiles
+
+
+def test_lines_reach_the_system_in_time_though_nobody_writes_any_more(tmp_path: Path) -> None:
+    files = LineFiles()
+    files.add("a", tmp_path / "a.csv", "one,two")
+    assert (tmp_path / "a.csv").read_text() == "one,two\n"
+    files.write("a", "1,2\n3,4\n")
+    deadline = time.monotonic() + LONGEST_WAIT + 0.5  # a second, at most
+    while (tmp_path / "a.csv").read_text() != "one,two\n1,2\n3,4\n":
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    files.close()
+
+
+def test_closing_hands_over_what_is_left_and_may_be_done_again(tmp_path: Path) -> None:
+    files = LineFiles()
+    files.add("a", tmp_path / "a.csv", "head")
+    files.write("a", "last\n")
+    files.close()
+    files.close()
+    assert (tmp_path / "a.csv").read_text() == "head\nlast\n"
+
+
+def test_lines_are_held_back_for_few_writes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = LineFile(tmp_path / "a.csv", "head")
+    written = []
+    write = __import__("os").write
+    monkeypatch.setattr("os.write", lambda *args: written.append(args) or write(*args))
+    for _ in range(1000):
+        file.write("line\n")
+    assert written == []
+    file.close()
+    assert len(written) == 1
+    assert (tmp_path / "a.csv").read_text().count("line\n") == 1000
+
+
+def test_a_short_write_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write = __import__("os").write
+    monkeypatch.setattr("os.write", lambda descriptor, data: write(descriptor, data[:3]))
+    file = LineFile(tmp_path / "a.csv", "header")
+    file.write("äöü,1\n")
+    file.close()
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "header\näöü,1\n"
+
+
+@pytest.fixture
+def small_disk() -> object:
+    """Files may have 1000 bytes, and are refused more as on a full disk."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, handler)
+
+
+@pytest.mark.usefixtures("small_disk")
+def test_a_full_disk_leaves_whole_lines_and_an_error_that_names_the_file(tmp_path: Path) -> None:
+    file = LineFile(tmp_path / "a.csv", "head")
+    file.write("0123456789012345\n" * 100)
+    with pytest.raises(RunError, match=r"a.csv: cannot be written \(File too large\)"):
+        file.flush()
+    file.close()
+    assert (tmp_path / "a.csv").read_text() == "head\n" + "0123456789012345\n" * 58
+
+
+@pytest.mark.usefixtures("small_disk")
+def test_a_full_disk_that_the_thread_meets_is_told_to_the_next_writer(tmp_path: Path) -> None:
+    files = LineFiles()
+    files.add("a", tmp_path / "a.csv", "head")
+    files.add("b", tmp_path / "b.csv", "head")
+    files.write("a", "0123456789012345\n" * 100)
+    assert files._thread is not None
+    files._thread.join(timeout=5.0)
+    with pytest.raises(RunError, match="File too large"):
+        files.write("b", "1\n")
+    with pytest.raises(RunError, match="File too large"):
+        files.close()
+    assert (tmp_path / "a.csv").read_text().endswith("5\n")
+
+
+def test_a_file_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RunError, match=r"nowhere/a.csv: cannot be written"):
+        LineFile(tmp_path / "nowhere" / "a.csv", "head")
