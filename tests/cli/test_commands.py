@@ -1,0 +1,103 @@
+"""The other commands: check, new, plugins, reproduce, plot, help."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import amorsim as am
+from tests.cli.conftest import Command
+
+COMMANDS = ("run", "reproduce", "check", "plot", "new", "plugins")
+
+
+def test_help_names_every_command_and_option(amorsim: Command) -> None:
+    result = amorsim("--help")
+    assert result.status == 0
+    for command in COMMANDS:
+        assert f"\n  {command} " in result.out
+        told = amorsim(command, "--help")
+        assert told.status == 0
+        assert told.out.startswith(f"Usage: amorsim {command} ")
+        assert "..." not in told.out.split("Options:")[1].replace("[ARGS]...", "").split("Commands:")[0]
+    for option in ("--out", "--seed", "--duration", "--replicas", "--replica", "--resolution", "--set", "--quiet"):
+        assert option in amorsim("run", "--help").out
+
+
+def test_version(amorsim: Command) -> None:
+    assert amorsim("--version").out.startswith("amorsim 0.")
+
+
+def test_check_prints_a_resolved_scenario_that_runs_as_it_is(amorsim: Command, study: Path, tmp_path: Path) -> None:
+    assert amorsim("check", study).out == f"{study}: no faults; 8.00 m x 5.00 m, 1 robot (rover)\n"
+    result = amorsim("check", study, "--resolved", "--set", "simulation.seed=77")
+    document = tomllib.loads(result.out)
+    assert document["simulation"] == {"dt": 0.1, "duration": 60.0, "seed": 77}
+    assert len(document["robots"][0]["sensors"]["sonar"]["elements"]) == 16
+    (tmp_path / "resolved.toml").write_text(result.out)
+    assert amorsim("check", "resolved.toml", "--resolved").out == result.out
+
+
+def test_new_makes_what_runs_and_replaces_nothing(amorsim: Command, tmp_path: Path) -> None:
+    result = amorsim("new", "deep/mine")
+    assert result.out == (
+        "made scenario.toml, controller.py, rooms.wld in deep/mine; now: amorsim run deep/mine/scenario.toml\n"
+    )
+    assert amorsim("run", "deep/mine/scenario.toml", "--out", "run").status == 0
+    result = amorsim("reproduce", "run")
+    assert (result.status, result.out) == (0, "the same to the bit, over 600 steps\n")
+    (tmp_path / "deep" / "mine" / "controller.py").write_text("# mine")
+    result = amorsim("new", "deep/mine")
+    assert result.status == 2
+    assert "would be replaced" in result.err
+    assert (tmp_path / "deep" / "mine" / "controller.py").read_text() == "# mine"
+
+
+def test_the_new_controller_keeps_off_the_walls(study: Path, tmp_path: Path) -> None:
+    for seed in range(3):
+        summary = am.run(am.load(study), tmp_path / str(seed), seed=seed)
+        assert summary.collisions == {"rover": 0}
+        assert summary.distance["rover"] > 5.0
+
+
+def test_plugins_lists_and_shows(amorsim: Command) -> None:
+    result = amorsim("plugins")
+    assert result.status == 0
+    for line in ("drive:", "sensor:", "noise:", "map loader:", "estimator:", "controller:", "recorder:", "robot:"):
+        assert line in result.out.splitlines()
+    assert "  laser " in result.out
+    shown = amorsim("plugins", "show", "laser").out
+    for part in ("sensor laser", "fov_deg", "a number [degrees]", "range_max", "[m], > 0", "181"):
+        assert part in shown
+    assert amorsim("plugins", "show", "sensor/laser").out == shown
+    assert "wheel_radius_left = 0.0825" in amorsim("plugins", "show", "pioneer2dx").out
+    result = amorsim("plugins", "show", "lasr")
+    assert result.status == 2
+    assert "Did you mean 'laser'?" in result.err
+
+
+def test_reproduce_tells_a_difference_by_its_exit_status(amorsim: Command, study: Path, tmp_path: Path) -> None:
+    amorsim("run", study, "--duration", "1", "--out", "run", "-q")
+    poses = tmp_path / "run" / "poses.csv"
+    poses.write_text(poses.read_text().replace("0.500000,rover,1.", "0.500000,rover,2."))
+    result = amorsim("reproduce", "run")
+    assert result.status == 1
+    assert result.out.startswith("not the same: ")
+    assert "at tick 5 (0.5 s), robot 'rover', in poses.csv, line 7: true_x was 2." in result.out
+    assert amorsim("reproduce", "run", "--quiet").out == ""
+
+
+def test_plot_without_matplotlib_says_how_to_get_it(
+    amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    amorsim("run", study, "--duration", "0.1", "--out", "run", "-q")
+    for name in ("plot", "figures"):
+        monkeypatch.delitem(sys.modules, f"amorsim.analysis.{name}", raising=False)
+    for name in ("matplotlib", "matplotlib.figure", "matplotlib.transforms"):
+        monkeypatch.setitem(sys.modules, name, None)
+    result = amorsim("plot", "run")
+    assert result.status == 2
+    assert 'pip install "amorsim[plot]"' in result.err

@@ -1,0 +1,127 @@
+"""What only a process of its own shows: signals, kills, pipes, start-up."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from amorsim.analysis.files import RunFiles
+from tests.studies import make_study
+
+SLOW = "import time\n\n\ndef drive(r, e, c, speed):\n    time.sleep(0.005)\n    return 1.0, -1.0\n"
+
+
+def begin(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "amorsim", *arguments],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def begin_run(folder: Path, wait: float) -> subprocess.Popen[str]:
+    """A run that goes on for long, and has done so for `wait` seconds."""
+    make_study(folder / "study", SLOW)
+    process = begin(folder, "run", "study/scenario.toml", "--duration", "3000", "--out", "run")
+    deadline = time.monotonic() + 60.0
+    while not (folder / "run" / "sensors" / "sonar.csv").exists():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    time.sleep(wait)
+    return process
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_leaves_whole_files_and_says_so(tmp_path: Path) -> None:
+    process = begin_run(tmp_path, 0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (130, "")
+    about = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert about["status"] == "interrupted"
+    steps = about["steps_done"]
+    assert f"interrupted after {steps * 0.1:g} s of simulated time; the files are whole up to there" in out
+    files = RunFiles(tmp_path / "run")
+    for table in ("poses", "velocities", "commands", "sensors/laser", "estimates/dead_reckoning"):
+        assert len(files.table(table)["time"]) == steps + 1, table
+    assert (tmp_path / "run" / "picture.png").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_a_killed_run_keeps_all_but_its_last_second(tmp_path: Path) -> None:
+    process = begin_run(tmp_path, 1.5)
+    began = time.monotonic()
+    before = {path: path.stat().st_size for path in (tmp_path / "run").rglob("*.csv")}
+    while any(path.stat().st_size == size for path, size in before.items() if path.name != "events.csv"):
+        assert time.monotonic() - began < 1.0  # every file moves on within a second
+        time.sleep(0.01)
+    process.kill()
+    process.communicate(timeout=60)
+    about = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert about["status"] == "running"
+    files = RunFiles(tmp_path / "run")
+    rows = [len(files.table(name)["time"]) for name in ("poses", "commands", "sensors/laser", "sensors/sonar")]
+    assert min(rows) > 20
+    for path in (tmp_path / "run").rglob("*.csv"):
+        assert path.read_bytes().endswith(b"\n"), path
+
+
+def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
+    with begin(tmp_path, "check", "demo", "--resolved") as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
+
+
+def test_importing_amorsim_brings_in_nothing_that_is_large() -> None:
+    code = "import sys, amorsim; print(sorted({name.split('.')[0] for name in sys.modules} & set(sys.argv[1:])))"
+    large = ["numpy", "numba", "matplotlib", "rich", "typer", "shapely", "PIL", "scipy", "pluggy", "tomlkit"]
+    done = subprocess.run([sys.executable, "-c", code, *large], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="drops a capability of Linux")
+@pytest.mark.long
+def test_it_runs_where_nothing_can_be_written_but_the_run(tmp_path: Path) -> None:
+    """Installed read-only, with no home; root is forbidden to write what is marked read-only too."""
+    import shutil
+
+    import amorsim
+
+    installed = tmp_path / "lib" / "amorsim"
+    assert amorsim.__file__ is not None
+    shutil.copytree(Path(amorsim.__file__).parent, installed, ignore=shutil.ignore_patterns("__pycache__"))
+    for path in (*installed.rglob("*"), installed):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    (tmp_path / "work").mkdir()
+    forbid = "import ctypes; ctypes.CDLL(None).prctl(24, 1, 0, 0, 0)"  # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE
+    command = [sys.executable, "-m", "amorsim", "run", "demo", "--duration", "0.5", "--out", "run"]
+    code = f"{forbid}\nimport os; os.execv({command[0]!r}, {command!r})"
+    unwanted = ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME")
+    environment = {key: value for key, value in os.environ.items() if key not in unwanted}
+    environment |= {"HOME": "/proc/nowhere", "PYTHONPATH": str(tmp_path / "lib"), "TMPDIR": str(tmp_path / "work")}
+    try:
+        for _ in range(2):
+            done = subprocess.run(
+                [sys.executable, "-c", code], cwd=tmp_path / "work", env=environment, capture_output=True, text=True
+            )
+            assert done.returncode == 0, done.stderr
+            assert "rover: drove" in done.stdout
+            (tmp_path / "work" / "run").rename(tmp_path / "work" / "before")
+            shutil.rmtree(tmp_path / "work" / "before")
+        assert "compiling" not in done.stdout  # the temporary folder kept the kernels
+        assert not list(installed.rglob("__pycache__"))
+    finally:
+        for path in (installed, *installed.rglob("*")):
+            path.chmod(0o755 if path.is_dir() else 0o644)
