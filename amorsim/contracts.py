@@ -177,14 +177,15 @@ class View(Protocol):
     def pose(self) -> Array:
         """True pose `(N, 3)` of the sensor's mount in the world; of the body, for a motion."""
 
-    def cast(self, origins: Array, bearings: Array, range_max: Array) -> Array:
+    def cast(self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact") -> Array:
         """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
 
         `origins` `(N * m, 3)` are world poses, m for each row in turn; `bearings` `(1, k)` or `(N * m, k)` are
-        relative to them; `range_max` `(N, 1)`.
+        relative to them; `range_max` `(N, 1)`. With `traversal` ``"bresenham"`` walls are looked for along the cells of
+        Bresenham's line, as the original AMORsim does, and distances are between the centres of cells.
         """
 
-    def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
+    def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return [m] `(N, m)` within a cone about each of `origins` `(N * m, 3)`, inf for none.
 
         The least over rays at both edges of the cone and at most 0.05 degrees apart; `half_angle` [rad] `(N, 1)`.

@@ -9,9 +9,9 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli import check, new, plot, plugins, reproduce, run
+from amorsim.cli import calibrate, check, explain, new, plot, plugins, reproduce, run, umbmark
 from amorsim.cli.console import complain
-from amorsim.cli.trouble import explain
+from amorsim.cli.trouble import explain as in_words
 from amorsim.core.errors import AmorsimError
 
 __all__ = ["app", "main"]
@@ -30,6 +30,9 @@ app.command("run", short_help="Simulate a scenario, or a map alone.")(run.comman
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
+app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)
+app.command("calibrate", short_help="Find the errors of a gyro, a compass or a range sensor.")(calibrate.command)
+app.command("explain-errors", short_help="Show what each error does to odometry.")(explain.command)
 app.command("new", short_help="Make a scenario, a controller and a map to start from.")(new.command)
 app.add_typer(plugins.app, name="plugins", short_help="List all components, or show the manual of one.")
 
@@ -59,7 +62,7 @@ def main() -> None:
         try:
             app()
         except AmorsimError as error:
-            complain(explain(error))
+            complain(in_words(error))
             sys.exit(2)
         except KeyboardInterrupt as error:
             complain("\n".join(["interrupted", *getattr(error, "__notes__", ())]))

@@ -49,6 +49,9 @@ def command(
     replicas: Annotated[
         int | None, typer.Option(metavar="N", help="How many replicas to simulate, each with draws of its own.")
     ] = None,
+    threads: Annotated[
+        int, typer.Option(metavar="N", help="How many threads share the work; pays from some tens of robots up.")
+    ] = 1,
     replica: Annotated[
         list[int] | None,
         typer.Option(metavar="N", help="The number of one replica to simulate; may be given again."),
@@ -88,7 +91,7 @@ def command(
     read = read_scenario(scenario, resolution=resolution, changes=changes or [])
     read = _with_options(read, seed, duration)
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
-    simulation, remark = make_simulation(read, numbers)
+    simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:
         for warning in (*read.map.warnings, *([remark] if remark else ())):
             complain(f"{read.map.name}: {warning}")

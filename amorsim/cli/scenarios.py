@@ -36,7 +36,7 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
     return load(name, overrides=tuple(changes))
 
 
-def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1) -> tuple[Simulation, str]:
+def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:
     """The simulation of a scenario, and a remark for the user, or nothing.
 
     A map alone whose own start leaves the robot no room is no mistake of the user's: the robot then starts where there
@@ -47,7 +47,7 @@ def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1) -> tu
     from amorsim.simulation.simulation import Simulation
 
     try:
-        return Simulation(scenario, replicas=replicas), ""
+        return Simulation(scenario, replicas=replicas, threads=threads), ""
     except ScenarioError as error:
         start = scenario.map.start
         first = scenario.robots[0]
@@ -57,7 +57,7 @@ def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1) -> tu
         x, y = scenario.map.freest_place()
         robots: Any = [attrs.evolve(first, pose=Pose(x=x, y=y))]
         try:
-            simulation = Simulation(attrs.evolve(scenario, robots=robots), replicas=replicas)
+            simulation = Simulation(attrs.evolve(scenario, robots=robots), replicas=replicas, threads=threads)
         except ScenarioError:
             name = f"robots.{first.name}"
             hint = (

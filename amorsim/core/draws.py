@@ -8,12 +8,13 @@ thread is added.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.workers import Workers
 from amorsim.kernels import philox
 
 __all__ = ["Draws", "check_collisions", "stream_key"]
@@ -50,13 +51,18 @@ class Draws:
         `(N,)` uint64, from `stream_key`.
     counter
         `(N, 3)` uint32: replica, episode and tick of each row, kept up to date by the engine.
+    workers
+        Threads that share the rows; the numbers are the same with any.
     """
 
-    __slots__ = ("_block", "_counter", "_keys")
+    __slots__ = ("_block", "_counter", "_keys", "_workers")
 
-    def __init__(self, keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32]) -> None:
+    def __init__(
+        self, keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], workers: Workers | None = None
+    ) -> None:
         self._keys = keys
         self._counter = counter
+        self._workers = workers
         self._block = 0
 
     def rewind(self) -> None:
@@ -65,14 +71,18 @@ class Draws:
 
     def normal(self, k: int = 1) -> Array:
         """Standard normal draws `(N, k)`, independent in all rows, columns, calls and ticks."""
-        out = np.empty((len(self._keys), k))
-        philox.fill_normal(self._keys, self._counter, self._block, out)
-        self._block += (k + 1) // 2
-        return out
+        return self._fill(philox.fill_normal, k)
 
     def uniform(self, k: int = 1) -> Array:
         """Uniform draws in (0, 1), `(N, k)`, independent in all rows, columns, calls and ticks."""
-        out = np.empty((len(self._keys), k))
-        philox.fill_uniform(self._keys, self._counter, self._block, out)
+        return self._fill(philox.fill_uniform, k)
+
+    def _fill(self, fill: Callable[..., None], k: int) -> Array:
+        keys, counter, block = self._keys, self._counter, self._block
+        out = np.empty((len(keys), k))
         self._block += (k + 1) // 2
+        if self._workers is None or self._workers.threads == 1:
+            fill(keys, counter, block, out)
+        else:
+            self._workers.share(len(keys), k, lambda a, b: fill(keys[a:b], counter[a:b], block, out[a:b]))
         return out

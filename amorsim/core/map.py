@@ -14,8 +14,10 @@ from amorsim.core.errors import MapError
 from amorsim.core.room import roomiest
 from amorsim.kernels.draft import grid_from_array
 from amorsim.kernels.grid import Grid, occupied_boxes
+from amorsim.kernels.lines import Lines, lines_of, no_lines
 from amorsim.kernels.rasterise import MOST_CELLS, grid_from_segments, snapped
-from amorsim.kernels.rays import cast, occupied_points
+from amorsim.kernels.rays import occupied_points
+from amorsim.kernels.scans import cast_scans
 
 __all__ = ["Map"]
 
@@ -48,6 +50,8 @@ class Map:
     """The lower left corner in the world, and how far the map is turned about it."""
     segments: NDArray[np.float64] | None = None
     """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
+    lines: Lines = attrs.field(factory=no_lines)
+    """The same walls in the map's frame, as scans look them up; made from `segments`, never written to."""
     start: Place | None = None
     """Where the map says a robot starts, in the world, or None."""
     warnings: tuple[str, ...] = ()
@@ -118,6 +122,7 @@ class Map:
             grid=grid_from_segments(walls, int(rows), int(cols), side, offset),
             origin=(offset[0] * side, offset[1] * side, 0.0),
             segments=kept,
+            lines=lines_of(walls - np.tile(np.array(offset) * side, 2), int(rows), int(cols), side),
             start=_start(start),
             warnings=tuple(warnings),
             name=name,
@@ -264,7 +269,7 @@ class Map:
         with np.errstate(invalid="ignore"):  # an infinite bearing has no cosine, and so no distance: nan
             cosines, sines = np.cos(angles)[None], np.sin(angles)[None]
         reach = np.array([range_max], dtype=np.float64)
-        cast(self.grid, *self.origin, places, cosines, sines, reach, out)
+        cast_scans(self.grid, self.lines, *self.origin, places, cosines, sines, reach, out)
         return out
 
     def freest_place(self) -> tuple[float, float]:

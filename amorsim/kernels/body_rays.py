@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.bodies import Bodies, place_body, rounding_slack
+from amorsim.kernels.body_hash import BodyHash, run_of_bodies, window
 from amorsim.kernels.compile import kernel
 
 __all__ = ["cast_bodies"]
@@ -72,25 +73,31 @@ def _disc_range(x: float, y: float, radius: float, dx: float, dy: float) -> floa
 
 
 @kernel
-def _polygon_range(edges: Floats, first: int, last: int, dx: float, dy: float) -> float:
-    """Where a ray from the origin enters a convex polygon [m]; 0 from inside, inf if it misses."""
-    enters = 0.0
-    leaves = math.inf
+def _polygon_ranges(
+    edges: Floats, first: int, last: int, dx: Floats, dy: Floats, enters: Floats, leaves: Floats
+) -> None:
+    """Where rays from the origin enter and leave a convex polygon [m]; 0 from inside, and misses leave first.
+
+    Edge by edge for all rays at once, and the cases chosen, not branched to: so several rays go side by side.
+    """
+    for b in range(dx.shape[0]):
+        enters[b] = 0.0
+        leaves[b] = math.inf
     for i in range(first, last):
-        outside = edges[i, 0] * edges[i, 2] + edges[i, 1] * edges[i, 3]  # negative if the origin is outside
-        speed = dx * edges[i, 2] + dy * edges[i, 3]
-        if speed < 0.0:
-            enters = max(enters, outside / speed)
-        elif speed > 0.0:
-            leaves = min(leaves, outside / speed)
-        elif outside < 0.0:
-            return math.inf
-    return enters if enters <= leaves else math.inf
+        nx = edges[i, 2]
+        ny = edges[i, 3]
+        outside = edges[i, 0] * nx + edges[i, 1] * ny  # negative if the origin is outside
+        along = -math.inf if outside < 0.0 else math.inf  # where a ray along the edge leaves
+        for b in range(dx.shape[0]):
+            speed = dx[b] * nx + dy[b] * ny
+            at = outside / speed
+            enters[b] = max(enters[b], at if speed < 0.0 else -math.inf)
+            leaves[b] = min(leaves[b], at if speed > 0.0 else (along if speed == 0.0 else math.inf))
 
 
 @kernel
 def _rounded_range(edges: Floats, first: int, last: int, radius: float, dx: float, dy: float) -> float:
-    """Where a ray from the origin enters a convex part rounded by `radius` [m]; else as `_polygon_range`."""
+    """Where a ray from the origin enters a convex part rounded by `radius` [m]; 0 from inside, inf if it misses."""
     nearest = math.inf
     inside = last - first > 2
     for i in range(first, last):
@@ -117,29 +124,58 @@ def _rounded_range(edges: Floats, first: int, last: int, radius: float, dx: floa
 
 
 @kernel
-def _body_range(bodies: Bodies, body: int, edges: Floats, dx: float, dy: float) -> float:
-    """Where a ray from the origin meets a body placed in `edges` [m]; 0 from inside, inf if it misses."""
-    nearest = math.inf
+def _body_ranges(
+    bodies: Bodies, body: int, edges: Floats, dx: Floats, dy: Floats, found: Floats, enters: Floats, leaves: Floats
+) -> None:
+    """Write where rays from the origin meet a body placed in `edges` [m]; 0 from inside, inf if they miss."""
     radius = bodies.radius[body]
     base = bodies.vertex_first[bodies.part_first[body]]
+    for b in range(dx.shape[0]):
+        found[b] = math.inf
     for part in range(bodies.part_first[body], bodies.part_first[body + 1]):
         first = bodies.vertex_first[part] - base
         last = bodies.vertex_first[part + 1] - base
         if radius == 0.0:
-            distance = _polygon_range(edges, first, last, dx, dy)
+            _polygon_ranges(edges, first, last, dx, dy, enters, leaves)
+            for b in range(dx.shape[0]):
+                found[b] = min(found[b], enters[b] if enters[b] <= leaves[b] else math.inf)
         elif last - first == 1:
-            distance = _disc_range(edges[first, 0], edges[first, 1], radius, dx, dy)
+            for b in range(dx.shape[0]):
+                found[b] = min(found[b], _disc_range(edges[first, 0], edges[first, 1], radius, dx[b], dy[b]))
         else:
-            distance = _rounded_range(edges, first, last, radius, dx, dy)
-        nearest = min(nearest, distance)
-    return nearest
+            for b in range(dx.shape[0]):
+                found[b] = min(found[b], _rounded_range(edges, first, last, radius, dx[b], dy[b]))
+
+
+@kernel
+def _window_of_beams(
+    turns: Floats, cos_0: float, sin_0: float, x: float, y: float, away: float, circle: float
+) -> tuple[int, int, int]:
+    """Beams start:stop, and those from `resume` on, that can meet a circle around (x, y); all others miss it.
+
+    `turns` are of beams in order, of which the first has the direction (cos_0, sin_0).
+    """
+    sin_a = circle / away
+    cos_a = math.sqrt((1.0 - sin_a) * (1.0 + sin_a))
+    # The circle's centre as seen from the first beam, then both its tangents.
+    cos_c = cos_0 * x + sin_0 * y
+    sin_c = cos_0 * y - sin_0 * x
+    right = _turn(cos_c * cos_a + sin_c * sin_a, sin_c * cos_a - cos_c * sin_a)
+    left = _turn(cos_c * cos_a - sin_c * sin_a, sin_c * cos_a + cos_c * sin_a)
+    start = _beams_before(turns, right, False)
+    stop = _beams_before(turns, left, True)
+    if right > left:  # the circle lies across the first beam
+        return 0, stop, start
+    return start, stop, turns.shape[0]
 
 
 @kernel
 def cast_bodies(
     bodies: Bodies,
     body_pose: Floats,
-    body_replica_first: Ints,
+    edge_rows: int,
+    table: BodyHash,
+    widest: float,
     replica: Ints,
     own: Ints,
     origins: Floats,
@@ -160,8 +196,12 @@ def cast_bodies(
         The footprints, of bodies 0 to M - 1.
     body_pose
         Their poses: x [m], y [m], heading [rad], (M, 3).
-    body_replica_first
-        Bodies of replica r are ``body_replica_first[r]:body_replica_first[r + 1]``, int64 (R + 1,).
+    edge_rows
+        Vertices of the largest body.
+    table
+        The bodies at these poses, by place.
+    widest
+        The largest reach of a body [m].
     replica
         Of each row, int64 (N,).
     own
@@ -175,79 +215,101 @@ def cast_bodies(
     range_max
         Beyond which nothing is seen [m], (1 or N,).
     out
-        In: ranges so far [m], inf for none; out: the lower ones, (N, k).
+        In: ranges so far [m], inf for none; out: the lower ones, (N, k), or the least of each row's, (N, 1).
     hit
-        Gets the body's index where it lowered a range, and is left alone elsewhere, int64 (N, k).
+        In: -1; gets the body's index where it lowered a range, int64, as `out`. Nobody asks if it has no columns.
     """
     rows = out.shape[0]
-    beams = out.shape[1]
+    beams = cos_b.shape[1]
     if beams == 0:
         return
-    most = 0
-    for j in range(body_pose.shape[0]):
-        last_part = bodies.part_first[j + 1]
-        most = max(most, bodies.vertex_first[last_part] - bodies.vertex_first[bodies.part_first[j]])
-    edges = np.empty((most, 5))
+    stride = 1 if out.shape[1] == beams else 0
+    wants_hit = hit.shape[1] > 0
+    edges = np.empty((edge_rows, 5))
     turns = np.empty(beams)
+    dx = np.empty(beams)
+    dy = np.empty(beams)
+    found = np.empty(beams)
+    enters = np.empty(beams)
+    leaves = np.empty(beams)
     in_order = False
     for i in range(rows):
-        table = min(i, cos_b.shape[0] - 1)
-        if table == i:
-            in_order = _turns(cos_b, sin_b, table, turns)
+        beam_row = min(i, cos_b.shape[0] - 1)
+        if beam_row == i:
+            in_order = _turns(cos_b, sin_b, beam_row, turns)
         limit = range_max[min(i, range_max.shape[0] - 1)]
+        origin_x = origins[i, 0]
+        origin_y = origins[i, 1]
         cos_h = math.cos(origins[i, 2])
         sin_h = math.sin(origins[i, 2])
-        for j in range(body_replica_first[replica[i]], body_replica_first[replica[i] + 1]):
-            if j == own[i]:
-                continue
-            x = body_pose[j, 0] - origins[i, 0]
-            y = body_pose[j, 1] - origins[i, 1]
-            square = x * x + y * y
-            # A circle around the body, larger than it needs to be by far more than rounding can matter.
-            circle = bodies.reach[j] * (1.0 + 1e-9) + rounding_slack(abs(origins[i, 0]) + abs(origins[i, 1]))
-            if square > (limit + circle) * (limit + circle) * (1.0 + 1e-9):
-                continue
-            away = math.sqrt(square)
-            circle += 1e-9 * away
-            # Beams start:stop and, where the circle lies across the first beam, those from `resume` on.
-            start = 0
-            stop = beams
-            resume = beams
-            if in_order and circle < away:
-                sin_a = circle / away
-                cos_a = math.sqrt((1.0 - sin_a) * (1.0 + sin_a))
-                # The circle's centre as seen from the first beam, then both its tangents.
-                cos_0 = cos_h * cos_b[table, 0] - sin_h * sin_b[table, 0]
-                sin_0 = sin_h * cos_b[table, 0] + cos_h * sin_b[table, 0]
-                cos_c = cos_0 * x + sin_0 * y
-                sin_c = cos_0 * y - sin_0 * x
-                right = _turn(cos_c * cos_a + sin_c * sin_a, sin_c * cos_a - cos_c * sin_a)
-                left = _turn(cos_c * cos_a - sin_c * sin_a, sin_c * cos_a + cos_c * sin_a)
-                start = _beams_before(turns, right, False)
-                stop = _beams_before(turns, left, True)
-                if right > left:
-                    resume = start
-                    start = 0
-                if start >= stop and resume >= beams:
+        cos_0 = cos_h * cos_b[beam_row, 0] - sin_h * sin_b[beam_row, 0]
+        sin_0 = sin_h * cos_b[beam_row, 0] + cos_h * sin_b[beam_row, 0]
+        aimed = False
+        origin_slack = rounding_slack(abs(origin_x) + abs(origin_y))
+        around = limit + widest * (1.0 + 1e-9) + origin_slack
+        row0, cell_rows = window(origin_y, around, table.side, table.rows)
+        col0, cell_cols = window(origin_x, around, table.side, table.cols)
+        for run in range(2 * cell_rows if col0 + cell_cols > table.cols else cell_rows):
+            first, last = run_of_bodies(table, replica[i], row0, cell_rows, col0, cell_cols, run)
+            for place in range(first, last):
+                x = table.disc[place, 0] - origin_x
+                y = table.disc[place, 1] - origin_y
+                square = x * x + y * y
+                # A circle around the body, larger than it needs to be by far more than rounding can matter.
+                circle = table.disc[place, 2] * (1.0 + 1e-9) + origin_slack
+                if square > (limit + circle) * (limit + circle) * (1.0 + 1e-9):
                     continue
-            placed = False
-            b = start
-            while True:
-                if b >= stop:
-                    b = max(b, resume)
-                    stop = beams
-                    resume = beams
-                    if b >= beams:
-                        break
-                dx = cos_h * cos_b[table, b] - sin_h * sin_b[table, b]
-                dy = sin_h * cos_b[table, b] + cos_h * sin_b[table, b]
-                in_circle = abs(dx * y - dy * x) <= circle and dx * x + dy * y >= -circle
-                if in_circle and out[i, b] > away - circle:
+                j = table.body[place]
+                if j == own[i]:
+                    continue
+                away = math.sqrt(square)
+                circle += 1e-9 * away
+                start = 0
+                stop = beams
+                resume = beams
+                windowed = in_order and circle < away
+                if windowed:
+                    start, stop, resume = _window_of_beams(turns, cos_0, sin_0, x, y, away, circle)
+                    if start >= stop and resume >= beams:
+                        continue
+                if not aimed:
+                    for b in range(beams):
+                        dx[b] = cos_h * cos_b[beam_row, b] - sin_h * sin_b[beam_row, b]
+                        dy[b] = sin_h * cos_b[beam_row, b] + cos_h * sin_b[beam_row, b]
+                    aimed = True
+                placed = False
+                b = start
+                while True:
+                    if b >= stop:
+                        b = max(b, resume)
+                        stop = beams
+                        resume = beams
+                        if b >= beams:
+                            break
+                    # As many beams in a row as might meet the body before what they met so far.
+                    begin = b
+                    while b < stop and out[i, b * stride] > away - circle:
+                        if not windowed and not (
+                            abs(dx[b] * y - dy[b] * x) <= circle and dx[b] * x + dy[b] * y >= -circle
+                        ):
+                            break
+                        b += 1
+                    if b == begin:
+                        b += 1
+                        continue
                     if not placed:
-                        place_body(bodies, j, x, y, math.cos(body_pose[j, 2]), math.sin(body_pose[j, 2]), edges)
+                        cos_j = math.cos(body_pose[j, 2])
+                        place_body(bodies, j, x, y, cos_j, math.sin(body_pose[j, 2]), edges)
                         placed = True
-                    distance = _body_range(bodies, j, edges, dx, dy)
-                    if distance <= limit and distance < out[i, b]:
-                        out[i, b] = distance
-                        hit[i, b] = j
-                b += 1
+                    _body_ranges(bodies, j, edges, dx[begin:b], dy[begin:b], found[: b - begin], enters, leaves)
+                    for c in range(begin, b):
+                        distance = found[c - begin]
+                        k = c * stride
+                        if distance <= limit:
+                            # In whatever order bodies come, the same one wins.
+                            if distance < out[i, k]:
+                                out[i, k] = distance
+                                if wants_hit:
+                                    hit[i, k] = j
+                            elif wants_hit and distance == out[i, k] and j < hit[i, k]:
+                                hit[i, k] = j

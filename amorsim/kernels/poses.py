@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["compose", "directions", "exponential", "logarithm", "relative", "wrap"]
+__all__ = ["arc", "compose", "directions", "displaced", "exponential", "logarithm", "relative", "wrap"]
 
 Array = npt.NDArray[np.float64]
 
@@ -30,17 +30,37 @@ def wrap(angle: float) -> float:
 
 
 @kernel
+def displaced(x: float, y: float, heading: float, ahead: float, left: float, turn: float) -> tuple[float, float, float]:
+    """The pose (x, y, heading) after a displacement given in its own frame; the heading wrapped."""
+    c = math.cos(heading)
+    s = math.sin(heading)
+    return x + (c * ahead - s * left), y + (s * ahead + c * left), wrap(heading + turn)
+
+
+@kernel
+def arc(forward: float, left: float, turn: float, fraction: float) -> tuple[float, float, float]:
+    """The displacement by a fraction of the constant twist (forward, left, turn), as in `exponential`."""
+    forward = forward * fraction
+    left = left * fraction
+    a = turn * fraction
+    if abs(a) < _SMALL:
+        square = a * a
+        along = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        across = a / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+    else:
+        half = math.sin(0.5 * a)
+        along = math.sin(a) / a
+        across = 2.0 * half * half / a  # (1 - cos a) / a without the cancellation
+    return forward * along - left * across, forward * across + left * along, a
+
+
+@kernel
 def compose(poses: Array, displacements: Array, out: Array) -> None:
     """Poses `(N, 3)` after displacements `(N, 3)` that are given in each pose's own frame; headings wrapped."""
     for i in range(poses.shape[0]):
-        heading = poses[i, 2]
-        c = math.cos(heading)
-        s = math.sin(heading)
-        x = displacements[i, 0]
-        y = displacements[i, 1]
-        out[i, 0] = poses[i, 0] + (c * x - s * y)
-        out[i, 1] = poses[i, 1] + (s * x + c * y)
-        out[i, 2] = wrap(heading + displacements[i, 2])
+        out[i, 0], out[i, 1], out[i, 2] = displaced(
+            poses[i, 0], poses[i, 1], poses[i, 2], displacements[i, 0], displacements[i, 1], displacements[i, 2]
+        )
 
 
 @kernel
@@ -50,21 +70,7 @@ def exponential(twists: Array, fraction: Array, out: Array) -> None:
     The exponential map of the plane's rigid motions: an arc of a circle, or a line where nothing turns.
     """
     for i in range(twists.shape[0]):
-        f = fraction[i, 0]
-        forward = twists[i, 0] * f
-        left = twists[i, 1] * f
-        a = twists[i, 2] * f
-        if abs(a) < _SMALL:
-            square = a * a
-            along = 1.0 - square / 6.0 * (1.0 - square / 20.0)
-            across = a / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
-        else:
-            half = math.sin(0.5 * a)
-            along = math.sin(a) / a
-            across = 2.0 * half * half / a  # (1 - cos a) / a without the cancellation
-        out[i, 0] = forward * along - left * across
-        out[i, 1] = forward * across + left * along
-        out[i, 2] = a
+        out[i, 0], out[i, 1], out[i, 2] = arc(twists[i, 0], twists[i, 1], twists[i, 2], fraction[i, 0])
 
 
 @kernel

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid import ONE, Grid, is_occupied, word_mask
 
-__all__ = ["cast", "cast_ray", "cell_of", "direction", "occupied_points", "to_frame"]
+__all__ = ["cast", "cast_ray", "cell_of", "direction", "march", "occupied_points", "rounding", "to_frame"]
 
 FLAT = 1e-100
 """A component below this has a reciprocal that says nothing; quotients decide every step of such a ray."""
@@ -124,7 +124,7 @@ def _axis(start: float, component: float, error: float) -> Any:
 
 
 @kernel
-def _error(grid: Grid, dx: float, dy: float) -> float:
+def rounding(grid: Grid, dx: float, dy: float) -> float:
     """Bound [cells] on the error of an estimated coordinate: 32 roundings of the largest one there is.
 
     All roundings on the way to an estimate and to the quotient it stands for add up to less than 20.
@@ -133,12 +133,15 @@ def _error(grid: Grid, dx: float, dy: float) -> float:
 
 
 @kernel
-def _march(grid: Grid, x: float, y: float, col: int, row: int, dx: float, dy: float, range_max: float) -> float:
-    """Distance [m] from (x, y) in a free cell (row, col) to the first occupied one; inf if out of range."""
+def march(grid: Grid, x: float, y: float, col: int, row: int, dx: float, dy: float, range_max: float) -> float:
+    """Distance [m] from (x, y) to the first occupied cell; inf if out of range.
+
+    (row, col) is the cell of (x, y), or any that the ray comes to before the one sought: a free one.
+    """
     resolution = grid.resolution
     if dx == 0.0 and dy == 0.0:
         return np.inf
-    error = _error(grid, dx, dy)
+    error = rounding(grid, dx, dy)
     start_x = x / resolution
     start_y = y / resolution
     limit = range_max / resolution * (1.0 + 1e-9)
@@ -260,7 +263,7 @@ def cast_ray(grid: Grid, x: float, y: float, dx: float, dy: float, range_max: fl
     row = cell_of(y, grid.resolution)
     if is_occupied(grid, row, col):
         return 0.0
-    return _march(grid, x, y, col, row, dx, dy, range_max)
+    return march(grid, x, y, col, row, dx, dy, range_max)
 
 
 @kernel
@@ -276,6 +279,8 @@ def cast(
     out: NDArray[np.float64],
 ) -> None:
     """Write the distance [m] along every beam of every pose to where it enters the first occupied cell.
+
+    Every beam for itself: what `amorsim.kernels.scans.cast_scans`, which is faster, agrees with to the bit.
 
     Parameters
     ----------
@@ -313,7 +318,7 @@ def cast(
             continue
         for k in range(out.shape[1]):
             dx, dy = direction(cos_h, sin_h, cos_b[b, k], sin_b[b, k])
-            out[n, k] = np.nan if dx != dx or dy != dy else _march(grid, x, y, col, row, dx, dy, reach)
+            out[n, k] = np.nan if dx != dx or dy != dy else march(grid, x, y, col, row, dx, dy, reach)
 
 
 @kernel

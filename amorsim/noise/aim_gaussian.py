@@ -33,4 +33,4 @@ class AimGaussian(Noise):
         """The aim with the angles [rad] of this sample `(N, k)` added."""
         bend = draws.normal(state["bend"].shape[1]) * self.std
         state["bend"] = bend
-        return Aim(bearing=bend if aim.bearing is None else aim.bearing + bend)
+        return aim._replace(bearing=bend if aim.bearing is None else aim.bearing + bend)

@@ -6,6 +6,7 @@ a simulation is made of it.
 
 from __future__ import annotations
 
+import collections
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -240,6 +241,6 @@ class Scenario:
         if not self.robots:
             raise ParameterError("robots", "a scenario needs one robot at least")
         names = [robot.name for robot in self.robots] + [obstacle.name for obstacle in self.obstacles]
-        for name in names:
-            if names.count(name) > 1:
+        for name, count in collections.Counter(names).items():
+            if count > 1:
                 raise ParameterError("robots", f"two robots or obstacles are called {name!r}; names must differ")

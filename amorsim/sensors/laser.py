@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import types
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -13,11 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.sensors.incidence import incidence
+from amorsim.sensors.side import Side
+from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Laser"]
 
 Array = npt.NDArray[np.float64]
-_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 _FULL_CIRCLE = 2.0 * math.pi - 1e-9  # [rad] so far round, the last beam would fall on the first
 
 
@@ -51,6 +52,12 @@ class Laser(Sensor):
     beams: int = parameter(181, ge=1, le=100_000, static=True, help="beams in a scan")
     fov: float = parameter(math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="angle from the first beam to the last")
     range_max: float = parameter(8.0, unit="m", gt=0, help="longest range that is seen")
+    traversal: str = parameter(
+        "exact",
+        choices=("exact", "bresenham"),
+        static=True,
+        help="how walls are looked for: exactly, or along the cells of Bresenham's line as the original AMORsim did",
+    )
 
     def size(self, drive: Drive) -> int:
         """One value for each beam."""
@@ -65,9 +72,16 @@ class Laser(Sensor):
         return np.asarray(np.where(np.less(fov, _FULL_CIRCLE), part, full) * fov)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges `(N, beams)` [m], inf for no return."""
+        """Ranges `(N, beams)` [m], inf for no return; beside them each beam's angle of ``incidence`` [rad]."""
         bearings = self.bearings()
         if aim.bearing is not None:
             bearings = bearings + aim.bearing
         range_max: Any = self.range_max
-        return view.cast(view.pose, bearings, range_max), _NOTHING
+        origins = view.pose
+        shape = (view.rows, self.beams)
+        if aim.time is not None:  # each beam from where the laser was when it looked
+            origins = poses_at(view, np.repeat(origins, self.beams, axis=0), aim.time)
+            bearings = np.array(np.broadcast_to(bearings, shape)).reshape(-1, 1)
+        ranges = view.cast(origins, bearings, range_max, self.traversal)
+        side = Side(incidence=lambda: incidence(view, origins, bearings, ranges, range_max).reshape(shape))
+        return ranges.reshape(shape), side

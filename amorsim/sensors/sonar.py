@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import types
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -14,11 +13,17 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels import readings
+from amorsim.sensors.incidence import incidence
+from amorsim.sensors.side import Side
+from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Sonar"]
 
 Array = npt.NDArray[np.float64]
-_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+
+# Rays in which the nearest return is looked for, by parts of a cone's half angle. Their number is fixed: one that hung
+# on the widest cone of all rows would make a row's bits hang on its company.
+_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
 
 
 @attrs.frozen(kw_only=True)
@@ -47,6 +52,12 @@ class Sonar(Sensor):
     )
     range_min: float = parameter(0.1, unit="m", ge=0, help="nearer things read as this far")
     range_max: float = parameter(5.0, unit="m", gt=0, help="longest range that is seen")
+    traversal: str = parameter(
+        "exact",
+        choices=("exact", "bresenham"),
+        static=True,
+        help="how walls are looked for: exactly, or along the cells of Bresenham's line as the original AMORsim did",
+    )
 
     def __attrs_post_init__(self) -> None:
         if not self.elements:
@@ -68,13 +79,27 @@ class Sonar(Sensor):
         return np.array([[element.heading for element in elements]])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges `(N, k)` [m], inf for no return."""
+        """Ranges `(N, k)` [m], inf for no return; beside them the nearest return's angle of ``incidence`` [rad]."""
         ring: Any = self.elements
         origins = np.empty((ring.x.size, 3))
         readings.place_ring(view.pose, ring.x, ring.y, ring.heading, origins)
         if aim.bearing is not None:
             origins[:, 2] += aim.bearing.reshape(-1)
+        if aim.time is not None:  # each element from where it was when it fired
+            origins = poses_at(view, origins, aim.time)
         half_angle: Any = self.half_angle
         range_max: Any = self.range_max
-        ranges = view.cone(origins, half_angle, range_max)
-        return np.maximum(ranges, self.range_min), _NOTHING
+        ranges = view.cone(origins, half_angle, range_max, self.traversal)
+        side = Side(incidence=lambda: _nearest_incidence(view, origins, half_angle, range_max))
+        return np.maximum(ranges, self.range_min), side
+
+
+def _nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Array:
+    """Angles of incidence [rad] `(N, m)` where the cones' nearest returns come from; 0 where nothing returns."""
+    per_row = len(origins) // view.rows
+    fan = np.repeat(half_angle, per_row, axis=0) * _FAN
+    ranges = view.cast(origins, fan, range_max)
+    nearest = np.argmin(ranges, axis=1)[:, None]
+    bearing = np.take_along_axis(fan, nearest, axis=1)
+    found = incidence(view, origins, bearing, np.take_along_axis(ranges, nearest, axis=1), range_max)
+    return found.reshape(view.rows, per_row)

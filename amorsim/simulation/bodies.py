@@ -10,13 +10,19 @@ import numpy.typing as npt
 
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape, pack
+from amorsim.core.workers import Workers
 from amorsim.kernels import bodies as body_kernels
+from amorsim.kernels import body_hash, body_rays
 from amorsim.kernels import contact as contact_kernels
+from amorsim.kernels.body_hash import BodyHash
 
 __all__ = ["Emitted", "World"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+FEW = 16
+"""So many bodies in a replica are looked at one by one."""
 
 
 class Emitted(NamedTuple):
@@ -34,32 +40,47 @@ class World:
 
     Attributes
     ----------
+    workers
+        The threads that share the rows of long work.
     poses, twists
         `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
         replaced, never changed.
+    room, room_at
+        How far [m] each body can go and meet no wall `(T,)`, 0 where that is not known, and the poses it is said of.
     emissions
         What fires at this tick, by medium; see `amorsim.simulation.emissions`.
     first
         `(R + 1,)` the first body of each replica.
     everyone
         `(T,)` all bodies.
+    edge_rows
+        Vertices of the largest body: the rows that scratch arrays of kernels need.
     replica_index
         `(T,)` which replica a body is of, counted from 0.
     """
 
-    def __init__(self, map_: Map, names: Sequence[str], shapes: Sequence[Shape], replicas: int) -> None:
+    def __init__(
+        self, map_: Map, names: Sequence[str], shapes: Sequence[Shape], replicas: int, threads: int = 1
+    ) -> None:
         self.map = map_
+        self.workers = Workers(threads)
         self.names = tuple(names)
         self.shapes = tuple(shapes)
         self.count = len(names)
         self.replicas = replicas
         self.has_company = self.count > 1
         self.bodies = pack(list(shapes) * replicas)
+        self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
+        self._widest = max((shape.reach for shape in shapes), default=1.0)
+        self._hash: BodyHash | None = None
+        self._hashed: Array | None = None  # the poses of which `_hash` is
         self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
         self.replica_index: Ints = np.repeat(np.arange(replicas, dtype=np.int64), self.count)
         self.everyone: Ints = np.arange(replicas * self.count, dtype=np.int64)
         self.poses: Array = np.zeros((replicas * self.count, 3))
         self.twists: Array = np.zeros((replicas * self.count, 3))
+        self.room: Array = np.zeros(replicas * self.count)
+        self.room_at: Array | None = None
         self.emissions: dict[str, Emitted] = {}
 
     def name(self, body: int) -> str:
@@ -85,32 +106,73 @@ class World:
         body_kernels.body_gaps(self.bodies, a, poses_a, b, poses_b, cap, out)
         return out
 
-    def pairs_within(self, poses: Array, margin: Array) -> tuple[Ints, Ints]:
-        """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet.
+    def by_place(self, poses: Array) -> BodyHash:
+        """The bodies at `poses` `(T, 3)`, found by where they are; made once for arrays that are replaced."""
+        if self._hash is None or poses is not self._hashed:
+            if self._hash is None:
+                self._hash = _table(self.count, self.replicas, 2.0 * self._widest)
+            body_hash.hash_bodies(poses, self.bodies.reach, self.first, self._hash)
+            self._hashed = poses
+        return self._hash
 
-        Bodies are sorted along x within their replica and swept, so far ones are never compared.
-        """
-        none = np.empty(0, dtype=np.int64)
+    def pairs_within(self, poses: Array, margin: Array) -> tuple[Ints, Ints]:
+        """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order."""
         if not self.has_company:
+            none = np.empty(0, dtype=np.int64)
             return none, none
         radius = self.bodies.reach + margin
-        low, high = poses[:, 0] - radius, poses[:, 0] + radius
-        order = np.lexsort((low, self.replica_index))
-        found_a: list[Ints] = []
-        found_b: list[Ints] = []
-        for step in range(1, self.count):
-            left, right = order[:-step], order[step:]
-            near = (self.replica_index[left] == self.replica_index[right]) & (low[right] <= high[left])
-            if not near.any():
-                break  # sorted by low: whoever is `step` places on is too far, so all after him are too
-            left, right = left[near], right[near]
-            offset = poses[left, :2] - poses[right, :2]
-            meet = (offset**2).sum(axis=1) <= (radius[left] + radius[right]) ** 2
-            found_a.append(left[meet])
-            found_b.append(right[meet])
-        if not found_a:
-            return none, none
-        a, b = np.concatenate(found_a), np.concatenate(found_b)
-        a, b = np.minimum(a, b), np.maximum(a, b)
-        order = np.lexsort((b, a))
-        return a[order], b[order]
+        table = self.by_place(poses)
+        found = np.empty(4 * len(poses) + 64, dtype=np.int64)
+        count = body_hash.pairs_within(table, self.first, poses, radius, found)
+        if count > len(found):
+            found = np.empty(count, dtype=np.int64)
+            body_hash.pairs_within(table, self.first, poses, radius, found)
+        a, b = np.divmod(np.sort(found[:count]), len(poses))
+        return a, b
+
+    def cast(
+        self, own: Ints, replica: Ints, origins: Array, cos_b: Array, sin_b: Array, range_max: Array, out: Array
+    ) -> None:
+        """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
+
+        Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams.
+        """
+        table = self.by_place(self.poses)
+
+        def part(a: int, b: int) -> None:
+            mine = slice(a, b) if len(cos_b) > 1 else slice(None)
+            body_rays.cast_bodies(
+                self.bodies,
+                self.poses,
+                self.edge_rows,
+                table,
+                self._widest,
+                replica[a:b],
+                own[a:b],
+                origins[a:b],
+                cos_b[mine],
+                sin_b[mine],
+                range_max[a:b],
+                out[a:b],
+                _NOBODY_ASKS,
+            )
+
+        self.workers.share(len(origins), cos_b.shape[1], part)
+
+
+_NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit
+
+
+def _table(count: int, replicas: int, side: float) -> BodyHash:
+    """An empty hash for `count` bodies in each replica; four buckets and more a body, or one where there are few."""
+    bits = 0 if count <= FEW else (4 * count - 1).bit_length()
+    rows, cols = 1 << bits // 2, 1 << (bits + 1) // 2
+    bodies = count * replicas
+    return BodyHash(
+        side=side,
+        rows=rows,
+        cols=cols,
+        first=np.empty(replicas * rows * cols + 1, dtype=np.int64),
+        body=np.empty(bodies, dtype=np.int64),
+        disc=np.empty((bodies, 3)),
+    )

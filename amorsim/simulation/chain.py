@@ -11,6 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Context, Draws, Noise, State
 from amorsim.core.draws import stream_key
 from amorsim.core.rows import stack
+from amorsim.core.workers import Workers
 from amorsim.scenario.spec import NoiseElement
 
 __all__ = ["Chain", "Streams"]
@@ -21,8 +22,11 @@ Array = npt.NDArray[np.float64]
 class Streams:
     """Makes the random streams of a group's components, each row keyed by its robot's name."""
 
-    def __init__(self, seed: int, robots: Sequence[str], counter: npt.NDArray[np.uint32]) -> None:
+    def __init__(
+        self, seed: int, robots: Sequence[str], counter: npt.NDArray[np.uint32], workers: Workers | None = None
+    ) -> None:
         self.seed = seed
+        self._workers = workers
         self._robots = robots
         self._counter = counter
         self._made: list[Draws] = []
@@ -34,7 +38,7 @@ class Streams:
             if robot not in known:
                 known[robot] = stream_key(self.seed, robot, *names)
         keys = np.array([known[robot] for robot in self._robots], dtype=np.uint64)
-        made = Draws(keys, self._counter)
+        made = Draws(keys, self._counter, self._workers)
         self._made.append(made)
         return made
 

@@ -6,10 +6,14 @@ representable fraction of the step at which interiors are disjoint, so every sta
 
 A contact is found by conservative advancement (B. Mirtich, "Impulse-based dynamic simulation", 1996): no point of a
 body travels farther in a part of the step than that part of its path's bound, so a gap cannot close sooner.
+
+Where all that might meet go along arcs and lines, a kernel does it (`amorsim.kernels.meeting`). Paths of other forms
+are known to their drives only, and take the same road in NumPy, with the same bits.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -17,24 +21,19 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.kernels.meeting import FINEST, ROUNDING, TOUCH, WALL, resolve
+from amorsim.kernels.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
 from amorsim.simulation.bodies import World
 
-__all__ = ["Contact", "Mover", "move"]
+__all__ = ["WALL", "Contact", "Mover", "move"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-Bools = npt.NDArray[np.bool_]
 
-WALL = -1
-# The slack by which a gap must exceed what the bodies can still travel before it counts as safe: rounding of poses
-# in a world of some kilometres.
-SLACK = 1e-9  # [m]
 # Bodies that touch and slide are looked at no farther apart than this; a wall is a cell thick, 1 mm and up.
 SHORTEST = 2.5e-4  # [m]
-# What poses and gaps are uncertain by, from rounding, some metres from the origin.
-ROUNDING = 4e-15  # [m]
-# Fractions that differ by less travel than this lead to the same pose: no coordinate within a world changes by it.
-FINEST = 1e-18  # [m]
+# So many steps ahead walls are looked for, so that those in the open need not look in every one.
+LOOK = 16.0
 
 
 class Mover(Protocol):
@@ -42,14 +41,17 @@ class Mover(Protocol):
 
     bodies: Ints  # (M,) which bodies of the world they are
 
+    def path(self) -> tuple[int, Array]:
+        """The form of the paths (`amorsim.kernels.paths`), and what they are made of `(M, 3)`.
+
+        That is the twist over the whole step of an arc, and the displacement of a line or of another form.
+        """
+
     def travel(self) -> Array:
         """Length of each path [m] and total turning [rad] in the whole step `(M, 2)`, or upper bounds."""
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """World poses `(Q, 3)` of its bodies number `which` `(Q,)` at fractions `(Q,)` of the step."""
-
-    def end_poses(self) -> Array:
-        """World poses `(M, 3)` of all its bodies at the end of the step."""
 
 
 @attrs.frozen(kw_only=True)
@@ -63,48 +65,87 @@ class Contact:
 
 
 class _Paths:
-    """The paths of all bodies through the step, those of several movers as one."""
+    """The paths of all bodies through the step, those of several movers as one.
 
-    def __init__(self, world: World, movers: Sequence[Mover]) -> None:
+    Making it lets the bodies set out: `end` is where they go if they meet nothing, `near` who might meet a wall.
+    """
+
+    def __init__(self, world: World, movers: Sequence[Mover], told: Sequence[tuple[int, Array]]) -> None:
         count = len(world.poses)
         self.start = world.poses
-        self.stop = np.ones(count)
-        self._movers = movers
+        self.stop = np.empty(count)
+        self.bound = np.empty(count)
+        self.others: list[Mover] = []
         if len(movers) == 1 and len(movers[0].bodies) == count:
             # One mover of all bodies, in their order.
-            self.end = movers[0].end_poses()
-            travel = movers[0].travel()
-            bound = travel[:, 0] + travel[:, 1] * world.bodies.reach
-            self._mover = np.zeros(count, dtype=np.int64)
-            self._index = world.everyone
+            kind, motion = told[0]
+            form = _one_form(count, kind)
+            if kind == OTHER:
+                self._add_other(world, movers[0])
         else:
-            self.end = world.poses.copy()
-            bound = np.zeros(count)
-            self._mover = np.full(count, -1, dtype=np.int64)
-            self._index = np.zeros(count, dtype=np.int64)
-            for number, mover in enumerate(movers):
-                self.end[mover.bodies] = mover.end_poses()
-                travel = mover.travel()
-                bound[mover.bodies] = travel[:, 0] + travel[:, 1] * world.bodies.reach[mover.bodies]
-                self._mover[mover.bodies] = number
-                self._index[mover.bodies] = np.arange(len(mover.bodies))
-        # Whoever travels less than rounding stands still, and keeps his place to the bit.
-        self.bound = np.where(bound < 1e-15, 0.0, bound * (1.0 + 1e-9))
+            form = np.full(count, STANDS, dtype=np.uint8)
+            motion = np.zeros((count, 3))
+            for mover, (kind, its) in zip(movers, told, strict=True):
+                form[mover.bodies] = kind
+                motion[mover.bodies] = its
+                if kind == OTHER:
+                    self._add_other(world, mover)
+        self.arrays = Paths(self.start, _floats(motion), form, self.bound, self.stop)
+        self.scene = Scene(world.map.grid, *world.map.origin, world.bodies, world.edge_rows, self.arrays)
+        self.end = np.empty((count, 3))
+        set_out(self.arrays, world.bodies.reach, self.end)
+        self.near = self._look_around(world)
+
+    def _look_around(self, world: World) -> Ints:
+        """Who might meet a wall, in order; those without company look further, and keep what room they have."""
+        if world.has_company:
+            moving = np.flatnonzero(self.bound > 0.0)
+            reach = self.bound[moving] + SLACK
+            gaps, _ = world.wall_gaps(moving, self.start[moving], reach)
+            return moving[gaps < reach]
+        reach = self.bound + SLACK
+        gaps, _ = world.wall_gaps(world.everyone, self.start, LOOK * reach)
+        near = gaps < reach
+        world.room = np.where(near, 0.0, gaps - reach)
+        world.room_at = self.end
+        return np.flatnonzero(near & (self.bound > 0.0))
+
+    def _add_other(self, world: World, mover: Mover) -> None:
+        self.others.append(mover)
+        travel = mover.travel()
+        bound = travel[:, 0] + travel[:, 1] * world.bodies.reach[mover.bodies]
+        self.bound[mover.bodies] = np.where(bound < LEAST, 0.0, bound * (1.0 + 1e-9))
+
+    def has_others(self, bodies: Ints) -> bool:
+        """Whether the path of any of the bodies is known to its mover only."""
+        return bool(self.others) and bool((self.arrays.form[bodies] == OTHER).any())
 
     def at(self, bodies: Ints, fraction: Array) -> Array:
         """World poses `(Q, 3)`; a body that stopped stays where it stopped."""
-        fraction = np.minimum(fraction, self.stop[bodies])
-        poses = self.start[bodies]
-        moving = (fraction > 0.0) & (self.bound[bodies] > 0.0)
-        for number, mover in enumerate(self._movers):
-            mine = np.flatnonzero(moving & (self._mover[bodies] == number))
-            if len(mine):
-                poses[mine] = mover.poses_at(self._index[bodies[mine]], fraction[mine])
+        poses = np.empty((len(bodies), 3))
+        poses_at(self.arrays, bodies, fraction, poses)
+        if self.others:
+            fraction = np.minimum(fraction, self.stop[bodies])
+            moving = (fraction > 0.0) & (self.bound[bodies] > 0.0)
+            for mover in self.others:
+                row = np.searchsorted(mover.bodies, bodies).clip(max=len(mover.bodies) - 1)
+                mine = np.flatnonzero(moving & (mover.bodies[row] == bodies))
+                if len(mine):
+                    poses[mine] = mover.poses_at(row[mine], fraction[mine])
         return poses
 
     def speed(self, bodies: Ints, fraction: Array) -> Array:
         """How far [m] any point of each body can go per whole step, from `fraction` on."""
         return np.where(fraction < self.stop[bodies], self.bound[bodies], 0.0)
+
+
+def _floats(motion: Array) -> Array:
+    return np.ascontiguousarray(motion, dtype=np.float64)
+
+
+@functools.lru_cache(maxsize=16)
+def _one_form(count: int, form: int) -> npt.NDArray[np.uint8]:
+    return np.full(count, form, dtype=np.uint8)
 
 
 def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Contact]]:
@@ -119,57 +160,72 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
     contacts
         In order of time.
     """
-    paths = _Paths(world, movers)
-    if not world.has_company and _all_clear(world, paths):
+    told = [mover.path() for mover in movers]
+    if not world.has_company and len(told) == 1 and world.room_at is world.poses and told[0][0] != OTHER:
+        # Robots without company, of whom is known how far they are from all walls: no wall is looked at.
+        kind, motion = told[0]
+        end, stop = np.empty_like(world.poses), np.empty(len(world.poses))
+        if go_free(world.poses, _floats(motion), kind, world.bodies.reach, world.room, end, stop):
+            world.room_at = end
+            return end, stop, []
+    paths = _Paths(world, movers, told)
+    if not world.has_company and not len(paths.near):
         return paths.end, paths.stop, []
     a, b = _candidates(world, paths)
     if not len(a):
         return paths.end, paths.stop, []
-    contacts = _resolve(world, paths, a, b)
-    poses = paths.end
-    stopped = np.flatnonzero(paths.stop < 1.0)
-    if len(stopped):
-        poses = poses.copy()
-        poses[stopped] = paths.at(stopped, paths.stop[stopped])
-    return poses, paths.stop, contacts
-
-
-def _all_clear(world: World, paths: _Paths) -> bool:
-    """Whether no wall is near enough to be met: the common case of robots without company, told in one look."""
-    reach = paths.bound + SLACK
-    gaps, _ = world.wall_gaps(world.everyone, paths.start, reach)
-    return not (gaps < reach).any()
+    shortest = min(SHORTEST, world.map.resolution / 4.0)
+    if paths.has_others(a) or paths.has_others(b[b != WALL]):
+        which, when = _resolve(world, paths, a, b, shortest)
+        a, b = a[which], b[which]
+        point = _points(world, paths, a, b, when)
+        stopped = np.flatnonzero(paths.stop < 1.0)
+        paths.end[stopped] = paths.at(stopped, paths.stop[stopped])
+    else:
+        which, when, point = np.empty(len(a), dtype=np.int64), np.empty(len(a)), np.empty((len(a), 2))
+        met = resolve(paths.scene, a, b, shortest, which, when, point, paths.end)
+        a, b, when, point = a[which[:met]], b[which[:met]], when[:met], point[:met]
+    contacts = [
+        Contact(body=body, other=other, fraction=fraction, point=(x, y))
+        for body, other, fraction, (x, y) in zip(a.tolist(), b.tolist(), when.tolist(), point.tolist(), strict=True)
+    ]
+    return paths.end, paths.stop, contacts
 
 
 def _candidates(world: World, paths: _Paths) -> tuple[Ints, Ints]:
-    """Whoever might meet a wall (b is `WALL`) or another body during the step."""
-    moving = np.flatnonzero(paths.bound > 0.0)
-    reach = paths.bound[moving] + SLACK
-    gaps, _ = world.wall_gaps(moving, paths.start[moving], reach)
-    near = moving[gaps < reach]
-    a, b = world.pairs_within(paths.start, paths.bound + SLACK)
-    if len(a):
-        reach = paths.bound[a] + paths.bound[b]
+    """Whoever might meet a wall (b is `WALL`) or another body during the step, in order."""
+    a, b = paths.near, np.full(len(paths.near), WALL, dtype=np.int64)
+    if not world.has_company:
+        return a, b
+    of_pair, other = world.pairs_within(paths.start, paths.bound + SLACK)
+    if len(of_pair):
+        reach = paths.bound[of_pair] + paths.bound[other]
         moves = reach > 0.0
-        a, b, reach = a[moves], b[moves], reach[moves] + SLACK
-        close = world.body_gaps(a, paths.start[a], b, paths.start[b], reach) < reach
-        a, b = a[close], b[close]
-    return np.concatenate((near, a)), np.concatenate((np.full(len(near), WALL, dtype=np.int64), b))
+        of_pair, other, reach = of_pair[moves], other[moves], reach[moves] + SLACK
+        gaps = world.body_gaps(of_pair, paths.start[of_pair], other, paths.start[other], reach)
+        close = gaps < reach
+        a, b = np.concatenate((a, of_pair[close])), np.concatenate((b, other[close]))
+        order = np.lexsort((b, a))
+        a, b = a[order], b[order]
+    return a, b
 
 
-def _resolve(world: World, paths: _Paths, a: Ints, b: Ints) -> list[Contact]:
-    contacts: list[Contact] = []
-    time = _first_contacts(world, paths, a, b, np.zeros(len(a)))
+def _resolve(world: World, paths: _Paths, a: Ints, b: Ints, shortest: float) -> tuple[Ints, Array]:
+    """The pairs that met, and when, as `amorsim.kernels.meeting.resolve` finds them, for paths of any form."""
+    met: list[Ints] = []
+    time = _first_contacts(world, paths, a, b, np.zeros(len(a)), shortest)
+    when = time.copy()
     replica = world.replica_index[a]
     while True:
         alive = np.flatnonzero(time <= 1.0)
         if not len(alive):
             break
-        order = alive[np.lexsort((b[alive], a[alive], time[alive], replica[alive]))]
+        order = alive[np.lexsort((alive, time[alive], replica[alive]))]
         leads = np.ones(len(order), dtype=bool)
         leads[1:] = replica[order[1:]] != replica[order[:-1]]
         chosen = order[leads]  # the earliest contact of every replica that has one
-        contacts += _contacts(world, paths, a[chosen], b[chosen], time[chosen])
+        met.append(chosen)
+        when[chosen] = time[chosen]
         stopped = np.zeros(len(paths.stop), dtype=bool)
         for body, fraction in ((a[chosen], time[chosen]), (b[chosen], time[chosen])):
             real = body != WALL
@@ -184,9 +240,11 @@ def _resolve(world: World, paths: _Paths, a: Ints, b: Ints) -> list[Contact]:
         again = np.flatnonzero(touched & ~(a_rests & b_rests))
         if len(again):
             since = np.minimum(paths.stop[a[again]], np.where(wall[again], 1.0, paths.stop[b[again]]))
-            time[again] = _first_contacts(world, paths, a[again], b[again], since)
-    contacts.sort(key=lambda contact: contact.fraction)
-    return contacts
+            time[again] = _first_contacts(world, paths, a[again], b[again], since, shortest)
+    which = np.concatenate(met) if met else np.empty(0, dtype=np.int64)
+    # Of one replica they are in order, and at one instant stay so.
+    which = which[np.lexsort((np.arange(len(which)), replica[which], when[which]))]
+    return which, when[which]
 
 
 def _gaps(world: World, paths: _Paths, a: Ints, b: Ints, fraction: Array, cap: Array) -> Array:
@@ -202,14 +260,13 @@ def _gaps(world: World, paths: _Paths, a: Ints, b: Ints, fraction: Array, cap: A
     return out
 
 
-def _first_contacts(world: World, paths: _Paths, a: Ints, b: Ints, since: Array) -> Array:
+def _first_contacts(world: World, paths: _Paths, a: Ints, b: Ints, since: Array, shortest: float) -> Array:
     """The last free fraction `(Q,)` before each pair first overlaps, from `since` on; inf if never."""
     other = np.where(b == WALL, a, b)
     speed = paths.speed(a, since) + np.where(b == WALL, 0.0, paths.speed(other, since))
     fraction = since.copy()
     found = np.full(len(a), np.inf)
     active = np.flatnonzero(speed > 0.0)
-    shortest = min(SHORTEST, world.map.resolution / 4.0)
     gap = _gaps(world, paths, a[active], b[active], fraction[active], speed[active] + SLACK)
     while len(active):
         left = speed[active] * (1.0 - fraction[active])
@@ -270,19 +327,18 @@ def _squeeze(
             free[inside[~overlaps]] = probe[inside[~overlaps]]
 
 
-def _contacts(world: World, paths: _Paths, a: Ints, b: Ints, time: Array) -> list[Contact]:
-    made = []
+def _points(world: World, paths: _Paths, a: Ints, b: Ints, time: Array) -> Array:
+    """Where [m] pairs touch `(Q, 2)`."""
     poses = paths.at(a, time)
-    reach = world.bodies.reach
-    for i in range(len(a)):
-        body, other = int(a[i]), int(b[i])
-        if other == WALL:
-            _, where = world.wall_gaps(a[i : i + 1], poses[i : i + 1], np.full(1, 0.01))
-            point = (float(where[0, 0]), float(where[0, 1]))
-        else:
-            # Between the two, where their circles are equally near: the shapes touch close to it.
-            its = paths.at(b[i : i + 1], time[i : i + 1])[0]
-            share = reach[body] / (reach[body] + reach[other])
-            point = tuple((poses[i, :2] + share * (its[:2] - poses[i, :2])).tolist())
-        made.append(Contact(body=body, other=other, fraction=float(time[i]), point=point))
-    return made
+    point = np.empty((len(a), 2))
+    wall = b == WALL
+    if wall.any():
+        _, point[wall] = world.wall_gaps(a[wall], poses[wall], np.full(int(wall.sum()), TOUCH))
+    if not wall.all():
+        # Between the two, where their circles are equally near: the shapes touch close to it.
+        pair = ~wall
+        reach = world.bodies.reach
+        share = reach[a[pair]] / (reach[a[pair]] + reach[b[pair]])
+        its = paths.at(b[pair], time[pair])[:, :2]
+        point[pair] = poses[pair, :2] + share[:, None] * (its - poses[pair, :2])
+    return point

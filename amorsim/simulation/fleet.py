@@ -42,7 +42,7 @@ class Fleet:
         The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
     """
 
-    def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...]) -> None:
+    def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...], threads: int = 1) -> None:
         self.scenario = scenario
         self.seed = seed
         self.dt = scenario.dt
@@ -54,7 +54,8 @@ class Fleet:
         streams = [(robot.name, *stream) for robot in robots for stream in _stream_names(robot)]
         check_collisions(seed, [*streams, *((obstacle.name, "motion") for obstacle in obstacles)])
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
-        self.world = World(scenario.map, [body.name for body in bodies], [body.shape for body in bodies], len(replicas))
+        names, shapes = [body.name for body in bodies], [body.shape for body in bodies]
+        self.world = World(scenario.map, names, shapes, len(replicas), threads)
         self.groups = [
             Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt)
             for members in _partition(robots, group_key)

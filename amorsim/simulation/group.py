@@ -79,7 +79,7 @@ class Group:
         self.world = world
         first = robots[0]
         self.ends_on_collision = first.on_collision == "end"
-        self.streams = Streams(seed, self.names, self.moment.counter)
+        self.streams = Streams(seed, self.names, self.moment.counter, world.workers)
         self.drive_draws = self.streams.draws("drive")
         self.ground = Chain(first.ground, self.streams, "ground")
         self.sensors = {

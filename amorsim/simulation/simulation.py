@@ -42,6 +42,8 @@ class Simulation:
         In place of the scenario's.
     replicas
         How many replicas, or their numbers. Replica 37 of many has the same bits as replica 37 alone.
+    threads
+        How many threads share the rows of long work, from some tens of robots up; the bits are the same with any.
 
     Raises
     ------
@@ -50,14 +52,24 @@ class Simulation:
         nowhere or whose true value its field does not take.
     """
 
-    def __init__(self, scenario: Scenario, *, seed: int | None = None, replicas: int | Sequence[int] = 1) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        *,
+        seed: int | None = None,
+        replicas: int | Sequence[int] = 1,
+        threads: int = 1,
+    ) -> None:
+        if not isinstance(threads, int) or threads < 1:
+            raise AmorsimError(f"expected a number of threads >= 1, got {threads!r}")
         self.scenario = scenario
+        self.threads = threads
         self.dt = scenario.dt
         self.replicas = _replica_numbers(replicas)
         self._build(scenario.seed if seed is None else seed)
 
     def _build(self, seed: int) -> None:
-        self._fleet = Fleet(self.scenario, seed, self.replicas)
+        self._fleet = Fleet(self.scenario, seed, self.replicas, self.threads)
         phases.first_look(self._fleet)
 
     @property

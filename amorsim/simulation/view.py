@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Emissions
 from amorsim.core.poses import compose
-from amorsim.kernels import cones, poses, rays
+from amorsim.kernels import bresenham, cones, poses, scans
 
 if TYPE_CHECKING:
     from amorsim.simulation.bodies import World
@@ -20,6 +20,7 @@ __all__ = ["GroupView", "cone_bearings"]
 
 Array = npt.NDArray[np.float64]
 
+CONE_WORK = 40  # rays that a cone costs as much as
 CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
 
 
@@ -60,7 +61,7 @@ class GroupView:
             self._pose = compose(self.body_pose, self._mount)
         return self._pose
 
-    def cast(self, origins: Array, bearings: Array, range_max: Array) -> Array:
+    def cast(self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact") -> Array:
         """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
         cos_b, sin_b = self._table(bearings)
         out = np.empty((len(origins), bearings.shape[1]))
@@ -69,8 +70,16 @@ class GroupView:
         limits = self._per_row(range_max)
         if per_row > 1:
             limits = np.repeat(limits, per_row)
-        origin = world.map.origin
-        rays.cast(world.map.grid, origin[0], origin[1], origin[2], origins, cos_b, sin_b, limits, out)
+        grid, lines, origin = world.map.grid, world.map.lines, world.map.origin
+
+        def part(a: int, b: int) -> None:
+            mine = slice(a, b) if len(cos_b) > 1 else slice(None)
+            if traversal == "bresenham":
+                bresenham.bresenham_cast(grid, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
+                return
+            scans.cast_scans(grid, lines, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
+
+        world.workers.share(len(origins), out.shape[1], part)
         if world.has_company:
             self._cast_bodies(origins, cos_b, sin_b, limits, out)
         return out
@@ -107,18 +116,18 @@ class GroupView:
         own = (said.body[replica] == self._bodies[:, None]) & (said.sensor == self.sensor)
         return Emissions(said.poses[replica], said.half_angle[replica], said.fired[replica], own)
 
-    def cone(self, origins: Array, half_angle: Array, range_max: Array) -> Array:
+    def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
         per_row = len(origins) // self.rows
         angles = self._per_row(half_angle)
         limits = np.repeat(self._per_row(range_max), per_row)
         widest = float(angles[0])
         if (angles == widest).all():
-            return self._cones(origins, widest, limits).reshape(self.rows, per_row)
+            return self._cones(origins, widest, limits, traversal).reshape(self.rows, per_row)
         out = np.empty((self.rows, per_row))
         for angle in np.unique(angles):
             # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
-            found = self._cones(origins, float(angle), limits).reshape(self.rows, per_row)
+            found = self._cones(origins, float(angle), limits, traversal).reshape(self.rows, per_row)
             out = np.where((angles == angle)[:, None], found, out)
         return out
 
@@ -128,12 +137,20 @@ class GroupView:
             return np.array(values[:, 0])
         return np.array(np.broadcast_to(values, (self.rows, 1))[:, 0])
 
-    def _cones(self, origins: Array, half_angle: float, limits: Array) -> Array:
+    def _cones(self, origins: Array, half_angle: float, limits: Array, traversal: str) -> Array:
         bearings = cone_bearings(half_angle)
+        if traversal == "bresenham":
+            reach = limits.reshape(self.rows, -1)[:, :1]
+            return np.asarray(self.cast(origins, bearings, reach, traversal).min(axis=1))
         cos_b, sin_b = self._table(bearings)
         world = self._world
         least = np.empty(len(origins))
-        cones.cast_cones(world.map.grid, *world.map.origin, origins, half_angle, cos_b, sin_b, limits, least)
+        grid, origin = world.map.grid, world.map.origin
+
+        def part(a: int, b: int) -> None:
+            cones.cast_cones(grid, *origin, origins[a:b], half_angle, cos_b, sin_b, limits[a:b], least[a:b])
+
+        world.workers.share(len(origins), CONE_WORK, part)
         if not world.has_company:
             return least
         self._cast_bodies(origins, cos_b, sin_b, limits, least[:, None])

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from shapely.affinity import affine_transform
 
 from amorsim.core.shapes import Shape, pack
+from amorsim.kernels.body_hash import BodyHash, hash_bodies
 from amorsim.kernels.body_rays import cast_bodies
 
 SHAPES = [
@@ -27,25 +28,41 @@ SHAPES = [
 
 
 class Scene:
-    """Bodies by replica, and one sensor a row; `cast` returns ranges and what was hit."""
+    """Bodies by replica, and one sensor a row; `cast` returns ranges and what was hit.
 
-    def __init__(self, shapes, poses, replica_first=None):
+    By default bodies are looked at one by one, in one bucket; `buckets` are rows and columns of a hash.
+    """
+
+    def __init__(self, shapes, poses, replica_first=None, buckets=(1, 1)):
         self.shapes = list(shapes)
         self.bodies = pack(self.shapes)
         self.poses = np.array(poses, dtype=float).reshape(-1, 3)
         first = [0, len(self.shapes)] if replica_first is None else replica_first
         self.first = np.array(first, dtype=np.int64)
+        self.widest = max(self.bodies.reach, default=1.0)
+        rows, cols = buckets
+        self.table = BodyHash(
+            side=2.0 * self.widest,
+            rows=rows,
+            cols=cols,
+            first=np.empty((len(self.first) - 1) * rows * cols + 1, dtype=np.int64),
+            body=np.empty(len(self.shapes), dtype=np.int64),
+            disc=np.empty((len(self.shapes), 3)),
+        )
+        hash_bodies(self.poses, self.bodies.reach, self.first, self.table)
 
-    def cast(self, origins, bearings, *, own=-1, replica=0, range_max=math.inf, walls=math.inf):
+    def cast(self, origins, bearings, *, own=-1, replica=0, range_max=math.inf, walls=math.inf, least=False):
         origins = np.array(origins, dtype=float).reshape(-1, 3)
         bearings = np.atleast_2d(np.asarray(bearings, dtype=float))
         rows, beams = len(origins), bearings.shape[1]
-        out = np.broadcast_to(np.asarray(walls, dtype=float), (rows, beams)).copy()
-        hit = np.full((rows, beams), -1, dtype=np.int64)
+        out = np.broadcast_to(np.asarray(walls, dtype=float), (rows, 1 if least else beams)).copy()
+        hit = np.full(out.shape, -1, dtype=np.int64)
         cast_bodies(
             self.bodies,
             self.poses,
-            self.first,
+            max((sum(map(len, shape.parts)) for shape in self.shapes), default=0),
+            self.table,
+            self.widest,
             np.broadcast_to(np.asarray(replica, dtype=np.int64), (rows,)).copy(),
             np.broadcast_to(np.asarray(own, dtype=np.int64), (rows,)).copy(),
             origins,
@@ -317,6 +334,38 @@ def test_ranges_are_no_more_than_asked_and_name_who_was_hit(seed, range_max):
     for j in np.flatnonzero(hits >= 0):
         alone = Scene([scene.shapes[hits[j]]], [scene.poses[hits[j]]])
         assert alone.cast(origin, fan(60)[j : j + 1])[0][0, 0] == ranges[j]
+
+
+@pytest.mark.parametrize("spread", [0.3, 3.0, 40.0])
+@pytest.mark.parametrize("buckets", [(2, 2), (8, 16), (64, 64)])
+def test_a_hash_of_bodies_changes_no_bit(spread, buckets):
+    """Whether far bodies share buckets or not, and whatever the range."""
+    rng = np.random.default_rng(8)
+    shapes = [SHAPES[i] for i in rng.integers(0, len(SHAPES), 200)]
+    poses = np.c_[rng.uniform(-spread, spread, (200, 2)), rng.uniform(-4, 4, 200)]
+    poses[150:] = poses[100:150]  # twins, in the same place as others
+    shapes[150:] = shapes[100:150]
+    replica_first = [0, 0, 140, 200]
+    plain, hashed = (Scene(shapes, poses, replica_first, b) for b in ((1, 1), buckets))
+    origins = np.c_[rng.uniform(-spread, spread, (60, 2)), rng.uniform(-4, 4, 60)]
+    asked = {"own": rng.integers(-1, 200, 60), "replica": rng.integers(0, 3, 60), "walls": rng.uniform(0, 9, (60, 61))}
+    for range_max in (0.0, 0.5, 3.0, rng.uniform(0, 6, 60), math.inf):
+        ranges, hits = plain.cast(origins, fan(61), **asked, range_max=range_max)
+        again, others = hashed.cast(origins, fan(61), **asked, range_max=range_max)
+        np.testing.assert_array_equal(again, ranges)
+        np.testing.assert_array_equal(others, hits)
+    assert (hits >= 0).any()
+
+
+def test_one_column_gets_the_least_of_all_beams():
+    scene, rng = random_scene(9, count=12)
+    origins = np.c_[rng.uniform(-5, 5, (40, 2)), rng.uniform(-4, 4, 40)]
+    for scan in (fan(181, 0.5, -0.25), rng.uniform(-3, 3, 33)):
+        ranges, _ = scene.cast(origins, scan, range_max=2.0, walls=1.5)
+        least, hits = scene.cast(origins, scan, range_max=2.0, walls=1.5, least=True)
+        np.testing.assert_array_equal(least[:, 0], ranges.min(axis=1))
+        assert ((hits[:, 0] >= 0) == (least[:, 0] < 1.5)).all()
+        assert 3 < (hits >= 0).sum() < 38
 
 
 def test_no_bodies_and_no_beams_are_no_trouble():

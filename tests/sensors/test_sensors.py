@@ -22,12 +22,12 @@ class FakeView:
         self.joints = np.broadcast_to(np.array(joints, dtype=float), (self.rows, len(joints))).copy()
         self.asked = None
 
-    def cast(self, origins, bearings, range_max):
+    def cast(self, origins, bearings, range_max, traversal="exact"):
         self.asked = origins, bearings, range_max
         out = 2.0 - 0.01 * np.cos(origins[:, 2:] + bearings)
         return np.where(out > range_max, np.inf, out)
 
-    def cone(self, origins, half_angle, range_max):
+    def cone(self, origins, half_angle, range_max, traversal="exact"):
         self.asked = origins, half_angle, range_max
         out = (2.0 - 0.01 * np.cos(origins[:, 2])).reshape(self.rows, -1)
         out[:, 0] = 0.01

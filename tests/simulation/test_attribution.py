@@ -99,7 +99,9 @@ def test_switching_an_error_off_leaves_all_others_as_they_are() -> None:
 
 
 def test_errors_that_odometry_does_not_know_are_named() -> None:
-    scenario = _scenario(errors={"drive.track": Deviation(scale=1.01), "sensors.compass.mount.heading": Deviation(add=1.0)})
+    scenario = _scenario(
+        errors={"drive.track": Deviation(scale=1.01), "sensors.compass.mount.heading": Deviation(add=1.0)}
+    )
     robot = scenario.robots[0]
     sensors = {**robot.sensors, "compass": building.all_sensors()["compass"]}
     found = attribute_errors(attrs.evolve(scenario, robots=[attrs.evolve(robot, sensors=sensors)]), replicas=1)

@@ -177,3 +177,17 @@ def test_the_counter_of_replicas_is_used_and_not_their_place() -> None:
     b = run(am.Simulation(crowd(), replicas=[9, 4, 100_000]))
     assert a.digest(4) == b.digest(4)
     assert a.digest(9) == b.digest(9)
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_threads_share_the_work_and_give_the_same_bits(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("amorsim.core.workers.LEAST_WORK", 50)  # part even what would not pay
+    alone = run(am.Simulation(crowd(3), replicas=4), 25)
+    shared = run(am.Simulation(crowd(3), replicas=4, threads=threads), 25)
+    assert shared._fleet.world.workers._pool is not None
+    assert shared.digest() == alone.digest()
+
+
+def test_a_number_of_threads_is_checked() -> None:
+    with pytest.raises(am.AmorsimError, match="expected a number of threads >= 1, got 0"):
+        am.Simulation(crowd(), threads=0)

@@ -134,7 +134,7 @@ def test_what_is_not_there_is_refused() -> None:
         calibrate_compass(scenario)
     with pytest.raises(am.AmorsimError, match="expected a gyro, and 'encoder' is none; it has: gyro"):
         calibrate_gyro(scenario, sensor="encoder")
-    with pytest.raises(am.AmorsimError, match="has no sensor 'gyr'.*Did you mean 'gyro'"):
+    with pytest.raises(am.AmorsimError, match=r"has no sensor 'gyr'; of that kind it has: gyro.*Did you mean 'gyro'"):
         calibrate_gyro(scenario, sensor="gyr")
     with pytest.raises(am.AmorsimError, match="runs: expected 2 at least"):
         calibrate_gyro(scenario, runs=1)

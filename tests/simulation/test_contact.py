@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 import shapely
@@ -11,6 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import amorsim as am
+from amorsim.contracts import Draws, Drive, Motion, State, View
+from amorsim.core.shapes import Shape
+from amorsim.drives.differential import Differential
+from amorsim.simulation import contact
 from tests import building
 
 
@@ -167,3 +173,120 @@ def test_set_pose_refuses_walls_and_others_and_does_not_tell_the_robot() -> None
     sim.step()
     assert sim.robot("rover").estimated_pose.tolist() == before.tolist()
     assert sim.events[-1].kind == "pose_set"
+
+
+# Two roads to the same bits: a kernel for arcs and lines, and NumPy for paths that only their drives know.
+
+
+@attrs.frozen(kw_only=True)
+class Other(Differential):
+    """The same drive, but one whose paths nobody can know to be arcs."""
+
+    def displacement(self, before: Any, after: Any, fraction: Any) -> Any:
+        return Drive.displacement(self, before, after, fraction)
+
+
+@attrs.frozen(kw_only=True)
+class Shove(Motion):
+    """Wants to go on to the left, turning; into whoever is there."""
+
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Any:
+        return np.tile([0.3 * dt, 0.2 * dt, 2.0 * dt], (view.rows, 1))
+
+
+SHAPES = [
+    Shape.polygon([(-0.3, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.3, 0.2)]),
+    Shape.circle(0.2, x=0.1),
+    Shape.polygon([(0, 0), (0.25, 0.2), (-0.2, 0), (0.25, -0.2)], rounding=0.02),
+]
+
+
+def crowd(seed: int, others: frozenset[int], *, resolution: float = 0.001, replicas: int = 1) -> am.Simulation:
+    """Sixteen robots in a small room, driving anywhere, two obstacles that move and one that stands."""
+    rng = np.random.default_rng(seed)
+    drive = {
+        "wheel_radius_left": building.RADIUS,
+        "wheel_radius_right": building.RADIUS,
+        "track": building.TRACK,
+        "rate_max": 1e6,
+    }
+    robots = [
+        building.robot(
+            name=f"r{i:02}",
+            shape=SHAPES[i % 3],
+            drive=(Other if i in others else Differential)(**drive),
+            pose=am.Pose(x=0.5 + i % 4, y=0.5 + i // 4, heading=float(rng.uniform(-3, 3))),
+            controller=building.Roam(rate=float(rng.uniform(2.0, 20.0))),
+            on_collision="end" if i == 7 else "continue",
+        )
+        for i in range(16)
+    ]
+    obstacles = [
+        am.Obstacle(
+            name=f"o{i}",
+            shape=Shape.circle(0.15),
+            pose=am.Pose(x=1.0 + i, y=3.0),
+            motion=Shove() if i < 2 else None,
+        )
+        for i in range(3)
+    ]
+    room = building.room(4.2, 4.2, resolution)
+    return am.Simulation(building.scenario(*robots, obstacles=tuple(obstacles), map=room, seed=seed), replicas=replicas)
+
+
+@pytest.mark.parametrize("resolution", [0.001, 0.05])
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("others", [frozenset(range(16)), frozenset({0, 5})], ids=["all", "some"])
+def test_both_roads_give_the_same_bits(
+    seed: int, resolution: float, others: frozenset[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slow = crowd(seed, others, resolution=resolution, replicas=2)
+    fast = crowd(seed, frozenset(), resolution=resolution, replicas=2)
+    entered = []
+    resolve = contact.resolve
+    monkeypatch.setattr(contact, "resolve", lambda *given: entered.append(1) or resolve(*given))
+    for _ in range(40):
+        slow.step()
+        slowly = len(entered)
+        fast.step()
+        assert len(entered) > slowly or not fast._fleet.touching
+        entered.clear()
+        assert np.array_equal(fast._fleet.world.poses, slow._fleet.world.poses)
+        assert fast._fleet.touching == slow._fleet.touching
+    assert fast.events == slow.events
+    met = {event.other for event in fast.events if event.kind == "collision"}
+    assert "wall" in met
+    assert met & {"o0", "o1", "o2"}
+    assert len(met) > 5
+    for name in fast.names:
+        assert fast.robot(name, replica=0).joints.tolist() == slow.robot(name, replica=0).joints.tolist()
+
+
+def test_a_crowd_in_one_replica_is_a_crowd_alone() -> None:
+    """Contacts of the one never touch the other's, bit for bit."""
+    together, alone = crowd(4, frozenset(), replicas=3), crowd(4, frozenset())
+    for _ in range(20):
+        together.step()
+        alone.step()
+    count = alone._fleet.world.count
+    assert np.array_equal(together._fleet.world.poses[:count], alone._fleet.world.poses)
+    assert [event for event in together.events if event.replica == 0] == list(alone.events)
+    times = [event.time for event in together.events if event.kind == "collision"]
+    assert times == sorted(times)
+
+
+def test_a_robot_in_the_open_that_looks_at_no_wall_still_meets_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Walls are looked at again before what is known of the room around has been used up, and after a jump."""
+    looks = []
+    set_out = contact.set_out
+    monkeypatch.setattr(contact, "set_out", lambda *given: looks.append(1) or set_out(*given))
+    sim = am.Simulation(building.scenario(building.robot(pose=am.Pose(x=1.0, y=2.5), on_collision="continue"), dt=0.02))
+    sim.robot("rover").drive(forward=0.5)
+    sim.run(8.0)
+    assert 25 <= len(looks) < 150  # of 400 steps, and some of them against the wall
+    sim.robot("rover").drive(forward=20.0)
+    sim.run(1.0)
+    assert sim.true_pose[0, 0] == pytest.approx(5.799, abs=1e-9)
+    sim.set_pose("rover", (2.0, 1.0, -math.pi / 2))
+    sim.run(1.0)
+    assert sim.true_pose[0, 1] == pytest.approx(0.201, abs=1e-9)

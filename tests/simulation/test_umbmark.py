@@ -108,8 +108,8 @@ def test_encoders_that_round_and_wheels_that_gather_speed_change_little() -> Non
     scenario = am.load("demo")
     robot = attrs.evolve(scenario.robots[0], errors=_errors(1.004, 1.015))
     found = umbmark(attrs.evolve(scenario, robots=[robot]), runs=2)
-    # A count is 13 um of travel at the rim: in the worst case two of them at each of eight ends of sides and turns, over
-    # the track of 0.33 m and swung along a square: 8 * 2 * 13e-6 / 0.33 * 4 m = 2.5 mm; of ends that lie 0.8 m apart.
+    # A count is 13 um of travel at the rim: in the worst case two of them at each of eight ends of sides and turns,
+    # over the track of 0.33 m and swung along a side: 8 * 2 * 13e-6 / 0.33 * 4 m = 2.5 mm; of ends 0.8 m from 0.
     assert found.exact.ed.value == pytest.approx(1.004, abs=0.004 * 3e-3)
     assert found.exact.eb.value == pytest.approx(1.015, abs=0.015 * 3e-3)
     assert found.error_after < 0.0025
@@ -147,7 +147,7 @@ def test_it_drives_in_its_own_world_if_asked_to() -> None:
 
 
 def test_walls_in_the_way_are_told_of() -> None:
-    with pytest.raises(am.AmorsimError, match="robot 'rover' met 'wall' at .* take a smaller side"):
+    with pytest.raises(am.AmorsimError, match=r"robot 'rover' met 'wall' at .* take a smaller side"):
         umbmark(_scenario(), in_its_world=True)
 
 

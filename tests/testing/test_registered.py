@@ -14,8 +14,18 @@ REGISTRY = make_registry(entry_points=[])
 KINDS = ("drive", "sensor", "noise", "map_loader", "motion", "estimator", "controller")
 CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 
-# What a check is told beside the class: diffusion is for the travel of wheels, which is never inf.
-SETTINGS: dict[tuple[str, str], dict[str, Any]] = {("noise", "diffusion"): {"inf": "absent"}}
+# What a check is told beside the class: the travel of wheels is never inf, and comes in pairs; beams may be
+# made up, and what is stuck holds a return that is no more.
+_WHEELS: dict[str, Any] = {"inf": "absent", "values_of": "encoder"}
+SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
+    ("noise", "beam_model"): {"inf": "changed"},
+    ("noise", "diffusion"): {"inf": "absent"},
+    ("noise", "odometry_model"): _WHEELS,
+    ("noise", "slip"): _WHEELS,
+    ("noise", "specular_loss"): {"side": {"incidence": 0.5}},
+    ("noise", "stuck"): {"inf": "changed"},
+    ("noise", "velocity_model"): _WHEELS,
+}
 
 
 @pytest.mark.parametrize(("kind", "name"), CASES, ids=[f"{kind}-{name}" for kind, name in CASES])

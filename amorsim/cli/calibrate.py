@@ -1,0 +1,118 @@
+"""``amorsim calibrate``: what a gyro, a compass or a range sensor does to its quantity."""
+
+from __future__ import annotations
+
+import enum
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from amorsim.cli.console import say
+from amorsim.cli.study import claim_folder, free_folder, read_study, table, write_text
+from amorsim.core.errors import AmorsimError
+
+if TYPE_CHECKING:
+    from amorsim.algorithms.intervals import Interval
+    from amorsim.scenario.spec import Scenario
+
+__all__ = ["What", "command"]
+
+# One quantity: its name, its unit, its interval.
+Row = tuple[str, str, "Interval"]
+
+
+class What(enum.StrEnum):
+    """What can be calibrated."""
+
+    gyro = "gyro"
+    compass = "compass"
+    range = "range"
+
+
+def command(
+    scenario: Annotated[
+        str,
+        typer.Argument(metavar="SCENARIO", help="A scenario file (.toml), the name of a bundled one, or a map alone."),
+    ],
+    what: Annotated[
+        What,
+        typer.Option(
+            help="gyro: bias and scale, on a turn table; compass: deviation A to E, turning in place; range: bias and "
+            "standard deviation, before a wall."
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-<what>-<number>]"),
+    ] = None,
+    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    sensor: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Which sensor. [default: the first of that kind]")
+    ] = None,
+    element: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="For range: which beam or transducer. [default: the one that looks ahead]"),
+    ] = None,
+    runs: Annotated[int, typer.Option(metavar="N", help="How often the experiment is made, twice at least.")] = 10,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of all draws, in place of the scenario's.")
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
+    ] = None,
+) -> None:
+    """Find the errors of a gyro, a compass or a range sensor on a test bench, with their 95 % intervals."""
+    free_folder(out)
+    if element is not None and what is not What.range:
+        raise AmorsimError("--element is for --what range: a gyro and a compass have one value")
+    read = read_study(scenario, changes, seed)
+    title, rows = _measure(read, what, robot, sensor, element, runs)
+    cells = [
+        [name, unit, _cell(found.value, found), _cell(found.low, found), _cell(found.high, found)]
+        for name, unit, found in rows
+    ]
+    say(f"{title}; {runs} runs")
+    say(table(["", "unit", "value", "95 % from", "to"], cells))
+    folder = claim_folder(out, read, what.value)
+    lines = ["quantity,unit,value,low,high"]
+    lines += [f"{name},{unit},{v.value:.9g},{v.low:.9g},{v.high:.9g}" for name, unit, v in rows]
+    path = folder / "calibration.csv"
+    write_text(path, "\n".join(lines) + "\n")
+    say(f"\nresults: {path}")
+
+
+def _cell(value: float, found: Interval) -> str:
+    """With as many places as the interval's width has two digits that count."""
+    if found.half_width <= 0.0:
+        return f"{value:.6g}"
+    places = min(9, max(0, 1 - math.floor(math.log10(found.half_width))))
+    return f"{round(value, places) + 0.0:.{places}f}"  # 0.0 takes the sign from a zero
+
+
+def _degrees(found: Interval) -> Interval:
+    return type(found)(math.degrees(found.value), math.degrees(found.half_width))
+
+
+def _measure(
+    read: Scenario, what: What, robot: str | None, sensor: str | None, element: int | None, runs: int
+) -> tuple[str, list[Row]]:
+    from amorsim.simulation.calibration import calibrate_compass, calibrate_gyro, calibrate_range
+
+    if what is What.gyro:
+        name, found = calibrate_gyro(read, robot=robot, sensor=sensor, runs=runs)
+        rows: list[Row] = [("bias", "deg/s", _degrees(found["bias"])), ("scale", "", found["scale"])]
+        return f"{name}: measured = scale * true + bias, on a turn table", rows
+    if what is What.compass:
+        name, found = calibrate_compass(read, robot=robot, sensor=sensor, runs=runs)
+        rows = [(key, "deg", _degrees(value)) for key, value in found.items()]
+        return f"{name}: deviation a + b sin h + c cos h + d sin 2h + e cos 2h, turning in place", rows
+    name, number, distances = calibrate_range(read, robot=robot, sensor=sensor, element=element, runs=runs)
+    rows = []
+    for at in distances:
+        rows += [(f"bias at {at.distance:.3f} m", "m", at.bias), (f"sigma at {at.distance:.3f} m", "m", at.sigma)]
+    lost = 1.0 - min(at.returned for at in distances)
+    remark = f"; up to {100.0 * lost:.1f} % of the readings had no return" if lost > 0.0 else ""
+    return f"{name}, element {number}, squarely before a wall{remark}", rows

@@ -1,0 +1,69 @@
+"""``amorsim explain-errors``: what each error of a robot does to its odometry."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from amorsim.cli.console import say
+from amorsim.cli.study import claim_folder, draw, free_folder, read_study, significant, table, write_text
+
+if TYPE_CHECKING:
+    from amorsim.simulation.attribution import Attribution
+
+__all__ = ["command"]
+
+
+def command(
+    scenario: Annotated[
+        str,
+        typer.Argument(metavar="SCENARIO", help="A scenario file (.toml), the name of a bundled one, or a map alone."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-errors-<number>]"),
+    ] = None,
+    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    replicas: Annotated[int, typer.Option(metavar="N", help="How often what is random is drawn.")] = 20,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of all draws, in place of the scenario's.")
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
+    ] = None,
+) -> None:
+    """Show what each error does to odometry: the same drive with each alone, and with all together.
+
+    Each entry of the robot's errors, each element of its ground and each one of its encoder's noise is an error.
+    All draw the same alone as in company, so that their shares add up.
+    """
+    from amorsim.simulation.attribution import attribute_errors
+
+    free_folder(out)
+    read = read_study(scenario, changes, seed)
+    found = attribute_errors(read, robot=robot, replicas=replicas)
+    say(_report(found, replicas))
+    folder = claim_folder(out, read, "errors")
+    lines = ["error,replica,ahead,left"]
+    for case in (*found.cases, found.together):
+        lines += [f"{case.name},{i},{x:.6f},{y:.6f}" for i, (x, y) in enumerate(case.errors.tolist())]
+    write_text(folder / "final-errors.csv", "\n".join(lines) + "\n")
+    path = folder / "errors.png"
+    has_plot = draw(path, lambda plots: plots.plot_attribution(found, path))
+    say(f"\nfinal errors: {folder / 'final-errors.csv'}" + (f", picture: {path}" if has_plot else ""))
+
+
+def _report(found: Attribution, replicas: int) -> str:
+    rows = [[case.name, significant(case.error), f"{100.0 * case.share:.1f} %"] for case in found.cases]
+    rows.append(["interaction", "", f"{100.0 * found.interaction:.1f} %"])
+    rows.append([found.together.name, significant(found.together.error), "100.0 %"])
+    lines = [
+        f"{found.robot}: final error of dead reckoning, root mean square over {replicas} replicas",
+        table(["error", "alone [m]", "share"], rows),
+    ]
+    if found.left_out:
+        lines.append(f"no part in odometry: {', '.join(found.left_out)}")
+    return "\n".join(lines)

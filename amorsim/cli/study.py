@@ -1,0 +1,121 @@
+"""What the commands that make experiments have in common: the scenario they take, the folder and plots they leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import attrs
+
+from amorsim.cli.console import complain, say
+from amorsim.core.errors import AmorsimError, RunError
+
+if TYPE_CHECKING:
+    from amorsim.scenario.spec import Scenario
+
+__all__ = ["claim_folder", "draw", "free_folder", "read_study", "significant", "table", "write_text"]
+
+
+def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
+    """The scenario that a user means, with another seed if one is given."""
+    from amorsim.cli.scenarios import read_scenario
+    from amorsim.core.parameters import ParameterError
+    from amorsim.kernels.compile import is_cold
+
+    if is_cold():
+        say("compiling the kernels, once after installing (some ten seconds) ...")
+    scenario = read_scenario(name, changes=changes or [])
+    if seed is None:
+        return scenario
+    try:
+        return attrs.evolve(scenario, seed=seed)
+    except ParameterError as error:
+        raise AmorsimError(f"--seed: {error.problem}") from None
+
+
+def free_folder(out: Path | None) -> None:
+    """Complain of a folder that holds something, before anything is computed for it.
+
+    Raises
+    ------
+    RunError
+        If there are files in it, or it is a file itself.
+    """
+    if out is None or not out.exists():
+        return
+    if not out.is_dir():
+        raise RunError(f"{out}: is a file; name a folder, new or empty")
+    if any(out.iterdir()):
+        raise RunError(f"{out}: the folder holds files already; name another one, or one that is not there")
+
+
+def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:
+    """The folder of that name, made; without a name ``amorsim-runs/<scenario>-<what>-<number>``.
+
+    Raises
+    ------
+    RunError
+        If it cannot be made.
+    """
+    from amorsim.simulation.folder import new_folder
+
+    if out is None:
+        stem = scenario.source.stem if scenario.source is not None else "map"
+        return new_folder(f"{stem}-{what}")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RunError(f"{out}: cannot make this folder ({error.strerror or error})") from None
+    return out
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file.
+
+    Raises
+    ------
+    RunError
+        If it cannot be written.
+    """
+    try:
+        path.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def draw(path: Path, plot: Callable[[Any], None]) -> bool:
+    """Whether a plot could be drawn: `plot` gets the module of plots, which needs matplotlib."""
+    try:
+        from amorsim.analysis import study_plots
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] != "matplotlib":
+            raise
+        complain(f'{path.name} is left out: plots need matplotlib: python -m pip install "amorsim[plot]"')
+        return False
+    try:
+        plot(study_plots)
+    except OSError as error:
+        raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+    return True
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Lines of a table: the first column to the left, all others to the right."""
+    lines = [list(head), *(list(row) for row in rows)]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
+    return "\n".join(
+        "  ".join(
+            cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(line, widths, strict=True))
+        )
+        for line in lines
+    ).replace(" \n", "\n")
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """A number with some digits that count, without an exponent where it is of usual size."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g}"
+    places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    return f"{value:.{places}f}" if places <= 9 else f"{value:.{digits - 1}e}"

@@ -1,0 +1,276 @@
+"""Scans: many beams from one place, which help one another, to the bit what each gives on its own.
+
+Where the map has line features they say how far a beam is free (`amorsim.kernels.lines`), and it is marched only from
+there. Most beams then hit within the word of 8 x 8 cells in which they start. So a number of them goes there together:
+starts are found for all, their words fetched, steps from cell to cell taken by all in lockstep, and distances measured
+for all, in loops without a branch, which compilers make several beams wide, and whose fetches do not wait for one
+another. Crossings are compared as `amorsim.kernels.rays` compares them; a beam that is in doubt, or leaves its word,
+goes on by itself from where it is, by `march`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.kernels.compile import kernel
+from amorsim.kernels.grid import Grid, is_occupied
+from amorsim.kernels.lines import SAFETY, Lines, bound_scan, bucket_of
+from amorsim.kernels.rays import cell_of, direction, march, rounding, to_frame
+
+__all__ = ["cast_scans"]
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_FEW = 12  # beams of a scan below which bounds cost more than they save
+_FINE, _COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for all rows and of one for each
+_LANES = 64  # beams that go together
+_STEPS = 8  # cells they go at most; few need more
+
+# Where the quantities of these beams start in the one array of numbers and the one of whole numbers. Constant distances
+# tell the compiler that they do not overlap.
+_DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * _LANES for i in range(9))
+_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y = (i * _LANES for i in range(5))
+
+# States: on its way; has entered an occupied cell by a line of either axis; must go on alone, from its place in the
+# word or from the start.
+_LIVE, _BY_X, _BY_Y, _ALONE, _UNSTARTED = range(5)
+# A place in a word is 256 * row + column; one that is not in it has other bits set.
+_ROW_UNIT = 256
+_BEYOND_WORD = ~0x0707
+
+
+@kernel
+def _sort_beams(
+    cos_b: Floats, sin_b: Floats, b: int, scale: float, order: Integers, starts: Integers, cos_s: Floats, sin_s: Floats
+) -> None:
+    """Write the beams of row b in the order of their sectors, and at which of them each sector starts."""
+    starts[:] = 0
+    for k in range(cos_b.shape[1]):
+        starts[bucket_of(cos_b[b, k], sin_b[b, k], 0.0, scale) + 1] += 1
+    for s in range(len(starts) - 1):
+        starts[s + 1] += starts[s]
+    for k in range(cos_b.shape[1]):
+        s = bucket_of(cos_b[b, k], sin_b[b, k], 0.0, scale)
+        i = starts[s]
+        starts[s] = i + 1
+        order[i] = k
+        cos_s[i] = cos_b[b, k]
+        sin_s[i] = sin_b[b, k]
+    # Each start has moved on to that of the next sector.
+    for s in range(len(starts) - 1, 0, -1):
+        starts[s] = starts[s - 1]
+    starts[0] = 0
+
+
+@kernel
+def _aim(
+    grid: Grid,
+    x: float,
+    y: float,
+    cos_h: float,
+    sin_h: float,
+    first: int,
+    cos_s: Floats,
+    sin_s: Floats,
+    nearness: Floats,
+    f: Floats,
+    q: Integers,
+) -> None:
+    """Write direction, cell and next crossings of the beams from number `first` on, at the end of what is free."""
+    resolution = grid.resolution
+    start_x = x / resolution
+    start_y = y / resolution
+    doubt = 2.0 * rounding(grid, 1.0, 1.0)
+    for i in range(_LANES):
+        dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
+        free = (1.0 - SAFETY) / (nearness[first + i] * resolution)
+        place_x = start_x + free * dx
+        place_y = start_y + free * dy
+        col = math.floor(place_x) * 1.0
+        row = math.floor(place_y) * 1.0
+        inverse_x = 1.0 / dx
+        inverse_y = 1.0 / dy
+        f[i + _DX] = dx
+        f[i + _DY] = dy
+        f[i + _BETWEEN_X] = abs(inverse_x)
+        f[i + _BETWEEN_Y] = abs(inverse_y)
+        f[i + _COL] = col
+        f[i + _ROW] = row
+        f[i + _NEXT_X] = (col + (1.0 if dx > 0.0 else 0.0) - start_x) * inverse_x
+        f[i + _NEXT_Y] = (row + (1.0 if dy > 0.0 else 0.0) - start_y) * inverse_y
+        part_x = place_x - col
+        part_y = place_y - row
+        # Not so near a grid line that the cell is in doubt; false of nan.
+        sure = (part_x > doubt) & (part_x < 1.0 - doubt) & (part_y > doubt) & (part_y < 1.0 - doubt)
+        sure &= (place_x > 0.0) & (place_x < grid.cols) & (place_y > 0.0) & (place_y < grid.rows)
+        q[i + _STATE] = _LIVE if sure else _UNSTARTED
+        q[i + _STEP_X] = 1 if dx > 0.0 else -1
+        q[i + _STEP_Y] = _ROW_UNIT if dy > 0.0 else -_ROW_UNIT
+
+
+@kernel
+def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
+    """Write the words that the live beams are in, and their places in them; where all is free the word is 0."""
+    for i in range(_LANES):
+        word: Any = np.uint64(0)
+        place = 0
+        if q[i + _STATE] == _LIVE:
+            col = int(f[i + _COL])
+            row = int(f[i + _ROW])
+            entry: Any = np.int64(grid.supers[np.uint64((row >> 12) * grid.super_cols + (col >> 12))])
+            if entry >= 0:
+                entry = np.int64(grid.tables[np.uint64(entry), np.uint64(((row >> 6) & 63) * 64 + ((col >> 6) & 63))])
+                if entry >= 0:
+                    word = grid.pages[np.uint64(entry), np.uint64(((row >> 3) & 7) * 8 + ((col >> 3) & 7))]
+            place = (row & 7) * _ROW_UNIT + (col & 7)
+        q[i + _WORD] = np.int64(word)
+        q[i + _PLACE] = place
+
+
+@kernel
+def _walk(slack: float, f: Floats, q: Integers) -> None:
+    """Go from cell to cell until one is occupied, the next is in another word, or which is next is in doubt.
+
+    Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
+    """
+    for _ in range(_STEPS):
+        for i in range(_LANES):
+            next_x = f[i + _NEXT_X]
+            next_y = f[i + _NEXT_Y]
+            between_x = f[i + _BETWEEN_X]
+            between_y = f[i + _BETWEEN_Y]
+            place = q[i + _PLACE]
+            step_x = q[i + _STEP_X]
+            step_y = q[i + _STEP_Y]
+            live = np.int64(q[i + _STATE] == _LIVE)
+            by_x = np.int64(next_x <= next_y)
+            then = place + (step_y ^ ((step_x ^ step_y) & -by_x))
+            sure = np.int64(abs(next_x - next_y) > slack * (between_x + between_y))
+            goes = live & sure & np.int64((then & _BEYOND_WORD) == 0)
+            hits = (q[i + _WORD] >> (((then >> 5) & 56) + (then & 7))) & goes
+            ends = (-hits & (_BY_Y - by_x)) | (_ALONE & (goes - 1))
+            q[i + _STATE] |= ends & -live
+            q[i + _PLACE] = place ^ ((place ^ then) & -goes)
+            f[i + _NEXT_X] = next_x + (between_x if goes & by_x else 0.0)
+            f[i + _NEXT_Y] = next_y + (between_y if goes & (1 - by_x) else 0.0)
+
+
+@kernel
+def _measure(resolution: float, x: float, y: float, reach: float, f: Floats, q: Integers) -> None:
+    """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did."""
+    for i in range(_LANES):
+        by_x = q[i + _STATE] == _BY_X
+        place = q[i + _PLACE]
+        dx = f[i + _DX]
+        dy = f[i + _DY]
+        line_x = 8.0 * math.floor(f[i + _COL] * 0.125) + (place & 7) + (0.0 if dx > 0.0 else 1.0)
+        line_y = 8.0 * math.floor(f[i + _ROW] * 0.125) + (place >> 8) + (0.0 if dy > 0.0 else 1.0)
+        line = line_x if by_x else line_y
+        distance = (line * resolution - (x if by_x else y)) / (dx if by_x else dy)
+        f[i + _RANGE] = distance + 0.0 if distance <= reach else np.inf
+
+
+@kernel
+def cast_scans(
+    grid: Grid,
+    lines: Lines,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    poses: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    out: Floats,
+) -> None:
+    """Write the distance [m] along every beam of every pose to where it enters the first occupied cell.
+
+    Parameters
+    ----------
+    grid
+        The map, whose lower left corner is at (origin_x, origin_y) [m] and turned by `yaw` [rad] in the
+        world.
+    lines
+        What the map was drawn from, in its frame; `no_lines()` where that is not known.
+    poses
+        (N, 3): x, y [m] and heading [rad] in the world.
+    cos_b, sin_b
+        (B, k), B = 1 or N: cosine and sine of the beams' bearings from the heading, in any order.
+    range_max
+        (R,), R = 1 or N [m].
+    out
+        (N, k): 0 from an occupied cell or from outside the map, inf where nothing is within the range, and
+        nan where a pose or a bearing is.
+    """
+    cos_yaw = math.cos(yaw)
+    sin_yaw = math.sin(yaw)
+    resolution = grid.resolution
+    width = grid.cols * resolution
+    height = grid.rows * resolution
+    slack = 2.0 * rounding(grid, 1.0, 1.0)
+    beams = out.shape[1]
+    has_lines = lines.walls.shape[0] > 0 and beams >= _FEW
+    scale = _FINE if cos_b.shape[0] == 1 else _COARSE
+    starts = np.empty(int(4.0 * scale) + 1, dtype=np.int64)
+    order = np.arange(beams)
+    lanes = (beams + _LANES - 1) // _LANES * _LANES
+    nearness = np.empty(lanes)
+    cos_s = np.ones(lanes)
+    sin_s = np.zeros(lanes)
+    f = np.empty(9 * _LANES)
+    q = np.empty(5 * _LANES, dtype=np.int64)
+    sorted_row = -1
+    for n in range(poses.shape[0]):
+        x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
+        heading = poses[n, 2] - yaw
+        cos_h = math.cos(heading)
+        sin_h = math.sin(heading)
+        reach = range_max[n if range_max.shape[0] > 1 else 0]
+        b = n if cos_b.shape[0] > 1 else 0
+        is_nan = x != x or y != y or cos_h != cos_h
+        inside = 0.0 <= x < width and 0.0 <= y < height
+        col = cell_of(x, resolution) if inside else -1
+        row = cell_of(y, resolution) if inside else -1
+        if is_nan or is_occupied(grid, row, col):
+            out[n] = np.nan if is_nan else 0.0
+            continue
+        if b != sorted_row:
+            _sort_beams(cos_b, sin_b, b, scale, order, starts, cos_s, sin_s)
+            sorted_row = b
+        # A beam no nearer than this has nothing within the range.
+        beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
+        bounded = has_lines and reach > resolution
+        if bounded:
+            nearness[:] = beyond
+            bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, nearness)
+        for first in range(0, beams, _LANES):
+            if bounded:
+                _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, f, q)
+                _fetch(grid, f, q)
+                _walk(slack, f, q)
+                _measure(resolution, x, y, reach, f, q)
+            for i in range(min(_LANES, beams - first)):
+                k = order[first + i]
+                start_col = col
+                start_row = row
+                dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
+                if dx != dx or dy != dy:
+                    out[n, k] = np.nan
+                    continue
+                if bounded:
+                    state = q[i + _STATE]
+                    if state in (_BY_X, _BY_Y):
+                        out[n, k] = f[i + _RANGE]
+                        continue
+                    if nearness[first + i] <= beyond:
+                        out[n, k] = np.inf
+                        continue
+                    if state != _UNSTARTED:
+                        start_col = (int(f[i + _COL]) & -8) + (q[i + _PLACE] & 7)
+                        start_row = (int(f[i + _ROW]) & -8) + (q[i + _PLACE] >> 8)
+                out[n, k] = march(grid, x, y, start_col, start_row, dx, dy, reach)

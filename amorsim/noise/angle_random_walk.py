@@ -1,0 +1,40 @@
+"""White noise of a rate, by its density."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+
+__all__ = ["AngleRandomWalk"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class AngleRandomWalk(Noise):
+    """Adds white noise to a rate, such that its integral is a random walk that does not depend on the rate of samples.
+
+    A sample stands for the time since the one before; its noise is normal with the standard deviation
+    density / sqrt(elapsed). The first sample stands for no time and has none. Of a gyro it is the angle random
+    walk N of IEEE Std 952: the angle is off by N sqrt(t) after a time t, and the Allan deviation is N / sqrt(t).
+
+    Parameters
+    ----------
+    density
+        Standard deviation of the mean over one second, in the sensor's unit: for a gyro N in (rad/s)/sqrt(Hz).
+        A data sheet's *one-sided* density, which belongs to a bandwidth, is sqrt(2) times as large.
+    """
+
+    density: float = parameter(unit="sensor", ge=0, help="standard deviation of the mean over 1 s, per root hertz")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The values `(N, k)` with noise on them."""
+        counts = elapsed > 0.0
+        std = np.where(counts, self.density / np.sqrt(np.where(counts, elapsed, 1.0)), 0.0)
+        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        return values - (0.0 - draws.normal(values.shape[1]) * std)

@@ -1,0 +1,71 @@
+"""Ranges as the beam model of probabilistic robotics has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.core.parameters import ParameterError
+
+__all__ = ["BeamModel"]
+
+Array = npt.NDArray[np.float64]
+
+_TOLERANCE = 1e-9  # of the sum of the weights, which are given in decimals
+
+
+@attrs.frozen(kw_only=True)
+class BeamModel(Noise):
+    """Makes of each range, by chance, a hit, something in front of it, no return, or any number.
+
+    The mixture of S. Thrun, W. Burgard and D. Fox, "Probabilistic Robotics" (2005), drawn from and not evaluated:
+    the range itself with normal noise; an exponential distribution cut off at the range, for what the map does
+    not know; no return; and a uniform one over the device's range. No return is ``inf``, as everywhere here,
+    where the book has `range_max`: put a `dropout` or `saturate` behind it for a device that reports that. A hit
+    below 0 or above `range_max` is drawn to that end. Where nothing returned, a hit stays inf, and what stands in
+    front may be anywhere in the range.
+
+    Parameters
+    ----------
+    hit, short, max, random
+        The weights of the four parts, which sum to 1.
+    std
+        Standard deviation of a hit [m].
+    short_rate
+        The more of it, the nearer is what stands in front: the rate of the exponential distribution [1/m].
+    range_max
+        Longest range of the device [m].
+    """
+
+    hit: float = parameter(1.0, ge=0, le=1, help="weight of the range itself with normal noise")
+    short: float = parameter(0.0, ge=0, le=1, help="weight of things in front of what the map has")
+    max: float = parameter(0.0, ge=0, le=1, help="weight of no return")
+    random: float = parameter(0.0, ge=0, le=1, help="weight of any range at all")
+    std: float = parameter(0.0, unit="m", ge=0, help="standard deviation of a hit")
+    short_rate: float = parameter(
+        1.0, unit="1/m", gt=0, help="rate of the exponential distribution of what is in front"
+    )
+    range_max: float = parameter(unit="m", gt=0, help="longest range of the device")
+
+    def __attrs_post_init__(self) -> None:
+        total = self.hit + self.short + self.max + self.random
+        if abs(total - 1.0) > _TOLERANCE:
+            raise ParameterError("hit", f"expected hit, short, max and random to sum to 1, got {total!r}")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The ranges `(N, k)` [m], inf for no return."""
+        k = values.shape[1]
+        part, noise, place = draws.uniform(k), draws.normal(k) * self.std, draws.uniform(k)
+        hit = np.minimum(np.maximum(values - (0.0 - noise), 0.0), self.range_max)
+        # Without noise a hit is the value, whatever it is.
+        hit = np.where((noise == 0.0) | np.isinf(values), values, hit)
+        within = np.minimum(np.maximum(values, 0.0), self.range_max)
+        # The distribution function turned round, of an exponential cut off at the range.
+        short = np.minimum(-np.log1p(place * np.expm1(-self.short_rate * within)) / self.short_rate, within)
+        drawn = np.where(part < self.short + self.max + self.random, place * self.range_max, hit)
+        drawn = np.where(part < self.short + self.max, np.inf, drawn)
+        return np.where(part < self.short, short, drawn)

@@ -1,0 +1,44 @@
+"""A zero that wanders off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Noise, State, parameter
+
+__all__ = ["BiasRandomWalk"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class BiasRandomWalk(Noise):
+    """Adds a bias that starts at 0 and walks at random with time, a walk of its own for each value; inf stays inf.
+
+    The bias changes between two samples by normal noise whose variance is in proportion to the time between
+    them, so that it does not depend on how often the device reads. Of a gyro it is the rate random walk K of
+    IEEE Std 952, with an Allan deviation of K sqrt(t / 3).
+
+    Parameters
+    ----------
+    std
+        Standard deviation of the bias one second after the start, in the sensor's unit; it grows with the
+        square root of the time.
+    """
+
+    std: float = parameter(unit="sensor", ge=0, help="standard deviation of the bias after 1 s, per root second")
+
+    def start(self, context: Context) -> State:
+        """A bias `(N, k)` of 0."""
+        return {"bias": np.zeros((context.rows, context.size))}
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The values `(N, k)` and the bias of now."""
+        bias = state["bias"] + draws.normal(values.shape[1]) * (np.sqrt(elapsed) * self.std)
+        state["bias"] = bias
+        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        return values - (0.0 - bias)

@@ -1,0 +1,63 @@
+"""Values that get lost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.core.parameters import ParameterError
+
+__all__ = ["Dropout"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Dropout(Noise):
+    """Loses each value with a probability, independently of the others and of earlier samples.
+
+    Parameters
+    ----------
+    probability
+        That a value is lost.
+    report
+        What the device says in place of a lost value. ``"inf"``: that nothing returned, for range finders.
+        ``"last"``: what it said before; the first sample of all, before which it said nothing, is not lost.
+        ``"value"``: the number `value`, as devices do that report their range for no return.
+    value
+        What a lost value reads with ``report = "value"``, in the sensor's unit.
+    """
+
+    probability: float = parameter(ge=0, le=1, help="that a value is lost")
+    report: str = parameter(
+        "inf",
+        choices=("inf", "last", "value"),
+        static=True,
+        help="what is said in its place: no return, what was said before, or a number",
+    )
+    value: float | None = parameter(None, unit="sensor", help="what a lost value reads, with report = 'value'")
+
+    def __attrs_post_init__(self) -> None:
+        if (self.value is None) == (self.report == "value"):
+            wanted = "a number with report = 'value'" if self.value is None else "none without report = 'value'"
+            raise ParameterError("value", f"expected {wanted}, got {self.value!r}")
+
+    def start(self, context: Context) -> State:
+        """What was said last `(N, k)`, nan before there was anything; only where that is reported."""
+        return {"last": np.full((context.rows, context.size), np.nan)} if self.report == "last" else {}
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The values `(N, k)`, or what stands for those that are lost."""
+        lost = draws.uniform(values.shape[1]) < self.probability
+        if self.report == "inf":
+            return np.where(lost, np.inf, values)
+        if self.report == "value":
+            return np.where(lost, np.asarray(self.value), values)
+        last = state["last"]
+        said = np.where(lost & ~np.isnan(last), last, values)
+        state["last"] = said
+        return said

@@ -1,0 +1,42 @@
+"""Now and then a value that is far off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+
+__all__ = ["Outliers"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Outliers(Noise):
+    """Adds to each value, with a probability, a normal error of mean 0 and large spread; inf stays inf.
+
+    With white noise before it in the chain, values follow the contaminated normal distribution of J. W. Tukey
+    ("A survey of sampling from contaminated distributions", 1960).
+
+    Parameters
+    ----------
+    probability
+        That a value is an outlier, independently of the others and of earlier samples.
+    std
+        Standard deviation of an outlier's error, in the sensor's unit.
+    """
+
+    probability: float = parameter(ge=0, le=1, help="that a value is an outlier")
+    std: float = parameter(unit="sensor", ge=0, help="standard deviation of an outlier's error")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The values `(N, k)`, some of them far off."""
+        k = values.shape[1]
+        is_outlier = draws.uniform(k) < self.probability
+        error = np.where(is_outlier, draws.normal(k) * self.std, 0.0)
+        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        return values - (0.0 - error)

@@ -1,0 +1,65 @@
+"""A wheel that slips for a while."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.core.errors import ComponentError, did_you_mean
+
+__all__ = ["Slip"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Slip(Noise):
+    """Lets wheels slip from a given time on for a given time: over the ground they go only a part of what they roll.
+
+    For the `ground` chain of any drive; encoders see nothing of it. An element is one event; a chain may have any
+    number of them, each with its own name. A step in which it begins or ends slips for the part of the step that
+    the event covers, so that the way does not depend on the step.
+
+    Parameters
+    ----------
+    at
+        When it begins [s], counted from the start of the episode.
+    duration
+        How long it lasts [s].
+    factor
+        The way over the ground for each metre rolled: 1 for no slip, 0 for a wheel that spins on the spot.
+    joint
+        The name of the joint that slips; without one, all that roll.
+    """
+
+    at: float = parameter(unit="s", ge=0, help="when it begins, from the start of the episode")
+    duration: float = parameter(unit="s", ge=0, help="how long it lasts")
+    factor: float = parameter(ge=0, help="way over the ground for each metre rolled")
+    joint: str = parameter("", static=True, help="name of the joint that slips; empty for all that roll")
+
+    def start(self, context: Context) -> State:
+        """How many steps were made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""
+        slips = np.ones((context.rows, context.size))
+        if self.joint:
+            rolling = [joint.name for joint in context.robot.drive.joints if joint.rolls]
+            if self.joint not in rolling:
+                raise ComponentError(
+                    f"Slip: joint: expected one of {', '.join(rolling)} or nothing, got {self.joint!r}."
+                    f"{did_you_mean(self.joint, rolling)}"
+                )
+            slips[:] = [float(name == self.joint) for name in rolling]
+        return {"steps": np.zeros((context.rows, 1), dtype=np.int64), "slips": slips}
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The travels `(N, r)` [m] over the ground."""
+        # By multiplication, never by adding up: a billion steps later the time is still right.
+        begin = state["steps"] * elapsed
+        state["steps"] = state["steps"] + 1
+        covered = np.minimum(begin + elapsed, self.at + self.duration) - np.maximum(begin, self.at)
+        part = np.where(elapsed > 0.0, covered / np.where(elapsed > 0.0, elapsed, 1.0), 0.0)
+        part = np.minimum(np.maximum(part, 0.0), 1.0)
+        return values * (1.0 - (1.0 - self.factor) * part * state["slips"])

@@ -1,0 +1,42 @@
+"""Echoes that never come back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.core.errors import ComponentError
+
+__all__ = ["SpecularLoss"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class SpecularLoss(Noise):
+    """Loses the return of a surface that is met at more than a critical angle, as a mirror sends the pulse away.
+
+    For sensors that tell the angle of incidence of each value, between the beam and the surface's normal: lasers
+    and sonars do. Of a sonar it is that of the nearest return, which meets a wall straight on if the wall's
+    normal lies within the cone. What comes back by way of a second wall (a corner) is not modelled.
+
+    Parameters
+    ----------
+    critical
+        Largest angle of incidence [rad] at which anything returns.
+    """
+
+    critical: float = parameter(unit="rad", ge=0, le=np.pi / 2.0, help="largest angle of incidence that returns")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The ranges `(N, k)`, inf where the pulse went away; `ComponentError` where no incidence is told."""
+        if "incidence" not in side:
+            raise ComponentError(
+                "SpecularLoss: expected a sensor that tells the angle of incidence of its values (laser, sonar), got "
+                "one that does not; take the element out of its chain"
+            )
+        return np.where(side["incidence"] > self.critical, np.inf, values)

@@ -1,0 +1,27 @@
+"""From where a sensor looks whose beams are not all of the same instant."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import View
+from amorsim.core.poses import compose, exponential, relative
+
+__all__ = ["poses_at"]
+
+Array = npt.NDArray[np.float64]
+
+
+def poses_at(view: View, poses: Array, time: Array) -> Array:
+    """World poses `(N * k, 3)` of what now stands at `poses` on the body, at another time `(N, k)` [s] from now.
+
+    The body is taken to move with the mean velocity of its last step, which is exact within that step for a drive that
+    keeps its twist through it. Where the time is 0, poses keep their bits.
+    """
+    k = time.shape[1]
+    body = np.repeat(view.body_pose, k, axis=0)
+    twist = np.repeat(view.twist, k, axis=0)
+    when = np.ascontiguousarray(time).reshape(-1, 1)
+    there = compose(compose(body, exponential(twist, when)), relative(body, poses))
+    return np.where(when == 0.0, poses, there)

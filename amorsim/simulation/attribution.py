@@ -1,0 +1,201 @@
+"""What each error of a robot does to its odometry: the same drive with each alone, and with all together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.controllers.manual import Manual
+from amorsim.core.errors import AmorsimError
+from amorsim.core.poses import compose, relative
+from amorsim.core.rows import stack
+from amorsim.scenario.spec import Robot, Scenario
+from amorsim.simulation.bench import alone, chosen_robot, empty_world, error_paths, only_odometry
+from amorsim.simulation.simulation import Simulation
+
+__all__ = ["Attribution", "Case", "attribute_errors"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Case:
+    """The drive with one error alone, or with all of them.
+
+    Attributes
+    ----------
+    name
+        Path of the error, such as ``"errors.drive.track"`` or ``"ground.diffusion"``.
+    believed
+        Where the robot of the first replica would believe to be `(T, 3)` if it truly went along the reference.
+    errors
+        Estimated less true position at the end, as the robot itself sees it (ahead, to the left) [m], `(R, 2)`.
+    error
+        Their length, root mean square over replicas [m].
+    share
+        Of the final error of all together: how much of it points its way, 1 for all of it. Negative, where it makes
+        up for others.
+    """
+
+    name: str
+    believed: Array
+    errors: Array
+    error: float
+    share: float
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Attribution:
+    """All cases over one recorded drive.
+
+    Attributes
+    ----------
+    reference
+        The path without any error `(T, 3)`, in a frame that begins at the robot's start.
+    together
+        All errors at once; its share is 1.
+    left_out
+        Paths of errors that have no part in odometry.
+    """
+
+    robot: str
+    reference: Array
+    cases: tuple[Case, ...]
+    together: Case
+    left_out: tuple[str, ...]
+
+    @property
+    def interaction(self) -> float:
+        """What the shares of single errors lack to 1: errors that make one another larger or smaller."""
+        return 1.0 - sum(case.share for case in self.cases)
+
+
+def attribute_errors(scenario: Scenario, *, robot: str | None = None, replicas: int = 20) -> Attribution:
+    """Drive once without errors, and then give the same commands with each error alone, and with all together.
+
+    An error is an entry of the robot's `errors`, an element of its `ground`, or one of its encoder's chain. Draws hang
+    on names, so each error draws the same alone as in company. The estimate is dead reckoning. The commands are the
+    controller's in the scenario's own world; they are given again where nothing is in the way.
+
+    A final error of all together is, to first order, the sum of those of each alone. A share is the part of it that
+    lies along the whole, averaged over replicas: mean of e_i . e over mean of e . e.
+
+    Parameters
+    ----------
+    robot
+        Its name; without it, the first.
+    replicas
+        How many, for what is random.
+
+    Raises
+    ------
+    AmorsimError
+        If the robot has no odometry, or no errors, or there are too few replicas.
+    """
+    chosen = chosen_robot(scenario, robot)
+    if replicas < 1:
+        raise AmorsimError(f"replicas: expected a whole number > 0, got {replicas!r}")
+    odometer, encoder = only_odometry(chosen)
+    everything = _names(odometer, encoder)
+    if not everything:
+        raise AmorsimError(
+            f"robot {chosen.name!r} has nothing to explain: no errors of its drive, no ground noise, no encoder noise"
+        )
+    commands = _commands(scenario, chosen, encoder)
+    player = attrs.evolve(odometer, controller=Manual(), on_collision="continue")
+    world = empty_world(10.0 + _reach(scenario, commands, _with_only(player, encoder, set())))
+
+    def play(kept: set[str], rows: int) -> tuple[Array, Array]:
+        return _play(alone(scenario, _with_only(player, encoder, kept), world), commands, rows)
+
+    reference, _ = play(set(), 1)
+    offsets: dict[str, tuple[Array, Array]] = {}
+    together = ""
+    for name in (*everything, together):
+        true, believed = play(set(everything) if name == together else {name}, replicas)
+        steps, rows = true.shape[:2]
+        off = relative(true.reshape(-1, 3), believed.reshape(-1, 3)).reshape(steps, rows, 3)
+        offsets[name] = compose(reference[:, 0], off[:, 0]), off[-1, :, :2]
+    whole = offsets[together][1]
+
+    def case(name: str) -> Case:
+        believed, errors = offsets[name]
+        mean_square = float(np.mean(np.sum(whole * whole, axis=1)))
+        along = float(np.mean(np.sum(errors * whole, axis=1)))
+        return Case(
+            name=name or "all together",
+            believed=believed,
+            errors=errors,
+            error=math.sqrt(float(np.mean(np.sum(errors * errors, axis=1)))),
+            share=along / mean_square if mean_square > 0.0 else 0.0,
+        )
+
+    kept = {f"errors.{path}" for path in odometer.errors}
+    return Attribution(
+        robot=chosen.name,
+        reference=reference[:, 0],
+        cases=tuple(case(name) for name in everything),
+        together=case(together),
+        left_out=tuple(f"errors.{path}" for path in chosen.errors if f"errors.{path}" not in kept),
+    )
+
+
+def _names(robot: Robot, encoder: str) -> list[str]:
+    names = [f"errors.{path}" for path in error_paths(robot, encoder)]
+    names += [f"ground.{element.name}" for element in robot.ground]
+    return names + [f"sensors.{encoder}.noise.{element.name}" for element in robot.sensors[encoder].noise]
+
+
+def _with_only(robot: Robot, encoder: str, kept: set[str]) -> Robot:
+    unit = robot.sensors[encoder]
+    chain = tuple(e for e in unit.noise if f"sensors.{encoder}.noise.{e.name}" in kept)
+    return attrs.evolve(
+        robot,
+        errors={path: error for path, error in robot.errors.items() if f"errors.{path}" in kept},
+        ground=tuple(element for element in robot.ground if f"ground.{element.name}" in kept),
+        sensors={encoder: attrs.evolve(unit, noise=chain)},
+    )
+
+
+def _commands(scenario: Scenario, robot: Robot, encoder: str) -> Array:
+    """What the controller commands, step by step `(T, c)`, in its world, where nothing is wrong with odometry."""
+    clean = attrs.evolve(
+        robot,
+        errors={},
+        ground=(),
+        sensors={**robot.sensors, encoder: attrs.evolve(robot.sensors[encoder], noise=())},
+    )
+    robots = [clean if other is robot else other for other in scenario.robots]
+    simulation = Simulation(attrs.evolve(scenario, robots=robots, document=None))
+    group, row = simulation._fleet.robot_row(robot.name, 0)
+    channels = len(robot.drive.channels)
+    commands = []
+    for _ in range(simulation.steps_of(scenario.duration)):
+        simulation.step()
+        commands.append(group.command[row, :channels].copy())
+    if not np.any(commands):
+        raise AmorsimError(f"robot {robot.name!r} does not move in this scenario; give it a controller, or more time")
+    return np.array(commands)
+
+
+def _reach(scenario: Scenario, commands: Array, robot: Robot) -> float:
+    """How far the drive could lead at most [m], with twice of every travel."""
+    radius = float(np.max(stack([robot.drive]).rolling_radius()))
+    return 2.0 * radius * float(np.sum(np.max(np.abs(commands), axis=1))) * scenario.dt
+
+
+def _play(scenario: Scenario, commands: Sequence[Array] | Array, replicas: int) -> tuple[Array, Array]:
+    """True and believed poses `(T + 1, R, 3)` under these commands."""
+    simulation = Simulation(scenario, replicas=replicas)
+    group = simulation._fleet.groups[0]
+    true, believed = [simulation.true_pose], [simulation.estimated_pose]
+    for command in commands:
+        group.controller_state["command"] = np.repeat(command[None], replicas, axis=0)
+        simulation.step()
+        true.append(simulation.true_pose)
+        believed.append(simulation.estimated_pose)
+    return np.array(true), np.array(believed)

@@ -1,0 +1,112 @@
+"""One robot taken out of its scenario for an experiment: its true parameters settled, its odometry, a place to be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import attrs
+import numpy as np
+
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.map import Map
+from amorsim.estimators.dead_reckoning import DeadReckoning
+from amorsim.scenario.paths import changed
+from amorsim.scenario.spec import Deviation, Pose, Robot, Scenario
+from amorsim.simulation.truth import true_robot
+
+__all__ = ["alone", "chosen_robot", "empty_world", "error_paths", "only_odometry", "true_value", "with_settled_errors"]
+
+_NOBODY = 0.5  # [m] cells of a world in which there is nothing to be met
+
+
+def chosen_robot(scenario: Scenario, name: str | None) -> Robot:
+    """The robot of that name, or without one the first.
+
+    Raises
+    ------
+    AmorsimError
+        If there is none of that name.
+    """
+    names = [robot.name for robot in scenario.robots]
+    if name is None:
+        return scenario.robots[0]
+    if name not in names:
+        raise AmorsimError(f"there is no robot {name!r}, but: {', '.join(names)}.{did_you_mean(name, names)}")
+    return scenario.robots[names.index(name)]
+
+
+def true_value(robot: Robot, path: str, seed: int) -> float:
+    """What the number at a path really is, for the robot of replica 0."""
+    found: list[float] = []
+
+    def look(value: float) -> float:
+        found.append(value)
+        return value
+
+    changed(true_robot(robot, seed, 0), path.split("."), look)
+    return found[0]
+
+
+def with_settled_errors(robot: Robot, seed: int) -> Robot:
+    """The robot of replica 0 in every replica: what its errors draw at random, drawn once.
+
+    Repeated runs of one experiment are of one robot, however many there are in a study.
+    """
+    settled = {path: Deviation(value=true_value(robot, path, seed)) for path in robot.errors}
+    return attrs.evolve(robot, errors=settled)
+
+
+def error_paths(robot: Robot, sensor: str) -> list[str]:
+    """The paths of those errors that say something of the drive, of the start, or of one sensor."""
+    return [path for path in robot.errors if path.split(".")[0] in ("drive", "pose") or _is_of(path, sensor)]
+
+
+def _is_of(path: str, sensor: str) -> bool:
+    return path.split(".")[:2] == ["sensors", sensor]
+
+
+def only_odometry(robot: Robot) -> tuple[Robot, str]:
+    """The robot with dead reckoning alone and the encoder that this reads, and the encoder's name.
+
+    All other sensors are left out: they have no part in odometry, and draws hang on names, so nobody's change.
+
+    Raises
+    ------
+    AmorsimError
+        If the robot has no sensor that counts its joints.
+    """
+    reckoning = next(((n, e) for n, e in robot.estimators.items() if isinstance(e, DeadReckoning)), None)
+    if reckoning is None:
+        counters = [name for name, unit in robot.sensors.items() if callable(getattr(unit.sensor, "angles", None))]
+        if not counters:
+            raise AmorsimError(
+                f"robot {robot.name!r} has no odometry: it has no sensor that counts its joints, such as an encoder"
+            )
+        reckoning = ("dead_reckoning", DeadReckoning(encoder=counters[0]))
+    name, estimator = reckoning
+    encoder = estimator.encoder
+    if encoder not in robot.sensors:
+        raise AmorsimError(f"robot {robot.name!r}: its dead reckoning reads {encoder!r}, which the robot does not have")
+    kept = attrs.evolve(
+        robot,
+        sensors={encoder: robot.sensors[encoder]},
+        estimators={name: estimator},
+        errors={path: robot.errors[path] for path in error_paths(robot, encoder)},
+    )
+    return kept, encoder
+
+
+def empty_world(reach: float, walls: Iterable[tuple[float, float, float, float]] = ()) -> Map:
+    """Free space to `reach` [m] on all sides of the origin, but for walls (x0, y0, x1, y1) [m]."""
+    segments = np.array(list(walls), dtype=np.float64).reshape(-1, 4)
+    return Map.from_segments(
+        segments, resolution=0.001 if len(segments) else _NOBODY, extent=(-reach, -reach, reach, reach)
+    )
+
+
+def alone(scenario: Scenario, robot: Robot, world: Map | None = None) -> Scenario:
+    """The scenario with no other robot; in another world, standing at its origin, with no obstacles either."""
+    if world is None:
+        return attrs.evolve(scenario, robots=[robot], source=None, document=None)
+    placed = attrs.evolve(robot, pose=Pose())
+    return attrs.evolve(scenario, map=world, robots=[placed], obstacles=[], source=None, document=None)

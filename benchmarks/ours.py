@@ -1,0 +1,111 @@
+"""amorsim's side of a fleet's contest: it drives by itself, and its ways are what the others follow."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+import amorsim as am
+from amorsim.simulation.snapshot import Snapshot
+from benchmarks.results import mean_range
+from benchmarks.task import DT, RADIUS, RANGE_MAX, RANGE_STD, Task, Track
+from benchmarks.worlds import World
+
+__all__ = ["DISCS", "PIONEER", "Ours", "disc", "pioneer"]
+
+Array = npt.NDArray[np.float64]
+
+PIONEER = (
+    "moves a Pioneer 2DX by its wheels, sweeps its footprint against the cells, senses 181 beams, 16 sonars with "
+    "cones, encoder, compass and gyro with all their noise, true and measured, estimates its pose, and decides "
+    "where to go (wander)"
+)
+DISCS = (
+    "moves discs by their wheels, sweeps them against the cells and one another, senses 181 beams with white noise "
+    "against cells and discs and encoders, true and measured, estimates poses, and decides where to go (wander)"
+)
+_UNDER_WAY = 30  # steps before a contest begins, so that robots that start from rest are moving
+
+
+def pioneer(name: str, pose: Array) -> am.Robot:
+    """The Pioneer 2DX that ships, its laser moved to the base point, where the peers have theirs."""
+    model = am.load("demo").robots[0]
+    sensors = dict(model.sensors) | {"laser": attrs.evolve(model.sensors["laser"], mount=am.Mount())}
+    return attrs.evolve(
+        model, name=name, sensors=sensors, errors={}, controller=am.controllers.Wander(speed=0.4), pose=_pose(pose)
+    )
+
+
+def disc(name: str, pose: Array) -> am.Robot:
+    """A disc with encoders and a laser with white noise, as the peers have it."""
+    return am.Robot(
+        name=name,
+        shape=am.Shape.circle(RADIUS),
+        drive=am.drives.Differential(wheel_radius_left=0.0825, wheel_radius_right=0.0825, track=0.33, rate_max=20.0),
+        sensors={
+            "encoder": am.sensors.Encoder(counts_per_revolution=39400.0),
+            "laser": am.MountedSensor(
+                sensor=am.sensors.Laser(range_max=RANGE_MAX), noise=(am.noise.Gaussian(std=RANGE_STD),)
+            ),
+        },
+        estimators={"dead_reckoning": am.estimators.DeadReckoning()},
+        controller=am.controllers.Wander(speed=0.4),
+        on_collision="continue",
+        pose=_pose(pose),
+    )
+
+
+class Ours:
+    """A simulation under way, that can be put back to where a contest starts."""
+
+    def __init__(self, world: World, robots: list[am.Robot]) -> None:
+        self.simulation = am.Simulation(am.Scenario(map=world.map, robots=robots, dt=DT, seed=11))
+        for _ in range(_UNDER_WAY):
+            self.simulation.step()
+        self._start: Snapshot = self.simulation.snapshot()
+        self._world = world
+
+    def reset(self) -> None:
+        """Go back to the start of the contest, to the bit."""
+        self.simulation.restore(self._start)
+
+    def step(self, index: int) -> None:
+        """One step."""
+        self.simulation.step()
+
+    def scan(self) -> Array:
+        """The true ranges `(N, beams)` [m] of the present scans."""
+        return self.simulation.readings["laser"].true
+
+    def task(self, steps: int) -> tuple[Task, Track]:
+        """Drive `steps` steps, not timed: what the others have to do, and what was seen and driven.
+
+        The twists are what the bodies really did, after limits of acceleration and after contact, so that a peer that
+        follows them makes the same way.
+        """
+        self.reset()
+        sim = self.simulation
+        starts = sim.true_pose.copy()
+        ranges, way, stopped, twists = [mean_range(self.scan(), RANGE_MAX)], [], [], []
+        before = starts
+        for _ in range(steps):
+            sim.step()
+            after = sim.true_pose.copy()
+            drove = np.hypot(after[:, 0] - before[:, 0], after[:, 1] - before[:, 1])
+            turned = after[:, 2] - before[:, 2]
+            turned = np.arctan2(np.sin(turned), np.cos(turned))
+            ahead = np.cos(before[:, 2]) * (after[:, 0] - before[:, 0])
+            ahead += np.sin(before[:, 2]) * (after[:, 1] - before[:, 1])
+            twists.append(np.column_stack([np.copysign(drove, ahead), turned]) / DT)
+            ranges.append(mean_range(self.scan(), RANGE_MAX))
+            way.append(drove.mean())
+            stopped.append(np.mean((drove < 1e-9) & (np.abs(turned) < 1e-9)))
+            before = after
+        self.reset()
+        task = Task(world=self._world, starts=starts, twists=np.array(twists))
+        return task, Track(mean_range=np.array(ranges), way=np.array(way), stopped=np.array(stopped))
+
+
+def _pose(pose: Array) -> am.Pose:
+    return am.Pose(x=float(pose[0]), y=float(pose[1]), heading=float(pose[2]))

@@ -1,0 +1,159 @@
+"""Start-up, from the start of a process to its first step; and what writing all text files costs."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import amorsim as am
+from benchmarks import worlds
+from benchmarks.children import ROOM, TASK
+from benchmarks.ours import pioneer
+from benchmarks.peers import PEERS
+from benchmarks.peers.base import Peer
+from benchmarks.results import Ratio, Row, ratio_of, spread_of
+from benchmarks.task import BEAMS, DT
+
+__all__ = ["measure"]
+
+SECTION = "start"
+_STEPS = 300
+_ONE_STEP = "one step: that all beams were scanned is all that is compared"
+
+
+def measure(rounds: int, quick: bool, peers: list[type[Peer]], say: Callable[[str], None]) -> list[Row]:
+    """The rows: warm starts in turn with the peers', cold starts, and the cost of writing."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        room = worlds.line_room()
+        starts = worlds.places(room, 1, 0.6)
+        worlds.write_wld(room.walls, room.size[0], folder / ROOM)
+        np.savez(folder / TASK, walls=room.walls, starts=starts, twists=np.full((1, 1, 2), 0.1))
+        rows = _warm(rounds, peers, folder, say)
+        rows += _cold(1 if quick else min(rounds, 3), folder, say)
+    return rows + _writing(rounds, 50 if quick else _STEPS, say)
+
+
+def _warm(rounds: int, peers: list[type[Peer]], folder: Path, say: Callable[[str], None]) -> list[Row]:
+    names = {cls: name for name in PEERS for cls in peers if PEERS[name].endswith(f":{cls.__name__}")}
+    ours: list[float] = []
+    demo: list[float] = []
+    whole: list[float] = []
+    theirs: dict[str, list[float]] = {cls.name: [] for cls in peers}
+    for side in ("amorsim", "demo"):  # whatever was not compiled yet is now
+        _until_answer(side, folder, {})
+    for number in range(rounds):
+        say(f"start: warm, round {number + 1}")
+        ours.append(_until_answer("amorsim", folder, {}))
+        demo.append(_until_answer("demo", folder, {}))
+        whole.append(_whole_run(folder / f"run{number}"))
+        for cls, short in names.items():
+            theirs[cls.name].append(_until_answer(short, folder, {}))
+    rows = [
+        _row(
+            "warm, process start to first step", "amorsim", ours, "one Pioneer, line room from its .wld file, one step"
+        ),
+        _row("warm, the demo's first step", "amorsim", demo, "amorsim.load('demo') and one step in Python"),
+        _row(
+            "warm, the demo from start to end",
+            "amorsim",
+            whole,
+            "amorsim run demo --duration 0.1, with files and picture",
+        ),
+    ]
+    for cls in peers:
+        found = theirs[cls.name]
+        ratio = Ratio(spread=ratio_of(ours, found, less_is_better=True), counts=False, why_not=_ONE_STEP)
+        note = "the line room and one step with one scan of 181 beams"
+        row = _row("warm, process start to first step", f"{cls.name} {cls.version()}", found, note, ratio)
+        rows.append(row)
+    return rows
+
+
+def _cold(rounds: int, folder: Path, say: Callable[[str], None]) -> list[Row]:
+    found = []
+    for number in range(rounds):
+        say(f"start: cold, round {number + 1}")
+        cache = folder / f"cache{number}"
+        cache.mkdir()
+        found.append(_until_answer("demo", folder, {"NUMBA_CACHE_DIR": str(cache)}))
+    return [_row("cold, the demo's first step", "amorsim", found, "an empty cache: all kernels are compiled")]
+
+
+def _writing(rounds: int, steps: int, say: Callable[[str], None]) -> list[Row]:
+    """One Pioneer in the line room, all sensors in every step: stepped alone, and stepped and recorded, in turn."""
+    say("start: writing text files")
+    room = worlds.line_room()
+    robot = pioneer("rover", worlds.places(room, 1, 0.6)[0])
+    with tempfile.TemporaryDirectory() as folder:  # only a map from a file can be recorded
+        worlds.write_wld(room.walls, room.size[0], Path(folder) / ROOM)
+        return _recorded(Path(folder), robot, rounds, steps)
+
+
+def _recorded(place: Path, robot: am.Robot, rounds: int, steps: int) -> list[Row]:
+    # Drawing the picture comes after the steps, and is not what is asked.
+    scenario = am.Scenario(map=am.load_map(place / ROOM), robots=[robot], dt=DT, recording=am.Recording(picture=False))
+    alone: list[float] = []
+    written: list[float] = []
+    size = 0
+    for number in range(rounds + 1):
+        simulation = am.Simulation(scenario)
+        started = time.perf_counter()
+        for _ in range(steps):
+            simulation.step()
+        lone = time.perf_counter() - started
+        simulation = am.Simulation(scenario)
+        folder = place / f"run{number}"
+        with am.record(simulation, folder, duration=steps * DT) as session:
+            started = time.perf_counter()
+            for _ in range(steps):
+                simulation.step()
+                session.keep()
+            both = time.perf_counter() - started
+        size = sum(path.stat().st_size for path in folder.rglob("*.csv"))
+        if number:  # the first round warms the kernels up
+            alone.append(lone / steps)
+            written.append(both / steps)
+    spread = spread_of([b / a for a, b in zip(alone, written, strict=True)])
+    note = (
+        f"{size / steps:.0f} bytes a step; {spread.median:.2f} x the step alone ({spread.low:.2f} to {spread.high:.2f})"
+    )
+    return [
+        _row("one Pioneer, a step", "amorsim", alone, "kept in memory"),
+        _row("one Pioneer, a step with all text files", "amorsim", written, note),
+    ]
+
+
+def _row(setting: str, side: str, values: list[float], note: str, ratio: Ratio | None = None) -> Row:
+    return Row(section=SECTION, setting=setting, side=side, unit="s", rounds=tuple(values), ratio=ratio, note=note)
+
+
+def _until_answer(side: str, folder: Path, changes: dict[str, str]) -> float:
+    """Seconds from the start of a process to its answer, which it gives when its first step is made."""
+    command = [sys.executable, "-m", "benchmarks.children", "first-step", side, str(folder)]
+    started = time.perf_counter()
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ | changes
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        answer = next((line for line in process.stdout if line.startswith("{")), "{}")
+        taken = time.perf_counter() - started
+        if process.wait() or json.loads(answer).get("beams") != BEAMS:
+            raise RuntimeError(f"the first step of {side} made no scan of {BEAMS} beams:\n{process.stderr.read()}")
+    return taken
+
+
+def _whole_run(out: Path) -> float:
+    command = [sys.executable, "-m", "amorsim", "run", "demo", "--duration", "0.1", "--quiet", "--out", str(out)]
+    started = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    return time.perf_counter() - started

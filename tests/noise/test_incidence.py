@@ -1,0 +1,114 @@
+"""The angle at which beams meet surfaces, which a laser and a sonar tell if they are asked."""
+
+import math
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.contracts import Aim
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape
+from amorsim.sensors.incidence import PATCH
+from amorsim.sensors.side import Side
+from amorsim.simulation.bodies import World
+from amorsim.simulation.view import GroupView
+from tests import building
+
+CELL = 0.001
+
+
+def look(sensor, map_, *poses, aim=None):
+    """What a sensor reads and tells at poses, each alone in a world of its own."""
+    world = World(map_, ("rover",), (Shape.circle(0.05),), len(poses))
+    world.poses = np.array(poses, dtype=float)
+    view = GroupView(world, np.arange(len(poses)), 0.1)
+    view.body_pose = world.poses
+    view.mount = np.zeros((len(poses), 3))
+    stacked = am.core.rows.stack([sensor] * len(poses))
+    return stacked.sense(view, aim or Aim(), {}, None)
+
+
+def slanting(angle):
+    """A long wall through (2, 0) whose normal is turned by `angle` from the x axis."""
+    way = 5.0 * np.array([-math.sin(angle), math.cos(angle)])
+    wall = np.array([[2.0 - way[0], -way[1], 2.0 + way[0], way[1]]])
+    return Map.from_segments(wall, resolution=CELL, extent=(-6.0, -6.0, 8.0, 6.0))
+
+
+# The ends of both probes and of the beam are each right to a cell's diagonal, across a wall that is seen over
+# 2 PATCH at least.
+BOUND = math.atan(2.0 * math.sqrt(2.0) * CELL / (2.0 * PATCH))
+
+
+@pytest.mark.parametrize("degrees", [0.0, 10.0, 33.0, 45.0, 60.0])
+def test_a_laser_tells_the_angle_to_a_slanting_wall(degrees):
+    laser = am.sensors.Laser(beams=1, fov=0.1, range_max=8.0)
+    ranges, side = look(laser, slanting(math.radians(degrees)), (0.0, 0.0, 0.0), (0.4, 0.1, 0.2), (0.3, 0.0, -0.2))
+    assert np.isfinite(ranges).all()
+    expected = [[math.radians(degrees)], [abs(math.radians(degrees) - 0.2)], [math.radians(degrees) + 0.2]]
+    np.testing.assert_allclose(side["incidence"], expected, atol=BOUND)
+
+
+def test_every_beam_of_a_scan_has_its_own_angle_right_into_the_corners():
+    room = building.room(6.0, 5.0)
+    x, y, heading = 2.3, 2.1, 0.4
+    laser = am.sensors.Laser(beams=361, fov=2.0 * math.pi, range_max=20.0)
+    ranges, side = look(laser, room, (x, y, heading))
+    bearings = heading + laser.bearings()[0]
+    end_x, end_y = x + ranges[0] * np.cos(bearings), y + ranges[0] * np.sin(bearings)
+    on_side = np.minimum(end_x, 6.0 - end_x) < np.minimum(end_y, 5.0 - end_y)
+    along, across = np.abs(np.cos(bearings)), np.abs(np.sin(bearings))
+    expected = np.where(on_side, np.arctan2(across, along), np.arctan2(along, across))
+    # Within PATCH of a corner, seen along the other wall, a probe lies round it.
+    to_corner = np.where(on_side, np.minimum(end_y, 5.0 - end_y), np.minimum(end_x, 6.0 - end_x))
+    clear = to_corner > 2.0 * PATCH / np.cos(expected)
+    assert clear.sum() > 300
+    np.testing.assert_allclose(side["incidence"][0][clear], expected[clear], atol=BOUND)
+
+
+def test_past_an_edge_the_near_surface_counts():
+    """A wall that ends a hand's breadth beside the beam, and another 3 m behind it."""
+    walls = np.array([[2.0, -1.0, 2.0, 0.02], [5.0, -3.0, 5.0, 3.0]])
+    map_ = Map.from_segments(walls, resolution=CELL, extent=(-1.0, -4.0, 6.0, 4.0))
+    ranges, side = look(am.sensors.Laser(beams=1, fov=0.1), map_, (0.0, 0.0, 0.0))
+    assert ranges[0, 0] == pytest.approx(2.0, abs=CELL)
+    assert side["incidence"][0, 0] == pytest.approx(0.0, abs=2.0 * BOUND)
+
+
+def test_where_nothing_returned_the_angle_is_nought():
+    ranges, side = look(am.sensors.Laser(beams=5, range_max=1.0), building.empty(), (0.0, 0.0, 0.3))
+    assert np.isinf(ranges).all()
+    assert side["incidence"].tolist() == [[0.0] * 5]
+
+
+@pytest.mark.parametrize(("heading", "expected"), [(0.0, 0.0), (8.0, 0.0), (-10.0, 0.0), (20.0, 8.0), (-40.0, 28.0)])
+def test_a_sonar_meets_a_wall_straight_on_while_its_cone_has_the_normal(heading, expected):
+    sonar = am.sensors.Sonar(half_angle=math.radians(12.0))
+    _, side = look(sonar, slanting(0.0), (0.5, 0.0, math.radians(heading)))
+    # Half of what lies between two rays of the fan comes on top.
+    assert side["incidence"][0, 0] == pytest.approx(math.radians(expected), abs=BOUND + math.radians(0.41))
+
+
+def test_beams_that_are_bent_are_asked_where_they_look():
+    laser = am.sensors.Laser(beams=3, fov=0.2)
+    bend = np.array([[0.3, 0.3, 0.3]])
+    _, side = look(laser, slanting(0.0), (0.0, 0.0, 0.0), aim=Aim(bearing=bend))
+    np.testing.assert_allclose(side["incidence"], [[0.2, 0.3, 0.4]], atol=BOUND)
+
+
+def test_nothing_is_worked_out_unless_it_is_asked_for_and_then_once():
+    asked = []
+
+    def make():
+        asked.append(1)
+        return np.zeros((1, 1))
+
+    side = Side(incidence=make)
+    assert "incidence" in side
+    assert "colour" not in side
+    assert list(side) == ["incidence"]
+    assert len(side) == 1
+    assert not asked
+    assert side["incidence"] is side["incidence"]
+    assert len(asked) == 1
