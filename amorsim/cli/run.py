@@ -119,9 +119,11 @@ def _with_options(scenario: Scenario, seed: int | None, duration: float | None) 
 
 def _announce_compiling() -> None:
     from amorsim.kernels.compile import is_cold
+    from amorsim.simulation.warm import compile_beside
 
     if is_cold():
         say("compiling the kernels, once after installing (some ten seconds) ...")
+        compile_beside()
 
 
 @contextlib.contextmanager
