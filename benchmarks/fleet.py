@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -87,16 +88,24 @@ def measure(
         elif "office" in setting.name and plain_rates:
             made += _published(setting, ours, plain_rates)
         rows += made
-    rows.append(
-        Row(
-            section=SECTION,
-            setting="two threads against one",
-            side="amorsim",
-            unit="ratio",
-            note="not measured: this amorsim has no threads option, and all figures here are of one thread",
-        )
-    )
+    rows += [_threads(robots, rounds, say) for robots in ((100,) if quick else (100, 1000))]
     return rows
+
+
+def _threads(robots: int, rounds: int, say: Callable[[str], None]) -> Row:
+    """Two threads against one on the clock on the wall, for the processor's counts both."""
+    setting = f"two threads against one, {robots} discs"
+    say(f"fleet: {setting}")
+    world = worlds.office()
+    poses = worlds.places(world, robots, _CLEARANCE, _APART)
+    fleet = [disc(f"r{n:05d}", pose) for n, pose in enumerate(poses)]
+    sides = [Ours(world, fleet, threads) for threads in (1, 2)]
+    steps = 10 if robots > 100 else 40
+    ratios = []
+    for _ in range(rounds):
+        one, two = (drive(side, steps, _AT_LEAST, time.perf_counter) for side in sides)
+        ratios.append((two.steps / two.seconds) / (one.steps / one.seconds))
+    return Row(section=SECTION, setting=setting, side="amorsim", unit="x as fast", rounds=tuple(ratios))
 
 
 def _contest(setting: _Setting, rounds: int, peers: list[type[Peer]], clock: Clock) -> list[Row]:

@@ -59,8 +59,9 @@ def disc(name: str, pose: Array) -> am.Robot:
 class Ours:
     """A simulation under way, that can be put back to where a contest starts."""
 
-    def __init__(self, world: World, robots: list[am.Robot]) -> None:
-        self.simulation = am.Simulation(am.Scenario(map=world.map, robots=robots, dt=DT, seed=11))
+    def __init__(self, world: World, robots: list[am.Robot], threads: int = 1) -> None:
+        scenario = am.Scenario(map=world.map, robots=robots, dt=DT, seed=11)
+        self.simulation = am.Simulation(scenario, threads=threads)
         for _ in range(_UNDER_WAY):
             self.simulation.step()
         self._start: Snapshot = self.simulation.snapshot()

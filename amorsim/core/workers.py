@@ -15,7 +15,7 @@ __all__ = ["Workers"]
 
 # Handing a slice to a thread and waiting for it costs some 30 us; work below this is not parted. In units of about
 # ten nanoseconds: a ray, a draw.
-LEAST_WORK = 20_000
+LEAST_WORK = 4_000
 
 
 class Workers:
