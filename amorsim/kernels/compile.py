@@ -2,8 +2,8 @@
 
 Options are set here and nowhere else: no fast mathematics (bits must not depend on how a loop is cut), no
 global interpreter lock while a kernel runs (threads of Python run kernels side by side), and a cache that goes
-stale with *any* kernel's source. numba's own cache looks only at the file of the function it compiles, so a
-change in a callee of another file would leave old machine code in use.
+stale with the source of a kernel and of every kernel file it imports. numba's own cache looks only at the file of
+the function it compiles, so a change in a callee of another file would leave old machine code in use.
 """
 
 from __future__ import annotations
@@ -12,33 +12,63 @@ import contextlib
 import functools
 import hashlib
 import os
+import re
 import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import caching, config
 
-__all__ = ["compile_seconds", "is_cold", "kernel", "mark_warm"]
+__all__ = ["compile_seconds", "is_cold", "kernel", "mark_warm", "sources_of"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 _HERE = Path(__file__).resolve().parent
 
 
-@functools.cache
-def _source_stamp() -> str:
-    """Digest of every kernel's source and of numba's version: what compiled code depends on."""
+# Every mention counts, in a comment too: one too many compiles once more, one too few would run stale code.
+_MENTION = re.compile(rb"amorsim\.kernels\.(\w+)")
+
+
+def sources_of(path: Path) -> tuple[Path, ...]:
+    """The file of a kernel and all files of kernels that it reaches through imports, itself first."""
+    found = {path.resolve(): None}
+    waiting = list(found)
+    while waiting:
+        text = waiting.pop().read_bytes()
+        named = {_HERE / f"{name.decode()}.py" for name in _MENTION.findall(text)}
+        if re.search(rb"from\s+amorsim\.kernels\s+import|import\s+amorsim\.kernels\s", text):
+            named.update(_HERE.glob("*.py"))  # whole modules by name: which of them is used is not worth finding out
+        for callee in sorted(named):
+            if callee.exists() and callee not in found:
+                found[callee] = None
+                waiting.append(callee)
+    return tuple(found)
+
+
+def _digest_of(paths: Iterable[Path]) -> str:
     digest = hashlib.blake2b(digest_size=16)
-    for path in sorted(_HERE.rglob("*.py")):
+    for path in paths:
         digest.update(path.name.encode())
         digest.update(path.read_bytes())
     digest.update(numba.__version__.encode())
     return digest.hexdigest()
+
+
+@functools.cache
+def _source_stamp(path: Path) -> str:
+    """Digest of what the compiled code of one file depends on: its sources and numba's version."""
+    return _digest_of(sources_of(path))
+
+
+@functools.cache
+def _all_sources_stamp() -> str:
+    return _digest_of(sorted(_HERE.rglob("*.py")))
 
 
 def _is_writable(folder: Path) -> bool:
@@ -94,12 +124,13 @@ class _KernelLocator(caching._CacheLocator):  # type: ignore[misc, unused-ignore
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._line = py_func.__code__.co_firstlineno
+        self._file = Path(py_file)
 
     def get_cache_path(self) -> str:
         return str(_cache_folder())
 
     def get_source_stamp(self) -> str:
-        return _source_stamp()
+        return _source_stamp(self._file)
 
     def get_disambiguator(self) -> str:
         return str(self._line)
@@ -127,7 +158,9 @@ def compile_seconds() -> float:
 
 def _stamp() -> Path | None:
     folder = _cache_folder()
-    return None if folder is None else folder / f"warm-{_source_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
+    return (
+        None if folder is None else folder / f"warm-{_all_sources_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
+    )
 
 
 def is_cold() -> bool:
