@@ -1,0 +1,94 @@
+"""Frames, packed and unpacked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from amorsim.ui.protocol import FRAME_HEADER, Dynamic, FrameFlag, Selected, pack_frame, unpack_frame, with_flags
+
+SIZES = st.integers(0, 5)
+
+
+def moment(robots: int, obstacles: int, values: int, sensors: int, joints: int, channels: int) -> Dynamic:
+    numbers = iter(np.random.default_rng(1).normal(size=10**5).astype(np.float32).astype(float))
+
+    def some(*shape: int) -> Any:
+        return np.array([next(numbers) for _ in range(int(np.prod(shape)))]).reshape(shape)
+
+    return Dynamic(
+        version=3,
+        number=2**32 - 1,
+        epoch=7,
+        time=12.34,
+        speed=float("inf"),
+        achieved=4.5,
+        tick=123,
+        newest=456,
+        oldest=1,
+        flags=int(FrameFlag.RUNNING | FrameFlag.SCRUBBED),
+        events=9,
+        selected_robot=-1,
+        true_pose=some(robots, 3),
+        estimated_pose=some(robots, 3),
+        covariance=some(robots, 6),
+        obstacle_pose=some(obstacles, 3),
+        robot_flags=np.arange(robots, dtype=np.uint8),
+        selected=Selected(
+            some(values), some(values), some(sensors), some(joints), some(joints), some(3), some(3), some(channels)
+        ),
+    )
+
+
+@given(SIZES, SIZES, SIZES, SIZES, SIZES, SIZES)
+def test_a_frame_comes_back_as_it_was(
+    robots: int, obstacles: int, values: int, sensors: int, joints: int, channels: int
+) -> None:
+    before = moment(robots, obstacles, values, sensors, joints, channels)
+    after = unpack_frame(pack_frame(before))
+    for name, was in before._asdict().items():
+        now = getattr(after, name)
+        if name == "selected":
+            for part, other in zip(was, now, strict=True):
+                np.testing.assert_array_equal(part, other)
+        else:
+            np.testing.assert_array_equal(now, was, err_msg=name)
+
+
+def test_sections_lie_where_a_script_may_view_them() -> None:
+    # Views of float64 in a browser must begin at a multiple of 8, of float32 at one of 4.
+    assert FRAME_HEADER.size == 80
+    # Written down once by hand, for the script in the browser reads it by these places.
+    data = pack_frame(moment(2, 1, 3, 2, 2, 2))
+    whole = unpack_frame(data)
+    assert np.frombuffer(data, "<u4", 3, 4).tolist() == [3, 2**32 - 1, 7]
+    assert np.frombuffer(data, "<f8", 1, 16)[0] == 12.34
+    assert np.frombuffer(data, "<f4", 2, 24).tolist() == [np.inf, 4.5]
+    assert np.frombuffer(data, "<u4", 6, 32).tolist() == [123, 456, 5, 9, 2, 1]
+    assert np.frombuffer(data, "<i4", 6, 56).tolist() == [-1, 3, 2, 2, 2, 1]
+    np.testing.assert_array_equal(np.frombuffer(data, "<f8", 3, 80 + 8 * 3), whole.selected.measured)
+    first = 80 + 8 * (3 + 3 + 2 + 2 + 2 + 3 + 3 + 2)
+    np.testing.assert_array_equal(np.frombuffer(data, "<f4", 6, first + 24), whole.estimated_pose.ravel())
+
+
+def test_a_thousand_robots_stay_below_64_kilobytes() -> None:
+    assert len(pack_frame(moment(1000, 20, 200, 5, 4, 4))) < 64_000
+
+
+def test_flags_and_number_can_be_changed_in_the_bytes() -> None:
+    data = pack_frame(moment(2, 0, 3, 1, 2, 2))
+    changed = unpack_frame(with_flags(data, 41, int(FrameFlag.HANG)))
+    assert (changed.number, changed.flags) == (41, FrameFlag.HANG)
+    np.testing.assert_array_equal(changed.true_pose, unpack_frame(data).true_pose)
+
+
+@pytest.mark.parametrize("data", [b"", b"amf1", b"nope" + bytes(200), None])
+def test_other_bytes_are_refused(data: bytes | None) -> None:
+    if data is None:
+        data = pack_frame(moment(2, 0, 3, 1, 2, 2))[:-1]
+    with pytest.raises(ValueError, match="expected a frame"):
+        unpack_frame(data)
