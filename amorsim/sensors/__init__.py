@@ -5,7 +5,8 @@ from __future__ import annotations
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro
+from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
 
-__all__ = ["Compass", "Encoder", "Gyro", "Laser", "Sonar"]
+__all__ = ["Compass", "Encoder", "Gyro", "Infrared", "Laser", "Sonar"]

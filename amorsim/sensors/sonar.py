@@ -12,10 +12,9 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.kernels import readings
 from amorsim.sensors.incidence import incidence
+from amorsim.sensors.response import ring_poses
 from amorsim.sensors.side import Side
-from amorsim.sensors.sweep import poses_at
 
 __all__ = ["Sonar"]
 
@@ -80,13 +79,7 @@ class Sonar(Sensor):
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, k)` [m], inf for no return; beside them the nearest return's angle of ``incidence`` [rad]."""
-        ring: Any = self.elements
-        origins = np.empty((ring.x.size, 3))
-        readings.place_ring(view.pose, ring.x, ring.y, ring.heading, origins)
-        if aim.bearing is not None:
-            origins[:, 2] += aim.bearing.reshape(-1)
-        if aim.time is not None:  # each element from where it was when it fired
-            origins = poses_at(view, origins, aim.time)
+        origins = ring_poses(view, self.elements, aim)
         half_angle: Any = self.half_angle
         range_max: Any = self.range_max
         ranges = view.cone(origins, half_angle, range_max, self.traversal)

@@ -1,0 +1,57 @@
+"""Response curves that are given as tables, and where the elements of a ring look from."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, View
+from amorsim.core.parameters import ParameterError
+from amorsim.kernels import readings
+from amorsim.sensors.sweep import poses_at
+
+__all__ = ["check_table", "respond", "ring_poses"]
+
+Array = npt.NDArray[np.float64]
+
+
+def check_table(distances: tuple[float, ...], values: tuple[float, ...], names: tuple[str, str]) -> None:
+    """Raise `ParameterError` unless the two are columns of a table whose distances grow."""
+    if len(values) != len(distances):
+        raise ParameterError(
+            names[1], f"expected {len(distances)} values, one for each of {names[0]}, got {len(values)}"
+        )
+    if not distances or any(b <= a for a, b in itertools.pairwise(distances)):
+        raise ParameterError(names[0], f"expected one distance at least, each larger than the one before: {distances}")
+
+
+def respond(ranges: Array, distances: Array, values: Array) -> Array:
+    """What a table says of ranges `(N, k)`: lines between its points, its first value nearer, 0 farther away.
+
+    `distances` and `values` are `(N, m)`, the table of each row.
+    """
+    answer = np.where(ranges <= distances[:, :1], values[:, :1], 0.0)
+    for i in range(distances.shape[1] - 1):
+        near, far = distances[:, i : i + 1], distances[:, i + 1 : i + 2]
+        first, last = values[:, i : i + 1], values[:, i + 1 : i + 2]
+        # Of nothing there (inf) no part is taken; at either end the table's own number, to the bit.
+        part = np.where((ranges > near) & (ranges <= far), (far - ranges) / (far - near), 0.0)
+        answer = np.where((ranges > near) & (ranges <= far), last + (first - last) * part, answer)
+    return answer
+
+
+def ring_poses(view: View, ring: Any, aim: Aim) -> Array:
+    """World poses `(N * k, 3)` from which the elements of a ring look, those of a row side by side.
+
+    `ring` is a table of mounts over rows: x, y and heading `(N, k)`.
+    """
+    origins = np.empty((ring.x.size, 3))
+    readings.place_ring(view.pose, ring.x, ring.y, ring.heading, origins)
+    if aim.bearing is not None:
+        origins[:, 2] += aim.bearing.reshape(-1)
+    if aim.time is not None:  # each element from where it was when it looked
+        origins = poses_at(view, origins, aim.time)
+    return origins
