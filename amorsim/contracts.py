@@ -18,7 +18,7 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol, cast
 
 import attrs
 import numpy as np
@@ -394,7 +394,12 @@ class RunInfo(NamedTuple):
 
 
 class Recorder(abc.ABC):
-    """Writes a run down while it goes."""
+    """Writes a run down while it goes: an ``attrs.define(kw_only=True)`` class, for it has files to keep open."""
+
+    def fresh(self) -> Recorder:
+        """Another with the same parameters, which no run has opened yet: each run has one of its own."""
+        again: Recorder = attrs.evolve(cast(Any, self))
+        return again
 
     @abc.abstractmethod
     def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
@@ -406,4 +411,4 @@ class Recorder(abc.ABC):
 
     @abc.abstractmethod
     def close(self) -> None:
-        """End; also called when a run is broken off."""
+        """End; also called when a run is broken off, or when it could not begin and `open` was never called."""

@@ -62,7 +62,7 @@ def reference_page(registry: Registry, entry: Entry) -> str:
 
 
 def _parameters(cls: type) -> list[Parameter]:
-    return [parameter for parameter in describe(cls).values() if attrs.fields_dict(cls)[parameter.name].init]
+    return list(describe(cls).values())
 
 
 def _row(parameter: Parameter) -> tuple[str, str, str, str]:

@@ -134,6 +134,8 @@ def _describe(cls: type) -> dict[str, Parameter]:
     hints = typing.get_type_hints(cls)
     found = {}
     for field in attrs.fields(cls):
+        if not field.init:  # what a recorder keeps for itself
+            continue
         default = field.default
         if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
             default = default.factory()

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
@@ -108,6 +108,8 @@ def _decode(data: bytes) -> Image.Image:
             image.load()
     except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise MapError(f"it is too large to unpack: {error}") from error
+    except UnidentifiedImageError as error:  # its text names the buffer, which tells a user nothing
+        raise MapError("it is no BMP or PNG image, or its header is damaged") from error
     except (*_BROKEN, *_BROKEN_INSIDE) as error:
         raise MapError(f"it is no whole BMP or PNG image: {error}") from error
     if 0 in image.size:

@@ -127,8 +127,7 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
         yield f"the types of its fields cannot be told: {type(error).__name__}: {error}"
         return
     for parameter in described.values():
-        if attrs.fields_dict(cls)[parameter.name].init:
-            yield from _check_field(parameter)
+        yield from _check_field(parameter)
 
 
 def _check_field(parameter: Parameter) -> Iterator[str]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import attrs
+
 from amorsim.contracts import Drive, Estimator, Motion, Mount, Sensor
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import ControllerError, PluginError
@@ -12,10 +14,18 @@ from amorsim.plugins.registry import KINDS, Registry
 from amorsim.scenario.controller_files import is_controller_file, load_controller, split_reference
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
-from amorsim.scenario.spec import MountedSensor, NoiseElement
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording
 from amorsim.scenario.values import check_values
 
-__all__ = ["read_chain", "read_controller", "read_drive", "read_estimator", "read_motion", "read_sensor"]
+__all__ = [
+    "read_chain",
+    "read_controller",
+    "read_drive",
+    "read_estimator",
+    "read_motion",
+    "read_recording",
+    "read_sensor",
+]
 
 _SENSOR_KEYS = ("use", "mount", "rate", "latency", "noise")
 
@@ -112,6 +122,18 @@ def read_controller(node: Node, registry: Registry) -> Any:
         use_node.fault(str(error))
         return None
     return UserController(source=f"{path}:{name}", function=function, options=tuple(options.items()))
+
+
+def read_recording(node: Node, registry: Registry) -> Recording | None:
+    """What a run writes down: the fields of `Recording`, and under ``also`` a list of tables, a recorder each."""
+    recording: Recording | None = read_component(Recording, node, beside=("also",))
+    if recording is None or "also" not in node:
+        return recording
+    also = node.child("also")
+    if not also.expect_list("a list of tables, as in [{ use = 'NAME' }]"):
+        return None
+    recorders = [_read(item, "recorder", registry, ("use",)) for item in also.items()]
+    return attrs.evolve(recording, also=[recorder for recorder in recorders if recorder is not None])
 
 
 def _class(node: Node, kind: str, registry: Registry) -> type[Any] | None:

@@ -13,7 +13,7 @@ from amorsim.scenario.bodies import write_shape
 from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
 from amorsim.scenario.models import FORMAT
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Robot, Scenario
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 
 __all__ = ["document_of", "resolved"]
@@ -53,7 +53,7 @@ class _Writer:
             "format": FORMAT,
             "world": self._map(scenario.map, "world"),
             "simulation": write_fields(scenario, names=("dt", "duration", "seed")),
-            "recording": write_fields(scenario.recording),
+            "recording": self._recording(scenario.recording),
             "robots": [self._robot(robot, scenario.map, f"robots.{i}") for i, robot in enumerate(scenario.robots)],
         }
         if scenario.obstacles:
@@ -89,6 +89,15 @@ class _Writer:
             )
             return {}
         return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
+
+    def _recording(self, recording: Recording) -> dict[str, Any]:
+        written = write_fields(recording, names=("sensors", "picture"))
+        if recording.also:
+            written["also"] = [
+                self._component("recorder", recorder, f"recording.also.{i}")
+                for i, recorder in enumerate(recording.also)
+            ]
+        return written
 
     def _robot(self, robot: Robot, world: Map, path: str) -> dict[str, Any]:
         written: dict[str, Any] = {"name": robot.name}

@@ -72,9 +72,13 @@ def apply_overrides(document: dict[str, Any], overrides: Iterable[Override], boo
 
 
 def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str, ...]]:
-    """What is wrong with an override, or nothing, and its path with indices in the place of names."""
+    """What is wrong with an override, or nothing, and the path of what it made, indices in the place of names.
+
+    That is the path of its value, or of the first table on the way that was not there.
+    """
     place: Any = document
     done: list[str] = []
+    made: tuple[str, ...] = ()
     for part in override.path[:-1]:
         if isinstance(place, list):
             index = _index(place, part)
@@ -84,6 +88,8 @@ def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str
             done.append(str(index))
         elif isinstance(place, dict):
             done.append(part)
+            if part not in place and not made:
+                made = tuple(done)
             place = place.setdefault(part, {})
         else:
             return f"there is nothing under {'.'.join(done)}: it is {shown(place)}", (*done, part)
@@ -100,7 +106,7 @@ def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str
         # Another component: the fields of the one before are not its own.
         place.clear()
     place[last] = override.value
-    return "", (*done, last)
+    return "", made or (*done, last)
 
 
 def _index(items: list[Any], part: str) -> int | str:

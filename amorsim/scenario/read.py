@@ -18,13 +18,14 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.components import read_recording
 from amorsim.scenario.document import document_of
 from amorsim.scenario.faults import Book, Node, Source
-from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.fields import file_fields, read_fields
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.robots import read_obstacle, read_robot
-from amorsim.scenario.spec import Recording, Robot, Scenario
+from amorsim.scenario.spec import Robot, Scenario
 from amorsim.scenario.worlds import Maps, start_of
 
 __all__ = ["load", "loads", "scenario_for_map"]
@@ -135,7 +136,7 @@ def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
         node.refuse_unknown(fields)
         values.update(read_fields(node, fields))
     if "recording" in top:
-        values["recording"] = read_component(Recording, top.child("recording"))
+        values["recording"] = read_recording(top.child("recording"), registry)
 
     robots = top.child("robots")
     read: list[Robot | None] = []

@@ -14,7 +14,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Sensor, parameter
+from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
@@ -205,10 +205,16 @@ class Obstacle:
 
 @attrs.frozen(kw_only=True)
 class Recording:
-    """What a run writes down."""
+    """What a run writes down; `also` are recorders beside that of the text files, which a run always has."""
 
     sensors: str = parameter("auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only")
     picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")
+    also: tuple[Recorder, ...] = attrs.field(default=(), converter=tuple)
+
+    def __attrs_post_init__(self) -> None:
+        for recorder in self.also:
+            if not isinstance(recorder, Recorder):
+                raise ParameterError("also", f"expected recorders, got {recorder!r}")
 
 
 def _robots(given: Iterable[Robot]) -> tuple[Robot, ...]:

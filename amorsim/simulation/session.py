@@ -111,7 +111,11 @@ class RunSession:
         self._events = 0  # of the simulation's, that have been written
         self._started = time.perf_counter()
         self._registry = default_registry()
-        self._recorder: Recorder = self._registry.get("recorder", "text")()
+        # Of each recorder one that is this run's own: it has files to keep.
+        self._recorders: list[Recorder] = [
+            self._registry.get("recorder", "text")(),
+            *(recorder.fresh() for recorder in scenario.recording.also),
+        ]
         self._folder = RunFolder(folder, run_name(scenario))
         self.folder = self._folder.path
         try:
@@ -142,7 +146,8 @@ class RunSession:
         info = RunInfo(
             folder=self.folder, dt=simulation.dt, replicas=simulation.replicas, with_sensors=self._with_sensors
         )
-        self._recorder.open(info, simulation.frames())
+        for recorder in self._recorders:
+            recorder.open(info, simulation.frames())
         self._traces = Traces(simulation)
         run_started(simulation, self._registry)
 
@@ -163,7 +168,9 @@ class RunSession:
                 f"{', '.join(map(str, sorted(set(simulation.ticks.tolist()))[:5]))}; call keep() after every step"
             )
         events = simulation.events
-        self._recorder.write(simulation.frames(), events[self._events :])
+        frames = simulation.frames()
+        for recorder in self._recorders:
+            recorder.write(frames, events[self._events :])
         self._events = len(events)
         self._traces.keep()
         self.steps += 1
@@ -186,8 +193,8 @@ class RunSession:
         if self._summary is not None:
             return self._summary
         try:
-            self._recorder.close()
-        except RunError:
+            self._close_recorders()
+        except Exception:
             self._end("broken off")
             raise
         self._end(status)
@@ -199,6 +206,17 @@ class RunSession:
                 raise RunError(f"{self.folder / 'picture.png'}: cannot be written ({error})") from None
         run_finished(self._simulation, self._registry)
         return self.summary
+
+    def _close_recorders(self) -> None:
+        """Close each, also after another failed; the first failure is raised."""
+        problem: Exception | None = None
+        for recorder in self._recorders:
+            try:
+                recorder.close()
+            except Exception as error:
+                problem = problem or error
+        if problem is not None:
+            raise problem
 
     def _end(self, status: str) -> None:
         self._summary = self._sum_up(status)
@@ -243,8 +261,8 @@ class RunSession:
         error.add_note(f"the files up to {self.steps * self._simulation.dt:g} s are in {self.folder}")
 
     def _give_up(self) -> None:
-        with contextlib.suppress(RunError):
-            self._recorder.close()
+        with contextlib.suppress(Exception):  # what went wrong before is what is told
+            self._close_recorders()
         self._folder.give_back()
 
 

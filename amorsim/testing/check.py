@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Sensor
+from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
@@ -20,6 +20,7 @@ from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
 from amorsim.testing.maps import check_map_loader
+from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.trial import Trial, try_rows
 from amorsim.testing.variants import example, variants
@@ -34,6 +35,7 @@ _KINDS: dict[str, type] = {
     "controller": Controller,
     "motion": Motion,
     "map_loader": MapLoader,
+    "recorder": Recorder,
 }
 
 # Units that are not the International System's, or that files alone spell.
@@ -60,8 +62,8 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, motion or map loader; or its class, of which one is made
-        with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, motion, map loader or recorder; or its class, of which
+        one is made with its defaults, and with some value where it has none.
     drive
         On which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -87,6 +89,9 @@ def check_component(
     _check_class(who, cls)
     if isinstance(component, type):
         component = example(component)
+    if isinstance(component, Recorder):  # it has files open, so it is neither pickled nor put in rows
+        check_recorder(who, component)
+        return
     _check_pickling(who, component)
     if isinstance(component, MapLoader):
         check_map_loader(who, component, None if path is None else Path(path))
@@ -136,8 +141,6 @@ def _check_class(who: Who, cls: type) -> None:
 
 def _check_fields(who: Who, cls: type, within: str) -> None:
     for name, parameter in describe(cls).items():
-        if not attrs.fields_dict(cls)[name].init:
-            continue
         where = f"field {within + name!r}"
         who.require(parameter.help.strip(), "fields", where, "a line of help", "none")
         words = parameter.unit.replace("^", " ").replace("/", " ").replace("*", " ").split()

@@ -100,7 +100,7 @@ def _changed(component: Any, random: np.random.Generator, spread: float) -> Any:
     values: dict[str, Any] = {}
     fields = attrs.fields_dict(type(component))
     for name, parameter in describe(type(component)).items():
-        if not parameter.static and fields[name].init:
+        if not parameter.static:
             values[fields[name].alias or name] = _near(parameter, getattr(component, name), random, spread)
     return attrs.evolve(component, **values)
 

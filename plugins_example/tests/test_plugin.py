@@ -9,10 +9,11 @@ import amorsim as am
 from amorsim.plugins.manager import default_registry
 
 NAMES = {
-    "drive": ("tricycle", example.Tricycle),
+    "drive": ("example-tricycle", example.Tricycle),
     "sensor": ("beacon", example.Beacon),
     "noise": ("drift", example.Drift),
     "map_loader": ("maze", example.Maze),
+    "recorder": ("tally", example.Tally),
     "estimator": ("compass_odometry", example.CompassOdometry),
 }
 
@@ -34,6 +35,9 @@ def test_the_scenario_runs_by_its_name_and_again_from_its_folder(tmp_path: Path)
     assert summary.distance["lift"] > 1.0
     assert summary.collisions["lift"] == 0
     assert am.reproduce(tmp_path / "run").is_same
+    header, line = (tmp_path / "run" / "tally.csv").read_text().splitlines()
+    assert header == "replica,robot,distance,collisions"
+    assert line == f"0,lift,{summary.distance['lift']:.3f},0"
 
 
 def test_replica_3_of_5_is_replica_3_alone_and_a_snapshot_leads_to_the_same_end() -> None:

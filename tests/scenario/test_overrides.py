@@ -101,6 +101,13 @@ def test_a_path_of_the_command_line_starts_where_it_was_typed(read, tmp_path, mo
         ("robots.0.name.first=x", "robots.0.name.first", "there is nothing under robots.0.name: it is 'rover'"),
         ("robots.0.sensors.laser.noise.3.std=1", "robots.0.sensors.laser.noise.3", "2 of them: gaussian, quantize"),
         ("robots.0.sensors.laser.rnage_max=1", "robots.0.sensors.laser.rnage_max", "Did you mean 'range_max'?"),
+        (
+            "robots.0.sensors.laserr.range_max=1",
+            "robots.0.sensors.laserr.use",
+            "missing; expected the name of a sensor",
+        ),
+        ("wrold.map=x", "wrold", "Did you mean 'world'?"),
+        ("robots.0.contrller.speed=1", "robots.0.contrller", "Did you mean 'controller'?"),
         ("format=2", "format", "expected 1"),
     ],
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -21,12 +21,15 @@ from amorsim.contracts import (
     Drive,
     Estimate,
     Estimator,
+    Frame,
     Joint,
     MapLoader,
     Measurement,
     Motion,
     Noise,
+    Recorder,
     RobotModel,
+    RunInfo,
     Sensor,
     State,
     View,
@@ -727,3 +730,61 @@ def test_variants_are_nearer_where_the_class_refuses_them() -> None:
     made = variants(Ordered(), 64)
     assert len({(one.low, one.high) for one in made}) > 2
     assert all(one.low < one.high for one in made)
+
+
+# ------------------------------------------------------------------------------------------------------------ recorders
+
+
+@attrs.define(kw_only=True)
+class Whole(Recorder):
+    every: int = parameter(1, ge=1, help="steps between two lines")
+    _lines: list[str] | None = attrs.field(default=None, init=False)
+
+    def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
+        self._lines = []
+
+    def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
+        assert self._lines is not None
+        self._lines += [event.kind for event in events]
+
+    def close(self) -> None:
+        self._lines = None
+
+
+@attrs.define(kw_only=True)
+class ClosesWhatItOpened(Whole):
+    def close(self) -> None:
+        assert self._lines is not None
+        self._lines.clear()
+
+
+@attrs.define(kw_only=True)
+class Rounds(Whole):
+    def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
+        for frame in frames:
+            frame.true_pose[:] = np.round(frame.true_pose)
+
+
+@attrs.define(kw_only=True)
+class OneRobot(Whole):
+    def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
+        (frame,) = frames
+        float(frame.true_pose[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("cls", "words"),
+    [
+        (ClosesWhatItOpened, "close"),
+        (Rounds, "true_pose|writing"),
+        (OneRobot, "write: expected it to return"),
+    ],
+)
+def test_a_broken_recorder(cls: type[Recorder], words: str) -> None:
+    with pytest.raises(ComponentError, match=words):
+        check_component(cls)
+
+
+def test_a_whole_recorder() -> None:
+    check_component(Whole)
+    check_component(Whole(every=3))

@@ -6,6 +6,7 @@ from amorsim_example.beacon import Beacon
 from amorsim_example.compass_odometry import CompassOdometry
 from amorsim_example.drift import Drift
 from amorsim_example.maze import Maze
+from amorsim_example.tally import Tally
 from amorsim_example.tricycle import Tricycle
 
-__all__ = ["Beacon", "CompassOdometry", "Drift", "Maze", "Tricycle"]
+__all__ = ["Beacon", "CompassOdometry", "Drift", "Maze", "Tally", "Tricycle"]

@@ -22,10 +22,11 @@ _HERE = Path(__file__).parent
 @am.hookimpl
 def amorsim_register(registry: Registry) -> None:
     """Register the components, the robot and the scenario."""
-    registry.drive("tricycle", "amorsim_example.tricycle:Tricycle")
+    registry.drive("example-tricycle", "amorsim_example.tricycle:Tricycle")
     registry.sensor("beacon", "amorsim_example.beacon:Beacon")
     registry.noise("drift", "amorsim_example.drift:Drift")
     registry.map_loader("maze", "amorsim_example.maze:Maze")
     registry.estimator("compass_odometry", "amorsim_example.compass_odometry:CompassOdometry")
+    registry.recorder("tally", "amorsim_example.tally:Tally")
     registry.robot("example-tricycle", _HERE / "robots" / "tricycle.toml")
     registry.scenario("example-maze", _HERE / "scenarios" / "maze.toml")
