@@ -310,6 +310,17 @@ class Noise(Component):
         """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
         return values
 
+    def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
+        """How much later than its sensor's latency a reading arrives `(N, 1)` [s]; earlier where negative.
+
+        Those of a chain add up. The engine lets none arrive before it was taken, nor overtake one taken earlier.
+        """
+        return np.zeros_like(elapsed)
+
+    def longest_delay(self) -> Array:
+        """What `delay` never exceeds `(N, 1)` [s]; to be given wherever `delay` is, and fixed while a run lasts."""
+        return np.zeros((1, 1))
+
 
 class Estimator(Component, abc.ABC):
     """What the robot makes of its readings. It has the nominal robot and what it was told, never the world."""

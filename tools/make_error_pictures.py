@@ -2,13 +2,14 @@
 
 They are looked at and not compared, so they are made anew only where they should look different::
 
-    python tools/make_error_pictures.py
+    python tools/make_error_pictures.py [NAME ...]
 """
 
 from __future__ import annotations
 
 import io
 import math
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -54,11 +55,12 @@ def _simulate(
     replicas: int = 1,
     forward: float = 0.0,
     turn: float = 0.0,
+    **mounted: float,
 ) -> am.Simulation:
     """A robot with one noisy sensor, under way with the given speed [m/s] and turning rate [rad/s]."""
     sensors: dict[str, Any] = {"encoder": am.sensors.Encoder(counts_per_revolution=39400.0)}
     if sensor is not None:
-        sensors["sensor"] = am.MountedSensor(sensor=sensor, noise=_named(chain))
+        sensors["sensor"] = am.MountedSensor(sensor=sensor, noise=_named(chain), **mounted)
     robot = am.Robot(
         name="rover",
         shape=am.Shape.circle(0.2),
@@ -260,6 +262,24 @@ def _slips() -> Figure:
     return figure
 
 
+def _ages() -> Figure:
+    figure, (axis,) = _figure()
+    dt, latency = 0.02, 0.12
+    for chain, colour, label in (
+        ((), TRUE, "latency 0.12 s"),
+        ((noise.LatencyJitter(spread=0.08),), MEASURED, "and a jitter of ± 0.08 s"),
+    ):
+        sim = _simulate(am.sensors.Gyro(), *chain, dt=dt, rate=10.0, latency=latency)
+        rows = []
+        for _ in range(100):
+            rows.append((sim.time, sim.readings["sensor"].age[0, 0]))
+            sim.step()
+        axis.step(*np.array(rows).T, where="post", color=colour, label=label)
+    axis.set(xlabel="time [s]", ylabel="age of the reading that the robot has [s]", ylim=(0.0, 0.3))
+    axis.legend(frameon=False, loc="upper right", ncols=2)
+    return figure
+
+
 DEG = math.pi / 180.0
 DRAWN: dict[str, Callable[[], Figure]] = {
     "gaussian": lambda: _approach(noise.Gaussian(std=0.05, proportional=0.02)),
@@ -292,18 +312,19 @@ DRAWN: dict[str, Callable[[], Figure]] = {
         noise.OdometryModel(a1=0.05, a2=0.6, a3=0.05, interval=0.1), forward=0.5, turns=(-0.5, 0.0, 0.5)
     ),
     "slip": _slips,
+    "latency-jitter": _ages,
 }
 
 
-def make(folder: Path) -> None:
-    """Write all pictures into `folder`, as ``error-<name>.png``."""
-    for name, draw in DRAWN.items():
+def make(folder: Path, names: Sequence[str] = ()) -> None:
+    """Write all pictures, or those of some names, into `folder`, as ``error-<name>.png``."""
+    for name in names or DRAWN:
         raw = io.BytesIO()
-        draw().savefig(raw, format="png", dpi=100)
+        DRAWN[name]().savefig(raw, format="png", dpi=100)
         picture = Image.open(raw).convert("RGB")
         small = picture.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
         small.save(folder / f"error-{name}.png", optimize=True)
 
 
 if __name__ == "__main__":
-    make(PICTURES)
+    make(PICTURES, sys.argv[1:])

@@ -12,6 +12,7 @@ from amorsim.noise.compass_deviation import CompassDeviation
 from amorsim.noise.diffusion import Diffusion
 from amorsim.noise.dropout import Dropout
 from amorsim.noise.gaussian import Gaussian
+from amorsim.noise.latency_jitter import LatencyJitter
 from amorsim.noise.motion_distortion import MotionDistortion
 from amorsim.noise.odometry_model import OdometryModel
 from amorsim.noise.outliers import Outliers
@@ -34,6 +35,7 @@ __all__ = [
     "Diffusion",
     "Dropout",
     "Gaussian",
+    "LatencyJitter",
     "MotionDistortion",
     "OdometryModel",
     "Outliers",

@@ -43,6 +43,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.noise("beam_model", "amorsim.noise.beam_model:BeamModel")
     registry.noise("specular_loss", "amorsim.noise.specular_loss:SpecularLoss")
     registry.noise("motion_distortion", "amorsim.noise.motion_distortion:MotionDistortion")
+    registry.noise("latency_jitter", "amorsim.noise.latency_jitter:LatencyJitter")
     registry.noise("diffusion", "amorsim.noise.diffusion:Diffusion")
     registry.noise("velocity_model", "amorsim.noise.velocity_model:VelocityModel")
     registry.noise("odometry_model", "amorsim.noise.odometry_model:OdometryModel")

@@ -59,6 +59,7 @@ class Chain:
         kinds = [type(element.noise) for element in elements]
         self.aims = [i for i, kind in enumerate(kinds) if kind.aim is not Noise.aim]
         self.corrupts = [i for i, kind in enumerate(kinds) if kind.corrupt is not Noise.corrupt]
+        self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
         """Take the parameters of every row's chain."""
@@ -74,6 +75,13 @@ class Chain:
         for i in self.aims:
             aim = self.elements[i].aim(aim, elapsed, self.states[i], self.draws[i])
         return aim
+
+    def delay(self, elapsed: Array) -> Array:
+        """How much later than the latency a reading arrives `(N, 1)` [s]."""
+        late = np.zeros_like(elapsed)
+        for i in self.delays:
+            late = late + self.elements[i].delay(elapsed, self.states[i], self.draws[i])
+        return late
 
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
         """What the values `(N, k)` become on their way through the chain."""

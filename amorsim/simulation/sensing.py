@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -39,13 +40,16 @@ class SensorUnit:
         self.state: State = {}
         self.mount: Array = np.zeros((1, 3))
         self._rate: Array | None = None
-        self._delay: Ticks | None = None
+        self._delay: Ticks | None = None  # of the latency [ticks]; none where nothing is ever late
+        self._latency: Array = np.zeros((1, 1))
+        self._slots = 1  # samples that can be under way at once, and one
+        self._late: Array = self._latency  # [s], of the latest sample beyond the latency
         self.true: Array = np.zeros((1, size))
         self.measured: Array = self.true
         self.stamp: Ticks = np.zeros((1, 1), dtype=np.int64)
         self.fresh = np.zeros((1, 1), dtype=bool)
         self._last: Ticks = self.stamp  # the tick of the latest sample, arrived or not
-        self._pending: dict[str, npt.NDArray[np.generic]] = {}
+        self._pending: dict[str, npt.NDArray[Any]] = {}
         self.reading = Measurement(self.measured, self.stamp, np.zeros((1, 1)), self.fresh)
 
     def set_parameters(self, true: Sequence[MountedSensor], dt: float) -> None:
@@ -55,8 +59,13 @@ class SensorUnit:
         self.chain.set_parameters([unit.noise for unit in true])
         rates = [math.inf if unit.rate is None else unit.rate for unit in true]
         self._rate = None if all(rate * dt >= 1 - _TOLERANCE for rate in rates) else np.array([rates]).T
-        delays = [math.ceil(unit.latency / dt - _TOLERANCE) for unit in true]
-        self._delay = np.array([delays], dtype=np.int64).T if any(delays) else None
+        self._latency = np.array([[unit.latency] for unit in true])
+        longest = self._latency
+        for i in self.chain.delays:
+            longest = longest + self.chain.elements[i].longest_delay()
+        self._slots = int(np.ceil(longest / dt - _TOLERANCE).max()) + 1
+        delays = np.ceil(self._latency / dt - _TOLERANCE).astype(np.int64)
+        self._delay = delays if self._slots > 1 else None
 
     def start(self, context: Context) -> None:
         """Forget everything: the state at the start of an episode, before the first sample."""
@@ -65,13 +74,16 @@ class SensorUnit:
         rows = context.rows
         self.true = self.measured = np.full((rows, self.size), np.nan)
         self.stamp = self._last = np.full((rows, 1), -1, dtype=np.int64)
+        self._pending = {}
         if self._delay is not None:
-            slots = int(self._delay.max()) + 1
             self._pending = {
-                "true": np.zeros((rows, slots, self.size)),
-                "measured": np.zeros((rows, slots, self.size)),
-                "stamp": np.full((rows, slots), -1, dtype=np.int64),
+                "true": np.zeros((rows, self._slots, self.size)),
+                "measured": np.zeros((rows, self._slots, self.size)),
+                "stamp": np.full((rows, self._slots), -1, dtype=np.int64),
             }
+            if self.chain.delays:
+                self._pending["arrival"] = np.zeros((rows, self._slots), dtype=np.int64)
+                self._pending["latest"] = np.zeros((rows, 1), dtype=np.int64)  # arrival of the last sample
 
     def sample(self, view: GroupView, moment: Moment) -> None:
         """Read where a reading is due, take delivery of what arrives, and hold the rest."""
@@ -125,7 +137,10 @@ class SensorUnit:
                 f"sensor {self.name!r} ({type(self.sensor).__name__}): expected values of shape "
                 f"({len(self.mount)}, {self.size}), got {values.shape}"
             )
-        return true, self.chain.corrupt(values, side, elapsed)
+        measured = self.chain.corrupt(values, side, elapsed)
+        if self.chain.delays:
+            self._late = self.chain.delay(elapsed)
+        return true, measured
 
     def _deliver(self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, moment: Moment) -> None:
         tick = moment.tick
@@ -134,7 +149,7 @@ class SensorUnit:
             self.reading = Measurement(measured, tick, moment.now, moment.always)
             return
         if self._delay is not None:
-            arrived = self._exchange(due, true, measured, tick)
+            arrived = self._exchange(due, true, measured, tick, moment.dt)
             first = tick == 0  # held from the start, though it arrives later
             self.true = _choose(arrived[0] | first, np.where(first, true, arrived[1]), self.true)
             self.measured = _choose(arrived[0] | first, np.where(first, measured, arrived[2]), self.measured)
@@ -149,7 +164,7 @@ class SensorUnit:
         self.reading = Measurement(self.measured, self.stamp, age, self.fresh)
 
     def _exchange(
-        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, tick: Ticks
+        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, tick: Ticks, dt: float
     ) -> tuple[npt.NDArray[np.bool_], Array, Array, Ticks]:
         """Put this tick's samples under way, and take out those whose latency is over."""
         assert self._delay is not None
@@ -163,10 +178,20 @@ class SensorUnit:
         pending["measured"][put, at] = measured[sampled]
         pending["stamp"][rows, slot] = np.where(sampled, tick[:, 0], -1)
         self._pending = pending
-        sent = tick - self._delay
-        slot = sent[:, 0] % slots
-        stamp = pending["stamp"][rows, slot][:, None]
-        arrived = (stamp == sent) & (sent >= 0)
+        if self.chain.delays:
+            late = np.ceil(np.maximum(self._latency + self._late, 0.0) / dt - _TOLERANCE).astype(np.int64)
+            arrival = np.maximum(tick + late, pending["latest"])  # nothing overtakes
+            pending["latest"][sampled] = arrival[sampled]
+            pending["arrival"][put, at] = arrival[sampled, 0]
+            here = (pending["stamp"] >= 0) & (pending["arrival"] <= tick)
+            sent = np.where(here, pending["stamp"], -1).max(axis=1, keepdims=True)
+            pending["stamp"][here] = -1  # the latest is taken, those before it are of no more use
+            arrived = sent >= 0
+            slot = sent[:, 0] % slots
+        else:
+            sent = tick - self._delay
+            slot = sent[:, 0] % slots
+            arrived = (pending["stamp"][rows, slot][:, None] == sent) & (sent >= 0)
         return arrived, pending["true"][rows, slot], pending["measured"][rows, slot], sent
 
     # ------------------------------------------------------------------------------------ for snapshots and resets

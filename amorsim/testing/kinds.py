@@ -50,8 +50,9 @@ class SensorTrial(Trial[Sensor]):
         aim = Aim()
         if session.t % 2:
             bend = 0.01 * np.sin(session.index[:, None] + np.arange(self.size) + session.t)
-            aim = Aim(bearing=bend)
+            aim = Aim(bearing=bend, time=-np.abs(bend) if session.t % 4 == 3 else None)
             given.add("aim.bearing", bend)
+            given.add("aim.time", aim.time)
         _watch(given, "view", view, _VIEW)
         with self.who.calling("sense"):
             found = component.sense(view, aim, state, session.draws)
@@ -99,8 +100,10 @@ class NoiseTrial(Trial[Noise]):
         outputs: Outputs = {}
         if type(component).aim is not Noise.aim:
             bend = 0.01 * np.cos(session.index[:, None] + np.arange(self.size))
-            aim = Aim(bearing=bend) if session.t % 2 else Aim()
+            when = -0.001 * np.abs(bend)
+            aim = Aim(bearing=bend, time=when) if session.t % 2 else Aim()
             given.add("aim.bearing", aim.bearing)
+            given.add("aim.time", aim.time)
             with self.who.calling("aim"):
                 aimed = component.aim(aim, elapsed, state, session.draws)
             self.who.require(isinstance(aimed, Aim), "shapes", "aim()", "an Aim", type(aimed).__name__)
@@ -108,6 +111,25 @@ class NoiseTrial(Trial[Noise]):
                 outputs["bearing"] = self.array(aimed.bearing, (rows, self.size), "aim().bearing")
                 finite = np.isfinite(aimed.bearing).all()
                 self.who.require(finite, "finite", "aim().bearing", "finite angles", "nan or inf")
+            if aimed.time is not None:
+                outputs["time"] = self.array(aimed.time, (rows, self.size), "aim().time")
+                wrong = aimed.time[~(np.isfinite(aimed.time) & (aimed.time <= 0.0))]
+                self.who.require(
+                    not wrong.size, "time", "aim().time", "times [s] of at most 0, before the tick", wrong[:3]
+                )
+            for what, before, after in (("bearing", aim.bearing, aimed.bearing), ("time", aim.time, aimed.time)):
+                if before is not None:
+                    self.who.require(
+                        after is not None, "aim", f"aim().{what}", "what it was given, added to", "nothing"
+                    )
+        if type(component).delay is not Noise.delay:
+            with self.who.calling("delay"):
+                late, longest = component.delay(elapsed, state, session.draws), component.longest_delay()
+            outputs["delay"] = self.array(late, (rows, 1), "delay()")
+            fits = np.shape(longest) in ((rows, 1), (1, 1)) and np.isfinite(longest).all()
+            self.who.require(fits, "shapes", "longest_delay()", f"finite numbers ({rows}, 1)", np.shape(longest))
+            beyond = late[~(np.isfinite(late) & (late <= longest))]
+            self.who.require(not beyond.size, "delay", "delay()", "at most longest_delay()", beyond[:3])
         if type(component).corrupt is not Noise.corrupt:
             values = self.values[session.t][session.index]
             side = {name: np.full(values.shape, value) for name, value in self.side.items()}

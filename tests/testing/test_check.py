@@ -333,6 +333,48 @@ class ConfusesRowsWithValues(Drift):
 
 
 @frozen
+class LooksAhead(Drift):
+    def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
+        later = np.full(state["walk"].shape, 0.01)
+        return aim._replace(time=later if aim.time is None else aim.time + later)
+
+
+@frozen
+class SharedTime(Drift):
+    def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
+        return aim._replace(time=np.zeros((len(elapsed), 1)))
+
+
+@frozen
+class ForgetsTime(Drift):
+    def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
+        return Aim(bearing=aim.bearing)
+
+
+@frozen
+class WritesTime(Drift):
+    def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
+        if aim.time is not None:
+            aim.time[:] = 0.0
+        return aim
+
+
+@frozen
+class LaterThanItSays(Drift):
+    def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
+        return np.abs(draws.normal(1))
+
+    def longest_delay(self) -> Array:
+        return 0.01 + 0.0 * np.asarray(self.std)
+
+
+@frozen
+class NeverSays(Drift):
+    def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
+        return np.abs(draws.normal(1))
+
+
+@frozen
 class MakesUpReturns(Drift):
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         return np.minimum(values, 100.0)
@@ -542,6 +584,12 @@ class NoMap(Text):
 
 
 BROKEN = {
+    LooksAhead: "time",
+    SharedTime: "shapes",
+    ForgetsTime: "aim",
+    WritesTime: "inputs",
+    LaterThanItSays: "delay",
+    NeverSays: "class",
     Positional: "class",
     Nothing: "class",
     Mute: "fields",
