@@ -15,6 +15,7 @@ from amorsim.core.room import roomiest
 from amorsim.kernels.draft import grid_from_array
 from amorsim.kernels.grid import Grid, occupied_boxes
 from amorsim.kernels.lines import Lines, lines_of, no_lines
+from amorsim.kernels.outlines import outline_lines
 from amorsim.kernels.rasterise import MOST_CELLS, grid_from_segments, snapped
 from amorsim.kernels.rays import occupied_points
 from amorsim.kernels.scans import cast_scans
@@ -51,7 +52,7 @@ class Map:
     segments: NDArray[np.float64] | None = None
     """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
     lines: Lines = attrs.field(factory=no_lines)
-    """The same walls in the map's frame, as scans look them up; made from `segments`, never written to."""
+    """Walls in the map's frame, as scans look them up: `segments`, or outlines of the cells; never written to."""
     start: Place | None = None
     """Where the map says a robot starts, in the world, or None."""
     warnings: tuple[str, ...] = ()
@@ -167,8 +168,11 @@ class Map:
             raise MapError("the array has nan in it; expected numbers, 0 where a cell is free")
         rows, cols = cells.shape
         _refuse_too_large(rows, cols, side)
+        taken = np.ascontiguousarray(cells != 0).view(np.uint8)
+        grid = grid_from_array(taken, side)
         return cls(
-            grid=grid_from_array((cells != 0).view(np.uint8), side),
+            grid=grid,
+            lines=outline_lines(grid, taken),
             origin=(place[0], place[1], place[2]),
             start=_start(start),
             warnings=tuple(warnings),

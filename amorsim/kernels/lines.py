@@ -178,26 +178,30 @@ def no_lines() -> Lines:
     return Lines(np.empty((0, 4)), np.zeros(1, dtype=np.int64), np.empty((0, 6)))
 
 
-def lines_of(segments: Floats, rows: int, cols: int, resolution: float) -> Lines:
+def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins: Floats | None = None) -> Lines:
     """Lines of segments (M, 4), x0 y0 x1 y1 [m] in the frame of a map of rows x cols cells, and of the map's border.
 
-    The border is needed because outside is occupied: a beam that no segment covers ends there.
+    `margins` (M,) [m] says how far what is occupied reaches beyond each segment; where not given it is the cells that
+    the segment touches. The border is needed because outside is occupied: a beam that no segment covers ends there.
     """
     width, height = cols * resolution, rows * resolution
     border = np.array([[0, 0, width, 0], [width, 0, width, height], [width, height, 0, height], [0, height, 0, 0]])
     ends = np.concatenate([segments.reshape(-1, 4), border])
-    ends = ends[np.argsort(_curve(ends, max(width, height)), kind="stable")]
     run = ends[:, 2:] - ends[:, :2]
     length = np.hypot(run[:, 0], run[:, 1])
     unit = np.where(length[:, None] > 0.0, run / np.where(length > 0.0, length, 1.0)[:, None], [1.0, 0.0])
-    # A cell that holds a point of the segment reaches as far from it, across and along.
+    # A cell that holds a point of the segment reaches as far from it, across and along; what is outside does not.
     margin = resolution * (np.abs(unit).sum(axis=1) + _SLACK)
-    walls = np.concatenate([ends[:, :2], unit, length[:, None], margin[:, None]], axis=1)
+    if margins is not None:
+        margin = np.append(margins, np.full(4, resolution * _SLACK))
+    order = np.argsort(_curve(ends, max(width, height)), kind="stable")
+    walls = np.concatenate([ends[:, :2], unit, length[:, None], margin[:, None]], axis=1)[order]
+    ends, margin = ends[order], margin[order]
     block = _BLOCK * max(1, math.isqrt(len(ends)) // (4 * _BLOCK))
     first = np.append(np.arange(0, len(ends), block), len(ends))
-    beyond = 2.0 * resolution
-    low = np.minimum.reduceat(np.minimum(ends[:, :2], ends[:, 2:]), first[:-1]) - beyond
-    high = np.maximum.reduceat(np.maximum(ends[:, :2], ends[:, 2:]), first[:-1]) + beyond
+    beyond = 1.5 * margin[:, None]  # the corner of a rectangle is the square root of 2 margins away
+    low = np.minimum.reduceat(np.minimum(ends[:, :2], ends[:, 2:]) - beyond, first[:-1])
+    high = np.maximum.reduceat(np.maximum(ends[:, :2], ends[:, 2:]) + beyond, first[:-1])
     return Lines(np.concatenate([low, high], axis=1), first.astype(np.int64), np.ascontiguousarray(walls))
 
 
