@@ -69,6 +69,10 @@ class Draws:
         """Start the tick's numbers anew; for the engine, before it calls the component."""
         self._block = 0
 
+    def take(self, rows: npt.NDArray[np.intp]) -> Draws:
+        """The draws of some of the rows, at the present tick and from its first number on."""
+        return Draws(self._keys[rows], self._counter[rows], self._workers)
+
     def normal(self, k: int = 1) -> Array:
         """Standard normal draws `(N, k)`, independent in all rows, columns, calls and ticks."""
         return self._fill(philox.fill_normal, k)

@@ -12,7 +12,8 @@ class Event:
     """Something that happened to a robot or an obstacle.
 
     `kind` is ``"collision"`` (with `other`, the wall or a body's name; `point` in the world; `speed` [m/s] of the
-    body just before), ``"controller_ended"``, ``"pose_set"``, or ``"parameter_set"`` (with `path` and `value`).
+    body just before), ``"controller_ended"``, ``"pose_set"``, ``"handed_over"`` (to `value`), or
+    ``"parameter_set"`` (with `path` and `value`).
     `tick` counts the steps that were whole before it; `time` [s] may lie between two of them.
     """
 
@@ -38,4 +39,6 @@ class Event:
             return f"{head}: its controller ended"
         if self.kind == "pose_set":
             return f"{head} was put elsewhere"
+        if self.kind == "handed_over":
+            return f"{head} was handed over to {'a hand' if self.value == 'hand' else 'its controller'}"
         return f"{head}: {self.path} = {self.value}"

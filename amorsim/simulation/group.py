@@ -30,6 +30,7 @@ from amorsim.kernels.paths import ARC, OTHER
 from amorsim.scenario.spec import Knowledge, Robot
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
+from amorsim.simulation.driving import ask_some
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.truth import true_robot
@@ -169,6 +170,9 @@ class Group:
         self.joint_rates = np.zeros((rows, joints))
         self.command = np.zeros((rows, len(self.channels)))
         self.active = np.ones((rows, 1), dtype=bool)
+        self.by_hand = np.zeros((rows, 1), dtype=bool)
+        self.hand = np.zeros((rows, len(self.channels)))  # the command of those who are driven by hand
+        self.some_by_hand = False
         self.drive_state: State = dict(self.drive.start(context))
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
         for unit in self.sensors.values():
@@ -188,34 +192,58 @@ class Group:
 
     def control(self) -> None:
         """Ask the controller for a command; those whose controller ended stand still."""
-        if self.controller is None:
-            return
-        command = self.controller.command(
-            self.robot,
-            self.readings,
-            self.estimate,
-            self.moment.clock,
-            self.controller_state,
-            self.controller_draws,
-        )
-        if self.devices and command.shape == (self.rows, len(self.drive.channels)):
-            missing = self.command.shape[1] - command.shape[1]
-            command = np.concatenate((command, np.zeros((self.rows, missing))), axis=1)
-        if command.shape != self.command.shape or not np.isfinite(command).all():
-            raise self._bad_command(command)
-        self.command = np.where(self.active, command, 0.0)
+        if self.some_by_hand:
+            self._control_some()
+        elif self.controller is not None:
+            self.command = np.where(self.active, self._asked(None), 0.0)
 
-    def _bad_command(self, command: Array) -> ComponentError:
-        who = f"controller {type(self.controller).__name__} of {', '.join(sorted(set(self.names))[:3])}"
+    def _control_some(self) -> None:
+        command = self.hand.copy()
+        rows = np.flatnonzero(~self.by_hand[:, 0])
+        if len(rows):
+            asked = 0.0 if self.controller is None else self._asked(rows)
+            command[rows] = np.where(self.active[rows], asked, 0.0)
+        self.command = command
+
+    def _asked(self, which: npt.NDArray[np.intp] | None) -> Array:
+        """The command that the controller gives to the rows in `which`, or to all."""
+        assert self.controller is not None
+        asked = (self.robot, self.readings, self.estimate, self.moment.clock, self.controller_state)
+        if which is None:
+            command = self.controller.command(*asked, self.controller_draws)
+        else:
+            command = ask_some(self.controller, *asked, self.controller_draws, which)
+        rows = self.rows if which is None else len(which)
+        expected = (rows, len(self.channels))
+        if self.devices and command.shape == (rows, len(self.drive.channels)):
+            missing = expected[1] - command.shape[1]
+            command = np.concatenate((command, np.zeros((rows, missing))), axis=1)
+        if command.shape != expected or not np.isfinite(command).all():
+            names = self.names if which is None else [self.names[row] for row in which.tolist()]
+            raise self._bad_command(command, names)
+        return command
+
+    def _bad_command(self, command: Array, names: Sequence[str]) -> ComponentError:
+        who = f"controller {type(self.controller).__name__} of {', '.join(sorted(set(names))[:3])}"
         channels = ", ".join(self.channels)
-        if command.shape != self.command.shape:
-            return ComponentError(
-                f"{who}: expected a command of shape {self.command.shape} ({channels}), got {command.shape}"
-            )
+        expected = (len(names), len(self.channels))
+        if command.shape != expected:
+            return ComponentError(f"{who}: expected a command of shape {expected} ({channels}), got {command.shape}")
         row = int(np.flatnonzero(~np.isfinite(command).all(axis=1))[0])
         return ComponentError(
-            f"{who}: expected finite numbers for {channels} of robot {self.names[row]!r}, got {command[row].tolist()}"
+            f"{who}: expected finite numbers for {channels} of robot {names[row]!r}, got {command[row].tolist()}"
         )
+
+    def hand_over(self, row: int, to_hand: bool) -> None:
+        """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""
+        self.by_hand = self.by_hand.copy()
+        self.by_hand[row] = to_hand
+        self.hand = self.hand.copy()
+        self.hand[row] = 0.0
+        self.some_by_hand = bool(self.by_hand.any())
+        if not to_hand:
+            self.active = self.active.copy()
+            self.active[row] = True
 
     def actuate(self) -> None:
         """Let the joints follow the command, and the ground have its way with what rolls."""
@@ -357,7 +385,10 @@ class Group:
                 found[f"sensor {name} noise {element}"] = state
         return found
 
-    _ARRAYS = ("true_pose", "true_twist", "joints", "joint_rates", "command", "active", "fingerprint")
+    _ARRAYS = (
+        *("true_pose", "true_twist", "joints", "joint_rates", "command"),
+        *("active", "by_hand", "hand", "fingerprint"),
+    )
 
     def arrays(self) -> dict[str, Arrays]:
         """All arrays that change and are the engine's own, by unit and name; not to be changed."""
@@ -372,6 +403,7 @@ class Group:
         """Put back what `arrays` gave."""
         for name in self._ARRAYS:
             setattr(self, name, arrays["body"][name])
+        self.some_by_hand = bool(self.by_hand.any())
         for name in self.estimates:
             held = arrays[f"estimate {name}"]
             self.estimates[name] = Estimate(held["pose"], held["covariance"])

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from amorsim.core.errors import AmorsimError, did_you_mean
 
 if TYPE_CHECKING:
+    from amorsim.scenario.spec import Robot
     from amorsim.simulation.group import Group
     from amorsim.simulation.obstacles import ObstacleGroup
 
@@ -106,34 +107,66 @@ class RobotHandle:
 
     @property
     def is_active(self) -> bool:
-        """Whether its controller still drives it."""
+        """Whether its controller has not ended."""
         return bool(self._group.active[self._row, 0])
 
-    def drive(self, forward: float = 0.0, turn: float = 0.0) -> None:
-        """Set the velocity of a robot with the `manual` controller: forward [m/s], turn [rad/s], held until the next.
+    @property
+    def is_by_hand(self) -> bool:
+        """Whether it was handed over and is driven from outside (`Simulation.hand_over`)."""
+        return bool(self._group.by_hand[self._row, 0])
+
+    @property
+    def takes_commands(self) -> bool:
+        """Whether `drive` and `command` serve: it was handed over, or its controller is `manual`."""
+        return self.is_by_hand or "command" in self._group.controller_state
+
+    @property
+    def nominal(self) -> Robot:
+        """What is specified of it at present: its nominal parameters, and by `errors` how the true ones differ."""
+        robot: Robot = self._group.specified[self._row]
+        return robot
+
+    @property
+    def true(self) -> Robot:
+        """The same robot with its true parameters."""
+        return self._group.true[self._row]
+
+    def drive(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> None:
+        """Set the velocity of a robot driven by hand: forward [m/s], turn [rad/s], left [m/s], held until the next.
 
         The robot's own software makes the joints' rates of it, with nominal parameters.
         """
         group, row = self._group, self._row
         twists = np.zeros((group.rows, 3))
-        twists[row] = forward, 0.0, turn
+        twists[row] = forward, left, turn
         wheels = group.robot.drive.command_for(twists, group.joints)[row].tolist()
         self.command(*wheels, *group.command[row, len(wheels) :].tolist())
 
     def command(self, *channels: float) -> None:
-        """Set the command of a robot with the `manual` controller, channel by channel [rad/s], held until the next."""
+        """Set the command of a robot driven by hand, channel by channel [rad/s], held until the next.
+
+        Raises
+        ------
+        AmorsimError
+            If its controller is not `manual` and it was not handed over, or these are not as many finite numbers as
+            there are channels.
+        """
         group = self._group
         names = group.channels
-        if "command" not in group.controller_state:
+        if not self.takes_commands:
             raise AmorsimError(
                 f"robot {self.name!r}: only the 'manual' controller takes commands from outside, and this is "
-                f"{type(group.controller).__name__}"
+                f"{type(group.controller).__name__}; take the robot over with hand_over({self.name!r}) first"
             )
         if len(channels) != len(names) or not np.isfinite(channels).all():
             raise AmorsimError(
                 f"robot {self.name!r}: expected a finite number for each of {', '.join(names)}, got {channels}"
             )
-        group.controller_state["command"][self._row] = channels
+        if self.is_by_hand:
+            group.hand = group.hand.copy()
+            group.hand[self._row] = channels
+        else:
+            group.controller_state["command"][self._row] = channels
 
 
 class ObstacleHandle:

@@ -108,7 +108,7 @@ def _log_contact(fleet: Fleet, contact: Contact) -> None:
             speed=float(group.travel()[row, 0] / fleet.dt),
         )
         fleet.events.append(event)
-        if isinstance(group, Group) and group.ends_on_collision and group.active[row, 0]:
+        if isinstance(group, Group) and group.ends_on_collision and group.active[row, 0] and not group.by_hand[row, 0]:
             group.active = group.active.copy()
             group.active[row] = False
             if group.controller is not None:

@@ -33,14 +33,14 @@ class Replay:
         self._changes: dict[int, list[Row]] = {}
         try:
             for row in read_rows(self._events):
-                if row["kind"] in ("parameter_set", "pose_set"):
+                if row["kind"] in ("parameter_set", "pose_set", "handed_over"):
                     self._changes.setdefault(int(row["tick"]), []).append(row)
         except (KeyError, ValueError, TypeError) as error:
             raise _damaged(self._events, error) from None
-        # A controller that keeps a command in its state takes it from outside.
-        self._by_hand = {
-            name for group in simulation._fleet.groups if "command" in group.controller_state for name in group.names
-        }
+        # Others take no commands from outside.
+        by_hand = {name for name in simulation.names if simulation.robot(name, simulation.replicas[0]).takes_commands}
+        handed = (row["robot"] for rows in self._changes.values() for row in rows if row["kind"] == "handed_over")
+        self._by_hand = by_hand.union(handed)
         self._rows = read_rows(self._commands) if self._by_hand else iter(())
         self._next = next(self._rows, None)
 
@@ -55,6 +55,8 @@ class Replay:
                 raise _damaged(self._events, error) from None
             if row["kind"] == "pose_set":
                 simulation.set_pose(row["robot"], value, replica=replica)
+            elif row["kind"] == "handed_over":
+                simulation.hand_over(row["robot"], value, replica=replica)
             else:
                 simulation.set(row["robot"], row["path"], value, replica=replica)
         try:
@@ -73,8 +75,8 @@ class Replay:
                 return
             if tick == wanted and row["robot"] in self._by_hand:
                 handle = simulation.robot(row["robot"], int(row.get("replica", simulation.replicas[0])))
-                if handle.is_active:
-                    handle.command(*(float(row[name]) for name in handle._group.drive.channels))
+                if handle.is_by_hand or (handle.takes_commands and handle.is_active):
+                    handle.command(*(float(row[name]) for name in handle._group.channels))
             self._next = next(self._rows, None)
 
 

@@ -137,7 +137,26 @@ class Simulation:
         """Covariances `(N, 3, 3)` of the estimated poses, as the robots believe."""
         return self._gather(lambda group: group.estimate.covariance)
 
-    def _gather(self, of: Callable[[Group], Array]) -> Array:
+    @property
+    def active(self) -> npt.NDArray[np.bool_]:
+        """Whether each robot's controller has not ended, `(N,)`."""
+        return self._gather(lambda group: group.active)[:, 0]
+
+    @property
+    def by_hand(self) -> npt.NDArray[np.bool_]:
+        """Whether each robot was handed over and is driven from outside, `(N,)`."""
+        return self._gather(lambda group: group.by_hand)[:, 0]
+
+    @property
+    def touching(self) -> npt.NDArray[np.bool_]:
+        """Whether each robot touched something in the last step and wanted to go on, `(N,)`."""
+        world = self._fleet.world
+        found = np.zeros((len(self.replicas), world.count), dtype=bool)
+        for pair in self._fleet.touching:
+            found.flat[[body for body in pair if body >= 0]] = True
+        return found[:, : len(self.names)].reshape(-1)
+
+    def _gather(self, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArray[Any]:
         if len(self._fleet.groups) == 1:
             whole = of(self._fleet.groups[0]).view()
         else:
@@ -254,6 +273,33 @@ class Simulation:
                 raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
         for handle in handles:
             self._log_change(handle, "parameter_set", path, value)
+
+    def hand_over(self, name: str, to: str = "hand", *, replica: int | None = None) -> None:
+        """Let a robot be driven from outside from the next step on, or by its controller again.
+
+        By hand it stands until ``robot(name).drive(...)`` or ``.command(...)`` says otherwise, no collision ends it,
+        and its controller is not asked and keeps its state. Given back, the controller goes on from that state, also
+        where a collision had ended it.
+
+        Parameters
+        ----------
+        to
+            ``"hand"`` or ``"controller"``. Nothing happens where it is so already.
+
+        Raises
+        ------
+        AmorsimError
+            If the robot has no controller to be given to.
+        """
+        handle = self.robot(name, replica)
+        if to not in ("hand", "controller"):
+            raise AmorsimError(f"robot {name!r}: expected to hand it over to 'hand' or 'controller', got {to!r}")
+        if to == "controller" and handle._group.controller is None:
+            raise AmorsimError(f"robot {name!r} has no controller; it can only be driven by hand")
+        if handle.is_by_hand == (to == "hand") and (to == "hand" or handle.is_active):
+            return
+        handle._group.hand_over(handle._row, to == "hand")
+        self._log_change(handle, "handed_over", "driver", to)
 
     def _log_change(self, handle: RobotHandle, kind: str, path: str, value: Any) -> None:
         tick = int(self._fleet.ticks[self.replicas.index(handle.replica)])
