@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, noise, sensors, testing
+    from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
     from amorsim.contracts import (
         Aim,
         Clock,
@@ -103,7 +103,7 @@ _MODULES = {
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "noise", "sensors", "testing")
+_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
@@ -167,6 +167,7 @@ __all__ = [
     "load",
     "load_map",
     "logarithm",
+    "motions",
     "noise",
     "parameter",
     "record",

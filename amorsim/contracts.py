@@ -160,6 +160,7 @@ class BodyStates(NamedTuple):
     twists: Array  # (N, B, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
     own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
+    is_robot: npt.NDArray[np.bool_]  # (B,) the others are obstacles
 
 
 class View(Protocol):
@@ -172,17 +173,23 @@ class View(Protocol):
     twist: Array  # (N, 3) [m/s, m/s, rad/s] mean true velocity over the last step, in the body's frame
     joints: Array  # (N, j) true positions of the drive's joints
     joint_rates: Array  # (N, j)
+    free: (
+        Array  # (N, 1) of a motion: what part of the last displacement was free; 1 at first, and where none was wanted
+    )
 
     @property
     def pose(self) -> Array:
         """True pose `(N, 3)` of the sensor's mount in the world; of the body, for a motion."""
 
-    def cast(self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact") -> Array:
+    def cast(
+        self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
+    ) -> Array:
         """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
 
         `origins` `(N * m, 3)` are world poses, m for each row in turn; `bearings` `(1, k)` or `(N * m, k)` are
         relative to them; `range_max` `(N, 1)`. With `traversal` ``"bresenham"`` walls are looked for along the cells of
-        Bresenham's line, as the original AMORsim does, and distances are between the centres of cells.
+        Bresenham's line, as the original AMORsim does, and distances are between the centres of cells. Without
+        `bodies`, walls alone count.
         """
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
@@ -355,11 +362,18 @@ class Controller(Component, abc.ABC):
 
 
 class Motion(Component, abc.ABC):
-    """How an obstacle wants to move; the engine says what part of it was free."""
+    """How an obstacle wants to move; the engine says what part of it was free (``view.free``)."""
 
     @abc.abstractmethod
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
         """The wanted displacement `(N, 3)` of this step, in the obstacle's own frame."""
+
+    def begins_at(self) -> tuple[float, float, float] | None:
+        """Where an obstacle starts that is told no pose (x [m], y [m], heading [rad]), or none: at the origin.
+
+        Asked of the motion as it was made, before there are rows.
+        """
+        return None
 
 
 class MapLoader(abc.ABC):

@@ -26,8 +26,15 @@ def _varies(parameter: Parameter, value: Any) -> bool:
     if parameter.static:
         return False
     if isinstance(value, tuple):
-        return bool(value) and all(_is_number(item) or attrs.has(type(item)) for item in value)
+        return bool(value) and (_is_table(value) or all(_is_number(item) or attrs.has(type(item)) for item in value))
     return _is_number(value) or attrs.has(type(value))
+
+
+def _is_table(value: tuple[Any, ...]) -> bool:
+    """Whether these are tuples of numbers, all of one length: points and the like."""
+    return len({len(item) if isinstance(item, tuple) else 0 for item in value}) == 1 and all(
+        isinstance(item, tuple) and item and all(map(_is_number, item)) for item in value
+    )
 
 
 def signature(component: Any) -> Hashable:
@@ -39,7 +46,9 @@ def signature(component: Any) -> Hashable:
         if not _varies(parameter, value):
             parts.append((name, value))
         elif isinstance(value, tuple):
-            inner = signature(value[0]) if attrs.has(type(value[0])) else type(None)
+            inner: Any = signature(value[0]) if attrs.has(type(value[0])) else type(None)
+            if isinstance(value[0], tuple):
+                inner = len(value[0])
             parts.append((name, len(value), inner))
         elif attrs.has(type(value)):
             parts.append((name, signature(value)))
@@ -51,8 +60,9 @@ def signature(component: Any) -> Hashable:
 def stack(components: Sequence[T]) -> T:
     """One component of the same class whose numbers are read-only arrays over the rows.
 
-    A number becomes `(N, 1)`, so that ``values * self.scale`` broadcasts; a tuple of k numbers `(N, k)`; a nested
-    table one of such arrays; a tuple of k tables one table of `(N, k)` arrays. Everything else stays as it is and is
+    A number becomes `(N, 1)`, so that ``values * self.scale`` broadcasts; a tuple of k numbers `(N, k)`, of k tuples of
+    m numbers `(N, k, m)`; a nested table one of such arrays; a tuple of k tables one table of `(N, k)` arrays.
+    Everything else stays as it is and is
     equal in all rows (`signature`). The fields were checked when each row's own component was made.
     """
     first = components[0]

@@ -52,6 +52,13 @@ def amorsim_register(registry: Registry) -> None:
     registry.map_loader("wld", "amorsim.maps.wld:Wld")
     registry.map_loader("bmp", "amorsim.maps.bmp:Bitmap")
 
+    registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
+    registry.motion("loop", "amorsim.motions.routes:Loop")
+    registry.motion("oscillate", "amorsim.motions.routes:Oscillate")
+    registry.motion("wander", "amorsim.motions.wander:Wander")
+    registry.motion("swing_door", "amorsim.motions.doors:SwingDoor")
+    registry.motion("sliding_door", "amorsim.motions.doors:SlidingDoor")
+
     registry.estimator("dead_reckoning", "amorsim.estimators.dead_reckoning:DeadReckoning")
 
     registry.controller("wander", "amorsim.controllers.wander:Wander")

@@ -195,12 +195,20 @@ class Robot:
 
 @attrs.frozen(kw_only=True, eq=False)
 class Obstacle:
-    """A body that is no robot: it stands, or moves as its motion proposes."""
+    """A body that is no robot: it stands, or moves as its motion proposes.
+
+    Without a `pose` it starts where its motion begins, such as at the first waypoint, or else at the origin.
+    """
 
     name: str = attrs.field(validator=_check_name)
     shape: Shape
-    pose: Pose = attrs.field(factory=Pose)
     motion: Motion | None = None
+    pose: Pose = attrs.field()
+
+    @pose.default
+    def _begin(self) -> Pose:
+        place = None if self.motion is None else self.motion.begins_at()
+        return Pose() if place is None else Pose(x=place[0], y=place[1], heading=place[2])
 
 
 @attrs.frozen(kw_only=True)

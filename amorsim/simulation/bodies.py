@@ -57,16 +57,25 @@ class World:
         Vertices of the largest body: the rows that scratch arrays of kernels need.
     replica_index
         `(T,)` which replica a body is of, counted from 0.
+    is_robot
+        `(B,)` of a replica's bodies, which are robots: the first `robots` of those given, or all.
     """
 
     def __init__(
-        self, map_: Map, names: Sequence[str], shapes: Sequence[Shape], replicas: int, threads: int = 1
+        self,
+        map_: Map,
+        names: Sequence[str],
+        shapes: Sequence[Shape],
+        replicas: int,
+        threads: int = 1,
+        robots: int | None = None,
     ) -> None:
         self.map = map_
         self.workers = Workers(threads)
         self.names = tuple(names)
         self.shapes = tuple(shapes)
         self.count = len(names)
+        self.is_robot = np.arange(self.count) < (self.count if robots is None else robots)
         self.replicas = replicas
         self.has_company = self.count > 1
         self.bodies = pack(list(shapes) * replicas)

@@ -55,7 +55,7 @@ class Fleet:
         check_collisions(seed, [*streams, *((obstacle.name, "motion") for obstacle in obstacles)])
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
         names, shapes = [body.name for body in bodies], [body.shape for body in bodies]
-        self.world = World(scenario.map, names, shapes, len(replicas), threads)
+        self.world = World(scenario.map, names, shapes, len(replicas), threads, robots=len(robots))
         self.groups = [
             Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt)
             for members in _partition(robots, group_key)

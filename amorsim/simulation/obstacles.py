@@ -50,6 +50,7 @@ class ObstacleGroup:
         rows = len(self.obstacles)
         self.true_pose = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in self.obstacles], dtype=np.float64)
         self.true_twist = np.zeros((rows, 3))
+        self.free = np.ones((rows, 1))
         self.proposed = np.zeros((rows, 3))
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
@@ -65,6 +66,7 @@ class ObstacleGroup:
         self.view.body_pose = self.true_pose
         self.view.mount = np.zeros_like(self.true_pose)
         self.view.twist = self.true_twist
+        self.view.free = self.free
         proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
         if proposed.shape != self.true_pose.shape or not np.isfinite(proposed).all():
             names = ", ".join(sorted({obstacle.name for obstacle in self.obstacles})[:3])
@@ -89,6 +91,9 @@ class ObstacleGroup:
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses after contact."""
+        # Whoever wanted nothing was denied nothing, even if somebody ran into him.
+        wanted = (self.proposed != 0.0).any(axis=1)
+        self.free = np.where(wanted, stop, 1.0)[:, None]
         self.true_twist = self.proposed * stop[:, None] / self.moment.dt
         self.true_pose = poses
 
@@ -96,7 +101,7 @@ class ObstacleGroup:
         """Mix the step's exact results into the fingerprint of each row."""
         digest.absorb([self.true_pose], self.fingerprint)
 
-    _ARRAYS = ("true_pose", "true_twist", "fingerprint")
+    _ARRAYS = ("true_pose", "true_twist", "free", "fingerprint")
 
     def arrays(self) -> dict[str, dict[str, npt.NDArray[Any]]]:
         """All arrays that change and are the engine's own; not to be changed."""

@@ -40,6 +40,7 @@ class GroupView:
         self.twist: Array = np.zeros((self.rows, 3))
         self.joints: Array = np.zeros((self.rows, 0))
         self.joint_rates: Array = np.zeros((self.rows, 0))
+        self.free: Array = np.ones((self.rows, 1))
         self.sensor = ""  # the name of the one that looks
         self._pose: Array | None = None
         self._mount: Array = np.zeros((self.rows, 3))
@@ -61,7 +62,9 @@ class GroupView:
             self._pose = compose(self.body_pose, self._mount)
         return self._pose
 
-    def cast(self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact") -> Array:
+    def cast(
+        self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
+    ) -> Array:
         """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
         cos_b, sin_b = self._table(bearings)
         out = np.empty((len(origins), bearings.shape[1]))
@@ -80,7 +83,7 @@ class GroupView:
             scans.cast_scans(grid, lines, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
 
         world.workers.share(len(origins), out.shape[1], part)
-        if world.has_company:
+        if bodies and world.has_company:
             self._cast_bodies(origins, cos_b, sin_b, limits, out)
         return out
 
@@ -107,6 +110,7 @@ class GroupView:
             twists=world.twists.reshape(-1, world.count, 3)[replica],
             reach=world.bodies.reach[: world.count],
             own=self._bodies % world.count,
+            is_robot=world.is_robot,
         )
 
     def emissions(self, medium: str) -> Emissions:

@@ -23,6 +23,7 @@ class Device:
     mount: Mount = parameter(Mount())
     ring: tuple[Mount, ...] = parameter(())
     weights: tuple[float, ...] = parameter((1.0, 2.0))
+    points: tuple[tuple[float, float], ...] = parameter(())
 
 
 def devices(count: int) -> list[Device]:
@@ -80,3 +81,14 @@ def test_one_signature_a_group() -> None:
         {"ring": (Mount(),)},
     ):
         assert signature(base) != signature(attrs.evolve(base, **change)), change
+
+
+def test_points_become_an_array_of_rows() -> None:
+    pairs = [((1.0, 2.0), (3.0, 4.0)), ((5, 6.0), (7.0, 8.0))]
+    made = stack([Device(points=points) for points in pairs])
+    assert made.points.tolist() == [[list(point) for point in points] for points in pairs]  # type: ignore[attr-defined]
+    assert made.points.dtype == np.float64  # type: ignore[attr-defined]
+    one, other = (signature(Device(points=points)) for points in pairs)
+    assert one == other
+    assert signature(Device(points=pairs[0][:1])) != one
+    assert signature(Device(points=())) != one

@@ -53,6 +53,8 @@ def good_value(parameter: Parameter):
         return True
     if typing.get_origin(kind) is tuple:
         item = typing.get_args(kind)[0]
+        if typing.get_origin(item) is tuple:
+            return [[float(i + 1) for i in range(len(typing.get_args(item)))]]
         return (
             [{}]
             if attrs.has(item)
@@ -121,6 +123,9 @@ def place_of(kind, name):
     if kind == "map_loader":
         document["world"] = {"map": "room.wld" if name == "wld" else "room.bmp", "use": name}
         return document, ("world",), ""
+    if kind == "motion":
+        document["obstacles"][0]["motion"] = component
+        return document, ("obstacles", 0, "motion"), ""
     raise AssertionError(f"a kind with no place in a document: {kind}")
 
 

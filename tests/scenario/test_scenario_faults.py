@@ -126,7 +126,7 @@ CASES = [
     (f"{ROVER}[[robots]]\nmodel='pioneer2dx'\n[[robots]]\nmodel='pioneer2dx'", "robots", "called 'robot'"),
     (f"{ROVER}[[obstacles]]\nname='rover'\nshape={{circle=1}}", "obstacles.0.name", "robots.0 is called"),
     (f"{ROVER}[[obstacles]]\nname='box'", "obstacles.0.shape", "missing; expected { circle"),
-    (f"{ROVER}[[obstacles]]\nshape={{circle=1}}\nmotion={{use='loop'}}", "obstacles.0.motion.use", "no motion"),
+    (f"{ROVER}[[obstacles]]\nshape={{circle=1}}\nmotion={{use='lop'}}", "obstacles.0.motion.use", "no motion"),
     (f"{ROVER}[obstacles]\nname='box'", "obstacles", "expected a list of tables"),
 ]
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from amorsim.motions import Loop, Oscillate, SlidingDoor, SwingDoor, Waypoints
 from amorsim.plugins.manager import make_registry
 from amorsim.sensors.sonar import Sonar
 from amorsim.testing import check_component
@@ -27,12 +28,24 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
     ("noise", "velocity_model"): _WHEELS,
 }
 
+# In place of what a class alone would give: a narrow cone has fewer rays, and is tried as well; a route that goes
+# somewhere within a few steps, and a door that opens.
+_ROUTE: dict[str, Any] = {"waypoints": ((4.0, 4.0), (4.1, 4.0), (4.1, 4.3)), "pause": 0.05}
+_DOOR: dict[str, Any] = {"timetable": ((0.1, 0.3),), "period": 0.4}
+EXAMPLES: dict[type, Any] = {
+    Sonar: Sonar(half_angle=0.03),
+    Waypoints: Waypoints(**_ROUTE),
+    Loop: Loop(**_ROUTE, blocked="skip"),
+    Oscillate: Oscillate(**_ROUTE),
+    SwingDoor: SwingDoor(**_DOOR),
+    SlidingDoor: SlidingDoor(**_DOOR, blocked="skip"),
+}
+
 
 @pytest.mark.parametrize(("kind", "name"), CASES, ids=[f"{kind}-{name}" for kind, name in CASES])
 def test_registered_component(kind: str, name: str) -> None:
     component: Any = REGISTRY.get(kind, name)
-    if component is Sonar:
-        component = Sonar(half_angle=0.03)  # a narrow cone has fewer rays, and is tried as well
+    component = EXAMPLES.get(component, component)
     check_component(component, **SETTINGS.get((kind, name), {}))
 
 

@@ -1,0 +1,37 @@
+"""What motions share: displacements told in the world, bodies that face where they go, and how long one is blocked."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import State, View
+from amorsim.core.poses import wrap_angle
+
+__all__ = ["blocked_for", "displacement", "facing"]
+
+Array = npt.NDArray[np.float64]
+
+STANDS = 1e-12  # [m] a way shorter than this has no direction
+
+
+def displacement(view: View, dx: Array, dy: Array, turn: Array) -> Array:
+    """The displacement `(N, 3)` in each body's own frame of a way in the world (dx, dy) [m] `(N, 1)` and a turn."""
+    c, s = np.cos(view.body_pose[:, 2:]), np.sin(view.body_pose[:, 2:])
+    return np.concatenate((c * dx + s * dy, c * dy - s * dx, turn), axis=1)
+
+
+def facing(view: View, dx: Array, dy: Array, most: Array) -> Array:
+    """The turn [rad] `(N, 1)`, at most `most`, towards the way that a body goes.
+
+    Who was just blocked does not turn: its corners may be what is in the way.
+    """
+    goes = (np.abs(dx) + np.abs(dy) > STANDS) & (view.free >= 1.0)
+    turn = wrap_angle(np.arctan2(dy, dx) - view.body_pose[:, 2:])
+    return np.asarray(np.where(goes, np.clip(turn, -most, most), 0.0))
+
+
+def blocked_for(view: View, dt: float, state: State) -> Array:
+    """For how long [s] `(N, 1)` each has been blocked without a break; ``state["blocked"]`` keeps count."""
+    state["blocked"] = np.where(view.free < 1.0, state["blocked"] + dt, 0.0)
+    return state["blocked"]
