@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from amorsim.core.shapes import Shape
     from amorsim.plugins.hooks import hookimpl
     from amorsim.plugins.registry import Registry
-    from amorsim.scenario.maps import load_map
+    from amorsim.scenario.maps import load_map, save_map
     from amorsim.scenario.read import load
     from amorsim.scenario.spec import (
         Deviation,
@@ -91,7 +91,7 @@ _MODULES = {
     "amorsim.core.rows": "stack",
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
-    "amorsim.scenario.maps": "load_map",
+    "amorsim.scenario.maps": "load_map save_map",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
         "Deviation Distribution Knowledge MountedSensor NoiseElement Obstacle Pose Recording Robot Scenario"
@@ -174,6 +174,7 @@ __all__ = [
     "relative",
     "reproduce",
     "run",
+    "save_map",
     "sensors",
     "stack",
     "testing",

@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.draws import Draws
+from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.poses import Mount, exponential
@@ -389,6 +390,14 @@ class MapLoader(abc.ABC):
     @abc.abstractmethod
     def load(self, path: Path) -> Map:
         """The map in a file; `MapError` names what is wrong with it, and the line where there is one."""
+
+    @classmethod
+    def save(cls, world: Map, path: Path) -> MapLoader:
+        """Write a map into a file of this format, where that can be done; returns the loader that reads it again.
+
+        `amorsim.save_map` reads it again and sees whether the cells are the same.
+        """
+        raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
 
 class Frame(NamedTuple):

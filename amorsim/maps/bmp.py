@@ -77,6 +77,14 @@ class Bitmap(MapLoader):
         except MapError as error:
             raise MapError(f"{path}: {error}") from error
 
+    @classmethod
+    def save(cls, world: Map, path: Path) -> Bitmap:
+        """Write a map's cells, black where they are occupied; see `amorsim.save_map`."""
+        occupied = world.to_array()[::-1]
+        Image.fromarray(np.where(occupied, 0, 255).astype(np.uint8)).convert("1").save(path)
+        x, y, yaw = world.origin
+        return cls(resolution=world.resolution, origin_x=x, origin_y=y, origin_yaw=yaw)
+
     def _occupied(self, image: Image.Image) -> NDArray[np.bool_]:
         """Which pixels are occupied, (rows, columns) from the top."""
         pixels, white = _pixels(image)

@@ -123,6 +123,30 @@ class Wld(MapLoader):
         except MapError as error:
             raise MapError(f"{path}: {error}") from error
 
+    @classmethod
+    def save(cls, world: Map, path: Path) -> Wld:
+        """Write the walls of a map that was made from lines; see `amorsim.save_map`."""
+        if world.segments is None:
+            raise MapError("the map was not made from lines, and a line world holds nothing else; save it as .png")
+        left, bottom, _ = world.origin
+        width, height = world.size
+        lines = [f"origin {_mm(left)} {_mm(bottom)}", f"width {_mm(width)}", f"height {_mm(height)}"]
+        if world.start is not None:
+            x, y, heading = world.start
+            lines.append(f"position {_mm(x)} {_mm(y)} {math.degrees(heading)!r}")
+        lines += [" ".join(map(_mm, wall)) for wall in world.segments.tolist()]
+        path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+        return cls(resolution=world.resolution)
+
+
+def _mm(metres: float) -> str:
+    """A length in the file's millimetres, such that dividing by 1000 gives the same number, where there is one."""
+    near = metres * 1000
+    for value in (float(round(near)), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+        if value / 1000 == metres:
+            return repr(value).removesuffix(".0")
+    return repr(near)
+
 
 def parse_world(text: str, *, push_sign: str = "clockwise") -> LineWorld:
     """The walls, extent and start that the text of a line world describes.

@@ -24,8 +24,10 @@ def resolved(scenario: Scenario) -> dict[str, Any]:
     return dict(scenario.document) if scenario.document is not None else document_of(scenario)
 
 
-def document_of(scenario: Scenario, *, registry: Registry | None = None) -> dict[str, Any]:
+def document_of(scenario: Scenario, *, registry: Registry | None = None, maps_in_files: bool = True) -> dict[str, Any]:
     """The complete document of a scenario: no models, every default filled in, files by their absolute paths.
+
+    Unless `maps_in_files`, a map that was made in Python may be among them, and is left out.
 
     Raises
     ------
@@ -33,7 +35,7 @@ def document_of(scenario: Scenario, *, registry: Registry | None = None) -> dict
         With a fault for everything that has no name in a file: a component that nobody registered, a map or a
         controller that is in no file, a shape that no table describes.
     """
-    writer = _Writer(registry or default_registry())
+    writer = _Writer(registry or default_registry(), maps_in_files)
     document = writer.scenario(scenario)
     if writer.faults:
         raise ScenarioError(writer.faults)
@@ -43,8 +45,9 @@ def document_of(scenario: Scenario, *, registry: Registry | None = None) -> dict
 class _Writer:
     """One method a thing; collects what cannot be written."""
 
-    def __init__(self, registry: Registry) -> None:
+    def __init__(self, registry: Registry, maps_in_files: bool) -> None:
         self._registry = registry
+        self._maps_in_files = maps_in_files
         self.faults: list[Fault] = []
 
     def scenario(self, scenario: Scenario) -> dict[str, Any]:
@@ -83,10 +86,11 @@ class _Writer:
     def _map(self, found: Map, path: str) -> dict[str, Any]:
         file = found.source
         if file is None:
-            self._fault(
-                f"{path}.map",
-                "the map was not read from a file, so a file cannot name it; read it with load_map",
-            )
+            if self._maps_in_files:
+                self._fault(
+                    f"{path}.map",
+                    "the map was not read from a file, so a file cannot name it; give it one with save_map",
+                )
             return {}
         return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,11 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
+from amorsim.core.same_cells import have_same_cells
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 
-__all__ = ["MapFile", "find_loader", "load_map", "read_map"]
+__all__ = ["MapFile", "find_loader", "load_map", "read_map", "save_map"]
 
 _HEAD = 4096
 
@@ -86,6 +88,60 @@ def read_map(file: MapFile) -> Map:
     if not isinstance(found, Map):
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
     return attrs.evolve(found, source=file)
+
+
+def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: Registry | None = None) -> Map:
+    """Write a map into a file, and read it again: the map that is returned names the file as its `source`.
+
+    The file's extension says how it is written: ``.wld`` as lines, for maps made from lines; ``.png`` or ``.bmp`` as
+    pixels. Its cells, and so all ranges and collisions, are the same.
+
+    Parameters
+    ----------
+    world
+        The map.
+    path
+        The file. One that is there is replaced.
+    use
+        The loader's name, where the extension does not tell.
+    registry
+        Where loaders are looked up; the default registry if none is given.
+
+    Raises
+    ------
+    MapError
+        If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. There
+        is no file then.
+    """
+    path = Path(path)
+    registry = registry or default_registry()
+    try:
+        cls = _writer(path, use, registry)
+    except PluginError as error:
+        raise MapError(f"{path}: {error}") from error
+    try:
+        again = read_map(MapFile(path=path, loader=cls.save(world, path)))
+        if not have_same_cells(again, world):
+            raise MapError(f"read again, it has other cells; {cls.__name__} cannot hold this map exactly")
+    except (MapError, OSError, ValueError) as error:
+        with contextlib.suppress(OSError):
+            path.unlink()
+        problem = error.strerror or error if isinstance(error, OSError) else error
+        raise MapError(f"{path}: cannot be written: {problem}") from error
+    return again
+
+
+def _writer(path: Path, use: str | None, registry: Registry) -> type[MapLoader]:
+    if use is not None:
+        found: type[MapLoader] = registry.get("map_loader", use)
+        return found
+    known: list[str] = []
+    for entry in registry.entries("map_loader"):
+        cls: type[MapLoader] = registry.get("map_loader", entry.name)
+        if path.suffix.lower() in cls.extensions:
+            return cls
+        known += cls.extensions
+    raise MapError(f"{path}: no format of maps is known by this extension, but: {', '.join(sorted(set(known)))}")
 
 
 def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, type[MapLoader]]:

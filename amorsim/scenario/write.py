@@ -7,13 +7,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import attrs
 import tomlkit
 from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 
-from amorsim.core.errors import RunError
+from amorsim.core.errors import MapError, RunError
+from amorsim.core.map import Map
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.document import document_of
+from amorsim.scenario.maps import save_map
 from amorsim.scenario.spec import Scenario
 
 __all__ = ["document_of", "document_text", "with_copies", "write_document"]
@@ -120,7 +123,8 @@ def _value(value: Any) -> Item:
 def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     """The document of a scenario, its map and controller files copied into a folder and named there.
 
-    Each file is copied once; files of the same name from different places get numbers.
+    A map that was made in Python gets a file there. Each file is copied once; files of the same name from different
+    places get numbers.
 
     Raises
     ------
@@ -129,8 +133,9 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     ScenarioError
         As for `document_of`; nothing has been copied then.
     """
-    document = document_of(scenario)
     copies = _Copies(Path(folder))
+    document_of(scenario, maps_in_files=False)  # complains before anything is written
+    document = document_of(_with_files(scenario, copies))
     document["world"]["map"] = copies.of(document["world"]["map"])
     for robot in document["robots"]:
         if "map" in robot.get("knowledge", {}):
@@ -140,6 +145,26 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
             file, _, name = use.rpartition(":")
             robot["controller"]["use"] = f"{copies.of(file)}:{name}"
     return document
+
+
+def _with_files(scenario: Scenario, copies: _Copies) -> Scenario:
+    """The scenario with a file for every map that was made in Python."""
+    written: dict[int, Map] = {}
+
+    def in_file(found: Map) -> Map:
+        if found.source is not None:
+            return found
+        if id(found) not in written:
+            written[id(found)] = copies.save(found)
+        return written[id(found)]
+
+    robots = [
+        robot
+        if robot.knowledge.map is None
+        else attrs.evolve(robot, knowledge=attrs.evolve(robot.knowledge, map=in_file(robot.knowledge.map)))
+        for robot in scenario.robots
+    ]
+    return attrs.evolve(scenario, map=in_file(scenario.map), robots=robots)
 
 
 class _Copies:
@@ -160,15 +185,29 @@ class _Copies:
         self._folder = folder
         self._names: dict[str, str] = {}
 
+    def save(self, world: Map) -> Map:
+        """A map that was made in Python, written into the folder: as lines if it was made of them, else as pixels."""
+        name = self._free_name(Path(f"{world.name or 'map'}.{'png' if world.segments is None else 'wld'}"))
+        try:
+            saved = save_map(world, self._folder / name)
+        except MapError as error:
+            raise RunError(str(error)) from error
+        self._names[str((self._folder / name).absolute())] = name
+        return saved
+
+    def _free_name(self, path: Path) -> str:
+        name, number = path.name, 1
+        taken = {known.casefold() for known in (*self._TAKEN, *self._names.values())}
+        while name.casefold() in taken:
+            number += 1
+            name = f"{path.stem}_{number}{path.suffix}"
+        return name
+
     def of(self, file: str) -> str:
         """The name of a file's copy."""
         if file not in self._names:
             path = Path(file)
-            name, number = path.name, 1
-            taken = {known.casefold() for known in (*self._TAKEN, *self._names.values())}
-            while name.casefold() in taken:
-                number += 1
-                name = f"{path.stem}_{number}{path.suffix}"
+            name = self._free_name(path)
             try:
                 if path.resolve() != (self._folder / name).resolve():
                     shutil.copyfile(path, self._folder / name)

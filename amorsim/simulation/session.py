@@ -103,7 +103,7 @@ class RunSession:
         duration = scenario.duration if duration is None else duration
         planned = steps_of(simulation, duration) if wanted_steps is None else wanted_steps
         scenario = attrs.evolve(scenario, seed=simulation.seed, duration=duration)
-        document_of(scenario)  # complains before there is a folder
+        document_of(scenario, maps_in_files=False)  # complains before there is a folder
         self.steps = 0
         self._simulation = simulation
         self._scenario = scenario

@@ -132,17 +132,22 @@ def test_every_builtin_component_keeps_its_contract(kind, name):
     assert BUILTIN.name_of(kind, cls) == name
 
 
-def test_builtins_are_complete():
+def test_what_the_mission_names_is_built_in():
     assert BUILTIN.problems == ()
-    assert BUILTIN.names("drive") == ("differential",)
-    assert set(BUILTIN.names("sensor")) == {"encoder", "laser", "sonar", "compass", "gyro"}
+    assert "differential" in BUILTIN.names("drive")
+    assert {"encoder", "laser", "sonar", "compass", "gyro"} <= set(BUILTIN.names("sensor"))
     assert {"gaussian", "bias", "scale", "quantize", "saturate", "diffusion"} <= set(BUILTIN.names("noise"))
-    assert set(BUILTIN.names("map_loader")) == {"wld", "bmp"}
-    assert BUILTIN.names("estimator") == ("dead_reckoning",)
-    assert set(BUILTIN.names("controller")) == {"wander", "goto", "square", "manual"}
-    assert BUILTIN.names("recorder") == ("text",)
-    assert BUILTIN.file("robot", "pioneer2dx").is_file()
-    assert BUILTIN.file("scenario", "demo").is_file()
+    assert {"wld", "bmp"} <= set(BUILTIN.names("map_loader"))
+    assert "dead_reckoning" in BUILTIN.names("estimator")
+    assert {"wander", "goto", "square", "manual"} <= set(BUILTIN.names("controller"))
+    assert "text" in BUILTIN.names("recorder")
+
+
+@pytest.mark.parametrize("kind", ["robot", "scenario"])
+def test_every_built_in_file_is_there(kind):
+    assert BUILTIN.names(kind)
+    for name in BUILTIN.names(kind):
+        assert BUILTIN.file(kind, name).is_file()
 
 
 def test_loading_the_plugins_imports_no_component():

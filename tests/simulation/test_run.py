@@ -6,6 +6,7 @@ import json
 import signal
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from PIL import Image
@@ -134,9 +135,28 @@ def test_a_folder_that_holds_something_is_left_alone(study: Path, tmp_path: Path
 
 
 def test_what_cannot_be_written_into_a_file_leaves_no_folder(tmp_path: Path) -> None:
-    with pytest.raises(am.ScenarioError, match="the map was not read from a file"):
-        am.run(building.scenario(), tmp_path / "deep" / "run", duration=1.0)
+    def drive(readings, estimate, clock):
+        return am.Twist(0.1, 0.0)
+
+    robot = building.robot(controller=drive)
+    with pytest.raises(am.ScenarioError, match="given as an object, so a file cannot name it"):
+        am.run(building.scenario(robot), tmp_path / "deep" / "run", duration=1.0)
     assert not (tmp_path / "deep").exists()
+
+
+@pytest.mark.parametrize("made_from", ["lines", "cells"])
+def test_a_map_made_in_python_is_written_down_and_reproduces(tmp_path: Path, made_from: str) -> None:
+    world = building.room(resolution=0.01)
+    if made_from == "cells":
+        world = am.Map.from_array(world.to_array(), resolution=0.01, origin=(-1.0, -0.5, 0.1))
+    told = attrs.evolve(building.robot(), knowledge=am.Knowledge(map=world))
+    scenario = building.scenario(told, map=world)
+    summary = am.run(scenario, tmp_path / "run", duration=1.0)
+    assert files_of(tmp_path / "run") >= {f"{world.name or 'map'}.{'wld' if made_from == 'lines' else 'png'}"}
+    assert am.reproduce(tmp_path / "run").is_same
+    simulation = am.Simulation(scenario)
+    simulation.run(1.0)
+    assert simulation.digest(0) == summary.digests[0]
 
 
 def test_a_run_that_cannot_begin_gives_its_folder_back(study: Path, tmp_path: Path) -> None:

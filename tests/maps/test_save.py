@@ -1,0 +1,101 @@
+"""Maps written into files, and read again with the same cells."""
+
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import amorsim as am
+from amorsim.core.same_cells import have_same_cells
+
+WALLS = [(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (1.0, 1.0, 2.5, 3.25)]
+
+
+def test_lines_come_back_as_the_same_map(tmp_path: Path) -> None:
+    room = am.Map.from_segments(WALLS, start=(1.0, 2.0, 0.5))
+    again = am.save_map(room, tmp_path / "room.wld")
+    assert have_same_cells(room, again)
+    assert np.array_equal(again.segments, room.segments)
+    assert again.start == pytest.approx(room.start, abs=1e-15)
+    assert again.source.path == tmp_path / "room.wld"
+    assert "1000 1000 2500 3250" in (tmp_path / "room.wld").read_text().splitlines()
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    walls=hnp.arrays(np.float64, st.tuples(st.integers(1, 6), st.just(4)), elements=st.floats(-3, 3, width=64)),
+    resolution=st.sampled_from([0.003, 0.01, 0.25]),
+)
+def test_any_lines_come_back_with_the_same_cells_or_are_refused(tmp_path_factory, walls, resolution) -> None:
+    path = tmp_path_factory.mktemp("maps") / "any.wld"
+    room = am.Map.from_segments(walls, resolution=resolution, extent=(-3, -3, 3, 3))
+    try:
+        again = am.save_map(room, path)
+    except am.MapError:  # a wall nearer to a border of cells than a double in mm can tell
+        assert not path.exists()
+        assert np.min(np.abs(walls / resolution - np.round(walls / resolution))) < 1e-9
+        return
+    assert np.array_equal(again.to_array(), room.to_array())
+    assert again.origin == room.origin
+    assert np.max(np.abs(again.segments - room.segments)) < 1e-14
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    cells=hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9))),
+    origin=st.tuples(*[st.floats(-50, 50)] * 3),
+    ending=st.sampled_from(["png", "bmp"]),
+)
+def test_any_cells_come_back(tmp_path_factory, cells, origin, ending) -> None:
+    path = tmp_path_factory.mktemp("maps") / f"any.{ending}"
+    plan = am.Map.from_array(cells, resolution=0.05, origin=origin)
+    again = am.save_map(plan, path)
+    assert np.array_equal(again.to_array(), plan.to_array())
+    assert (again.origin, again.resolution) == (plan.origin, plan.resolution)
+
+
+def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
+    room = am.Map.from_segments(WALLS, resolution=0.01)
+    again = am.save_map(room, tmp_path / "room.png")
+    assert have_same_cells(room, again)
+    assert again.segments is None
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("plan.wld", "not made from lines"),
+        ("plan.xyz", r"no format of maps is known by this extension, but: \.bmp, \.png, \.wld"),
+        ("plan", "no format of maps"),
+        ("none/plan.png", "No such file"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_and_leaves_nothing(tmp_path: Path, name: str, words: str) -> None:
+    plan = am.Map.from_array([[0, 1]], resolution=0.05)
+    with pytest.raises(am.MapError, match=words):
+        am.save_map(plan, tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_loader_that_writes_other_cells_is_found_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from amorsim.maps.bmp import Bitmap
+
+    save = Bitmap.save.__func__
+    monkeypatch.setattr(
+        Bitmap, "save", classmethod(lambda cls, world, path: attrs.evolve(save(cls, world, path), origin_x=1.0))
+    )
+    with pytest.raises(am.MapError, match="has other cells"):
+        am.save_map(am.Map.from_array([[0, 1]], resolution=0.05), tmp_path / "plan.png")
+
+
+def test_maps_differ_by_one_cell_or_by_their_place() -> None:
+    cells = np.zeros((70, 130))
+    one = am.Map.from_array(cells, resolution=0.1)
+    cells[69, 129] = 1
+    assert not have_same_cells(one, am.Map.from_array(cells, resolution=0.1))
+    assert not have_same_cells(one, am.Map.from_array(np.zeros((70, 130)), resolution=0.1, origin=(0, 0, 1e-9)))
+    assert not have_same_cells(one, am.Map.from_array(np.zeros((70, 129)), resolution=0.1))
