@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     from amorsim.core.shapes import Shape
     from amorsim.plugins.hooks import hookimpl
     from amorsim.plugins.registry import Registry
+    from amorsim.runs.reproduce import reproduce
+    from amorsim.runs.run import run
+    from amorsim.runs.session import RunSession, RunSummary, record
     from amorsim.scenario.maps import load_map, save_map
     from amorsim.scenario.read import load
     from amorsim.scenario.spec import (
@@ -70,9 +73,6 @@ if TYPE_CHECKING:
     )
     from amorsim.simulation.events import Event
     from amorsim.simulation.phases import PHASES
-    from amorsim.simulation.reproduce import reproduce
-    from amorsim.simulation.run import run
-    from amorsim.simulation.session import RunSession, RunSummary, record
     from amorsim.simulation.simulation import Simulation
 
 _MODULES = {
@@ -97,9 +97,9 @@ _MODULES = {
         "Deviation Distribution Knowledge MountedSensor NoiseElement Obstacle Pose Recording Robot Scenario"
     ),
     "amorsim.simulation.events": "Event",
-    "amorsim.simulation.reproduce": "reproduce",
-    "amorsim.simulation.run": "run",
-    "amorsim.simulation.session": "RunSession RunSummary record",
+    "amorsim.runs.reproduce": "reproduce",
+    "amorsim.runs.run": "run",
+    "amorsim.runs.session": "RunSession RunSummary record",
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
 }

@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError, did_you_mean
+from amorsim.runs.folder import read_about
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.folder import read_about
 
 __all__ = ["RunFiles", "Table"]
 

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from amorsim.analysis.figures import TRUE, tidy
 
 if TYPE_CHECKING:
-    from amorsim.simulation.attribution import Attribution
-    from amorsim.simulation.umbmark import Umbmark
+    from amorsim.studies.attribution import Attribution
+    from amorsim.studies.umbmark import Umbmark
 
 __all__ = ["plot_attribution", "plot_umbmark"]
 

@@ -99,7 +99,7 @@ def _degrees(found: Interval) -> Interval:
 def _measure(
     read: Scenario, what: What, robot: str | None, sensor: str | None, element: int | None, runs: int
 ) -> tuple[str, list[Row]]:
-    from amorsim.simulation.calibration import calibrate_compass, calibrate_gyro, calibrate_range
+    from amorsim.studies.calibration import calibrate_compass, calibrate_gyro, calibrate_range
 
     if what is What.gyro:
         name, found = calibrate_gyro(read, robot=robot, sensor=sensor, runs=runs)

@@ -34,8 +34,8 @@ def command(
     """
     from amorsim.cli.scenarios import make_simulation, read_scenario
     from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.runs.session import steps_of
     from amorsim.simulation.advice import advice
-    from amorsim.simulation.session import steps_of
 
     try:
         read = read_scenario(scenario, resolution=resolution, changes=changes or [])

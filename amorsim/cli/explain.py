@@ -11,7 +11,7 @@ from amorsim.cli.console import say
 from amorsim.cli.study import claim_folder, draw, free_folder, read_study, significant, table, write_text
 
 if TYPE_CHECKING:
-    from amorsim.simulation.attribution import Attribution
+    from amorsim.studies.attribution import Attribution
 
 __all__ = ["command"]
 
@@ -40,7 +40,7 @@ def command(
     Each entry of the robot's errors, each element of its ground and each one of its encoder's noise is an error.
     All draw the same alone as in company, so that their shares add up.
     """
-    from amorsim.simulation.attribution import attribute_errors
+    from amorsim.studies.attribution import attribute_errors
 
     free_folder(out)
     read = read_study(scenario, changes, seed)

@@ -20,7 +20,7 @@ def command(
 
     The exit status is 0 if they are the same to the bit, else 1; then the first difference is named.
     """
-    from amorsim.simulation.reproduce import reproduce
+    from amorsim.runs.reproduce import reproduce
 
     outcome = reproduce(folder)
     if not quiet:

@@ -16,8 +16,8 @@ import typer
 from amorsim.cli.console import complain, say
 
 if TYPE_CHECKING:
+    from amorsim.runs.session import RunSummary
     from amorsim.scenario.spec import Scenario
-    from amorsim.simulation.session import RunSummary
     from amorsim.simulation.simulation import Simulation
 
 __all__ = ["command"]
@@ -78,7 +78,7 @@ def command(
     """
     from amorsim.cli.scenarios import make_simulation, read_scenario
     from amorsim.core.errors import AmorsimError
-    from amorsim.simulation.run import run as run_scenario
+    from amorsim.runs.run import run as run_scenario
 
     if replicas is not None and replica:
         raise AmorsimError("--replicas and --replica exclude each other: the first counts them, the second names them")

@@ -59,7 +59,7 @@ def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:
     RunError
         If it cannot be made.
     """
-    from amorsim.simulation.folder import new_folder
+    from amorsim.runs.folder import new_folder
 
     if out is None:
         stem = scenario.source.stem if scenario.source is not None else "map"

@@ -13,7 +13,7 @@ from amorsim.cli.study import claim_folder, draw, free_folder, read_study, table
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
-    from amorsim.simulation.umbmark import Umbmark
+    from amorsim.studies.umbmark import Umbmark
 
 __all__ = ["command"]
 
@@ -52,7 +52,7 @@ def command(
     This is UMBmark (Borenstein and Feng 1996): the robot drives by its odometry, and where it really ends less where
     it believes to be tells how unequal its wheels are (Ed) and how wrong its track is (Eb).
     """
-    from amorsim.simulation.umbmark import umbmark
+    from amorsim.studies.umbmark import umbmark
 
     free_folder(out)
     read = read_study(scenario, changes, seed)
@@ -113,7 +113,7 @@ def _report(found: Umbmark) -> str:
 
 def _write(read: Scenario, found: Umbmark, folder: Path) -> None:
     from amorsim.scenario.write import document_text, with_copies
-    from amorsim.simulation.umbmark import corrected_scenario
+    from amorsim.studies.umbmark import corrected_scenario
 
     lines = ["parameters,direction,run,x,y"]
     for parameters, pair in (("nominal", (found.clockwise, found.anticlockwise)), ("corrected", found.after)):

@@ -1,1 +1,1 @@
-"""The engine: robots as rows, the phases of a step, and runs."""
+"""The engine: robots as rows, and the phases of a step."""

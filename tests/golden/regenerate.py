@@ -1,4 +1,4 @@
-"""Runs the scenarios beside this file and keeps what they write, for `tests/simulation/test_golden.py`::
+"""Runs the scenarios beside this file and keeps what they write, for `tests/runs/test_golden.py`::
 
     python tests/golden/regenerate.py
 

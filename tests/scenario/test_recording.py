@@ -57,7 +57,7 @@ def test_a_recorder_is_chosen_and_written_down_again(with_counter, folder):
 
 
 def test_each_run_has_one_of_its_own(with_counter, folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("amorsim.simulation.session.default_registry", lambda: with_counter)
+    monkeypatch.setattr("amorsim.runs.session.default_registry", lambda: with_counter)
     monkeypatch.setattr("amorsim.scenario.document.default_registry", lambda: with_counter)
     text = f"[recording]\npicture = false\nalso = [{{ use = 'counter' }}]\n{ROBOT}"
     scenario = scenario_of(text, folder, with_counter)

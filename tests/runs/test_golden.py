@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from amorsim.simulation.compare import first_difference
+from amorsim.runs.compare import first_difference
 from tests.golden.regenerate import FOLDER, SCENARIOS, run_scenario, tables
 
 

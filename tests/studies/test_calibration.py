@@ -17,7 +17,7 @@ from amorsim.scenario.spec import Deviation, MountedSensor, Scenario
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.laser import Laser
-from amorsim.simulation.calibration import calibrate_compass, calibrate_gyro, calibrate_range
+from amorsim.studies.calibration import calibrate_compass, calibrate_gyro, calibrate_range
 from tests import building
 
 # Fewer than 33 of 40 come with a probability of 0.001 if each covers with 0.95.

@@ -25,8 +25,8 @@ from amorsim.core.poses import compose, relative
 from amorsim.core.rows import stack, take
 from amorsim.drives.differential import Differential
 from amorsim.scenario.spec import Deviation, Robot, Scenario
-from amorsim.simulation.bench import alone, chosen_robot, empty_world, only_odometry, true_value, with_settled_errors
 from amorsim.simulation.simulation import Simulation
+from amorsim.studies.bench import alone, chosen_robot, empty_world, only_odometry, true_value, with_settled_errors
 
 __all__ = ["SPEED_MAX", "Squares", "Umbmark", "corrected_scenario", "drive_squares", "fit_squares", "umbmark"]
 

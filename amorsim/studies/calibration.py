@@ -24,8 +24,8 @@ from amorsim.core.poses import wrap_angle
 from amorsim.scenario.spec import Pose, Robot, Scenario
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.gyro import Gyro
-from amorsim.simulation.bench import alone, chosen_robot, empty_world, with_settled_errors
 from amorsim.simulation.simulation import Simulation
+from amorsim.studies.bench import alone, chosen_robot, empty_world, with_settled_errors
 
 __all__ = ["RangeCalibration", "calibrate_compass", "calibrate_gyro", "calibrate_range"]
 

@@ -14,8 +14,8 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import compose, relative
 from amorsim.core.rows import stack
 from amorsim.scenario.spec import Robot, Scenario
-from amorsim.simulation.bench import alone, chosen_robot, empty_world, error_paths, only_odometry
 from amorsim.simulation.simulation import Simulation
+from amorsim.studies.bench import alone, chosen_robot, empty_world, error_paths, only_odometry
 
 __all__ = ["Attribution", "Case", "attribute_errors"]
 

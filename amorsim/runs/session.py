@@ -15,11 +15,11 @@ from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.errors import RunError
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
+from amorsim.runs.folder import FORMAT, RunFolder, circumstances, fingerprints
+from amorsim.runs.traces import Traces
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import document_of, with_copies, write_document
-from amorsim.simulation.folder import FORMAT, RunFolder, circumstances, fingerprints
 from amorsim.simulation.simulation import Simulation
-from amorsim.simulation.traces import Traces
 
 __all__ = ["MOST_STEPS", "RunSession", "RunSummary", "record", "run_name", "steps_of"]
 

@@ -11,11 +11,11 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.runs.compare import TOLERANCE, Difference, first_difference
+from amorsim.runs.folder import circumstances, fingerprints, read_about
+from amorsim.runs.replay import Replay
+from amorsim.runs.session import MOST_STEPS, RunSession
 from amorsim.scenario.read import load
-from amorsim.simulation.compare import TOLERANCE, Difference, first_difference
-from amorsim.simulation.folder import circumstances, fingerprints, read_about
-from amorsim.simulation.replay import Replay
-from amorsim.simulation.session import MOST_STEPS, RunSession
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Outcome", "reproduce"]

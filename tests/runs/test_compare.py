@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from amorsim.simulation.compare import first_difference
+from amorsim.runs.compare import first_difference
 
 POSES = "time,robot,true_x\n0.000000,rover,1.000000\n0.100000,rover,1.100000\n0.200000,rover,1.200000\n"
 COMMANDS = "time,robot,left\n0.000000,rover,0.0\n0.100000,rover,2.5\n0.200000,rover,2.5\n"

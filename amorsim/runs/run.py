@@ -9,9 +9,9 @@ from collections.abc import Callable, Sequence
 from types import FrameType
 
 from amorsim.kernels.compile import mark_warm
+from amorsim.runs.folder import new_folder
+from amorsim.runs.session import RunSession, RunSummary, steps_of
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.folder import new_folder
-from amorsim.simulation.session import RunSession, RunSummary, steps_of
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["RunSummary", "new_folder", "run"]

@@ -14,7 +14,7 @@ from amorsim.controllers.square import Square
 from amorsim.noise.diffusion import Diffusion
 from amorsim.noise.gaussian import Gaussian
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, Scenario
-from amorsim.simulation.attribution import Attribution, attribute_errors
+from amorsim.studies.attribution import Attribution, attribute_errors
 from tests import building
 
 

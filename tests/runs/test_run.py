@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
-from amorsim.simulation.folder import new_folder
+from amorsim.runs.folder import new_folder
 from tests import building
 from tests.studies import make_study
 

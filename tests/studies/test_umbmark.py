@@ -14,7 +14,7 @@ from amorsim.algorithms.umbmark import WheelGeometry, published_figures, systema
 from amorsim.noise.diffusion import Diffusion
 from amorsim.scenario.spec import Deviation, Distribution, Scenario
 from amorsim.simulation.truth import true_robot
-from amorsim.simulation.umbmark import corrected_scenario, drive_squares, fit_squares, umbmark
+from amorsim.studies.umbmark import corrected_scenario, drive_squares, fit_squares, umbmark
 from tests import building
 from tests.algorithms.squares import ends
 
@@ -167,7 +167,7 @@ def test_what_does_not_fit_the_method_is_refused() -> None:
 
 
 def test_other_drives_are_refused() -> None:
-    from amorsim.simulation.calibration import _TurnTable
+    from amorsim.studies.calibration import _TurnTable
 
     with pytest.raises(am.AmorsimError, match="UMBmark is for differential drives, and this one's is _TurnTable"):
         umbmark(building.scenario(building.robot(drive=_TurnTable())))

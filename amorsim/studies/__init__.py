@@ -1,0 +1,1 @@
+"""Experiments on a robot: the square of UMBmark, calibrations, and which error did what."""
