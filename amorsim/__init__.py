@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         Controller,
         Draws,
         Drive,
+        Emission,
         Estimate,
         Estimator,
         Frame,
@@ -77,8 +78,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Clock Context Controller Drive Draws Estimate Estimator Frame Joint MapLoader Measurement Motion Mount "
-        "Noise Recorder RobotModel RunInfo Sensor SensorModel State View parameter"
+        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint MapLoader Measurement Motion "
+        "Mount Noise Recorder RobotModel RunInfo Sensor SensorModel State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -119,6 +120,7 @@ __all__ = [
     "Distribution",
     "Draws",
     "Drive",
+    "Emission",
     "Estimate",
     "Estimator",
     "Event",

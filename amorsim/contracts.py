@@ -39,6 +39,7 @@ __all__ = [
     "Controller",
     "Draws",
     "Drive",
+    "Emission",
     "Emissions",
     "Estimate",
     "Estimator",
@@ -145,13 +146,24 @@ class Aim(NamedTuple):
     time: Array | None = None
 
 
+class Emission(NamedTuple):
+    """What a sensor fires into its medium, from e emitters, each with a cone."""
+
+    poses: Array  # (N, e, 3) where each stands in the world, and looks
+    half_angle: Array  # (N, e) [rad] of its cone
+    fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
+    time: Array | None = None  # (N, e) [s] from the tick on, when it fires; none for all at the tick
+
+
 class Emissions(NamedTuple):
     """Every emitter of a medium (ultrasound ...) in each row's replica; e of them, the same in all replicas."""
 
     poses: Array  # (N, e, 3) where it stands in the world, and looks
     half_angle: Array  # (N, e) [rad] of its cone
     fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
-    own: npt.NDArray[np.bool_]  # (N, e) whether it is of the row's own sensor
+    own: npt.NDArray[np.bool_]  # (N, e) whether it is of the row's own sensor; in the order in which this told them
+    time: Array  # (N, e) [s] from the tick on, when it fires
+    body: npt.NDArray[np.int64]  # (N, e) which body carries it, of those that `View.bodies` tells
 
 
 class BodyStates(NamedTuple):
@@ -281,7 +293,7 @@ class Sensor(Component, abc.ABC):
     """What an ideal device would read. Mounting, rate, latency and noise belong to every sensor, outside its class."""
 
     unit: ClassVar[str]  # of the values: "m", "rad", "rad/s", "count" ...
-    medium: ClassVar[str] = ""  # what it fires into, where others may hear it: "ultrasound" ...
+    medium: ClassVar[str] = ""  # what it fires into, where others may hear it: "ultrasound" ...; or a static field
     channels: ClassVar[tuple[str, ...]] = ()  # of its own commands, where it takes any: ("pan", "tilt")
 
     @abc.abstractmethod
@@ -299,11 +311,8 @@ class Sensor(Component, abc.ABC):
     def actuate(self, command: Array, dt: float, state: State, draws: Draws) -> None:
         """Follow the command `(N, c)` of its own `channels` for a step; where that leads is kept in `state`."""
 
-    def emit(self, view: View, state: State) -> tuple[Array, Array, npt.NDArray[np.bool_]] | None:
-        """What it fires into its `medium`: poses `(N, e, 3)`, half angles `(N, e)`, whether it fires now `(N, e)`.
-
-        Asked of all sensors before any senses.
-        """
+    def emit(self, view: View, state: State) -> Emission | None:
+        """What it fires into its `medium`; asked of all sensors that have one before any senses."""
         return None
 
 

@@ -262,6 +262,44 @@ def _slips() -> Figure:
     return figure
 
 
+def _cross_talk() -> Figure:
+    """What the left one of two that face each other reads while the other drives up, for three phases of that."""
+    figure, (axis,) = _figure()
+    for late, colour in ((-0.002, OTHER), (0.0, MEASURED), (0.002, "#a21caf")):
+        robots = []
+        for name, x, heading, phase in (("left", 1.0, 0.0, 0.0), ("right", 5.0, math.pi, late)):
+            unit = am.MountedSensor(
+                sensor=am.sensors.Sonar(medium="ultrasound", phase=phase),
+                mount=am.Mount(x=0.2),
+                noise=(noise.CrossTalk(), noise.Gaussian(std=0.01)),
+            )
+            robots.append(
+                am.Robot(
+                    name=name,
+                    shape=am.Shape.circle(0.2),
+                    drive=am.drives.Differential(
+                        wheel_radius_left=0.0825, wheel_radius_right=0.0825, track=0.33, rate_max=1e3
+                    ),
+                    sensors={"sonar": unit},
+                    controller=am.controllers.Manual(),
+                    pose=am.Pose(x=x, y=2.0, heading=heading),
+                )
+            )
+        sim = am.Simulation(am.Scenario(map=_room(), robots=robots, seed=1))
+        sim.robot("right").drive(forward=0.3)
+        rows = []
+        for _ in range(100):
+            reading = sim.robot("left").readings["sonar"]
+            rows.append((sim.time, reading.true[0], reading.measured[0]))
+            sim.step()
+        time, true, measured = np.array(rows).T
+        axis.plot(time, measured, ".", color=colour, markersize=4, label=f"measured, the other {1e3 * late:+.0f} ms")
+    axis.plot(time, true, color=TRUE, linewidth=2.2, label="true", zorder=1)
+    axis.set(xlabel="time [s]", ylabel="range [m]", ylim=(0.0, None))
+    axis.legend(frameon=False)
+    return figure
+
+
 def _ages() -> Figure:
     figure, (axis,) = _figure()
     dt, latency = 0.02, 0.12
@@ -313,6 +351,7 @@ DRAWN: dict[str, Callable[[], Figure]] = {
     ),
     "slip": _slips,
     "latency-jitter": _ages,
+    "cross-talk": _cross_talk,
 }
 
 

@@ -9,6 +9,7 @@ from amorsim.noise.bias import Bias
 from amorsim.noise.bias_instability import BiasInstability
 from amorsim.noise.bias_random_walk import BiasRandomWalk
 from amorsim.noise.compass_deviation import CompassDeviation
+from amorsim.noise.cross_talk import CrossTalk
 from amorsim.noise.diffusion import Diffusion
 from amorsim.noise.dropout import Dropout
 from amorsim.noise.gaussian import Gaussian
@@ -32,6 +33,7 @@ __all__ = [
     "BiasInstability",
     "BiasRandomWalk",
     "CompassDeviation",
+    "CrossTalk",
     "Diffusion",
     "Dropout",
     "Gaussian",

@@ -42,6 +42,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.noise("compass_deviation", "amorsim.noise.compass_deviation:CompassDeviation")
     registry.noise("beam_model", "amorsim.noise.beam_model:BeamModel")
     registry.noise("specular_loss", "amorsim.noise.specular_loss:SpecularLoss")
+    registry.noise("cross_talk", "amorsim.noise.cross_talk:CrossTalk")
     registry.noise("motion_distortion", "amorsim.noise.motion_distortion:MotionDistortion")
     registry.noise("latency_jitter", "amorsim.noise.latency_jitter:LatencyJitter")
     registry.noise("diffusion", "amorsim.noise.diffusion:Diffusion")

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.sensors.hearing import hear
 from amorsim.sensors.incidence import incidence
 from amorsim.sensors.response import ring_poses
 from amorsim.sensors.side import Side
@@ -41,6 +42,17 @@ class Sonar(Sensor):
         Nearer things read as this far [m], as the transducer still rings when their echo comes.
     range_max
         Longest range that is seen [m].
+    medium
+        What the elements fire into, such as ``"ultrasound"``: those that fire into the same one hear each other, which
+        a `cross_talk` in the chain takes for an echo. Empty: nobody hears them, and they hear nobody.
+    firing
+        In which turn each element fires, from 0 on; elements of one turn fire together. Empty: all at once.
+    interval
+        From one turn to the next [s]. The default is that of the Pioneer, whose arrays fire an element each at 25 Hz
+        [remembered].
+    phase
+        When the first turn is [s], from the tick of the reading on. Rings of different robots are not in step: draw
+        it, ``errors.sensors.sonar.phase = { add = { uniform = [0.0, 0.3] } }``.
     """
 
     unit: ClassVar[str] = "m"
@@ -57,6 +69,12 @@ class Sonar(Sensor):
         static=True,
         help="how walls are looked for: exactly, or along the cells of Bresenham's line as the original AMORsim did",
     )
+    medium: str = parameter(  # type: ignore[misc]  # of each sonar, where other sensors have it of their class
+        "", static=True, help="what it fires into, where others hear it; empty: hears nobody, and is not heard"
+    )
+    firing: tuple[int, ...] = parameter((), ge=0, help="turn in which each element fires, from 0; empty: all at once")
+    interval: float = parameter(0.04, unit="s", ge=0, help="from one turn to the next")
+    phase: float = parameter(0.0, unit="s", help="when the first turn is, from the tick on")
 
     def __attrs_post_init__(self) -> None:
         if not self.elements:
@@ -64,6 +82,10 @@ class Sonar(Sensor):
         if self.range_min >= self.range_max:
             raise ParameterError(
                 "range_min", f"expected less than range_max {self.range_max!r}, got {self.range_min!r}"
+            )
+        if self.firing and len(self.firing) != len(self.elements):
+            raise ParameterError(
+                "firing", f"expected a turn for each of {len(self.elements)} elements, got {len(self.firing)}"
             )
 
     def size(self, drive: Drive) -> int:
@@ -78,13 +100,38 @@ class Sonar(Sensor):
         return np.array([[element.heading for element in elements]])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges `(N, k)` [m], inf for no return; beside them the nearest return's angle of ``incidence`` [rad]."""
+        """Ranges `(N, k)` [m], inf for no return; beside them the nearest return's angle of ``incidence`` [rad].
+
+        With a `medium`, also what each element would read of the sound of others, ``heard`` [m], inf for silence.
+        """
         origins = ring_poses(view, self.elements, aim)
         half_angle: Any = self.half_angle
         range_max: Any = self.range_max
         ranges = view.cone(origins, half_angle, range_max, self.traversal)
-        side = Side(incidence=lambda: _nearest_incidence(view, origins, half_angle, range_max))
-        return np.maximum(ranges, self.range_min), side
+        makers: dict[str, Callable[[], Array]] = {
+            "incidence": lambda: _nearest_incidence(view, origins, half_angle, range_max)
+        }
+        if self.medium:
+            near: Any = self.range_min
+            turns = self._turns(view.rows)
+            makers["heard"] = lambda: hear(view, self.medium, origins, half_angle, turns, near, range_max)
+        return np.maximum(ranges, self.range_min), Side(**makers)
+
+    def emit(self, view: View, state: State) -> Emission | None:
+        """All elements, each in its turn."""
+        k = self.bearings().shape[1]
+        return Emission(
+            poses=ring_poses(view, self.elements, Aim()).reshape(view.rows, k, 3),
+            half_angle=np.array(np.broadcast_to(self.half_angle, (view.rows, k))),
+            fired=np.ones((view.rows, k), dtype=bool),
+            time=self._turns(view.rows),
+        )
+
+    def _turns(self, rows: int) -> Array:
+        """When each element fires `(N, k)` [s], from the tick on."""
+        turns: Any = self.firing
+        late = np.zeros((rows, self.bearings().shape[1])) if isinstance(turns, tuple) else turns * self.interval
+        return np.asarray(late + self.phase)
 
 
 def _nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Array:

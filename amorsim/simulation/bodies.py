@@ -31,6 +31,7 @@ class Emitted(NamedTuple):
     poses: Array  # (R, e, 3)
     half_angle: Array  # (R, e)
     fired: npt.NDArray[np.bool_]  # (R, e)
+    time: Array  # (R, e)
     body: Ints  # (R, e)
     sensor: npt.NDArray[np.str_]  # (e,)
 

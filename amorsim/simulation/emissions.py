@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from amorsim.contracts import Emission
 from amorsim.core.errors import ComponentError
 from amorsim.simulation.bodies import Emitted, World
 from amorsim.simulation.group import Group
@@ -26,7 +27,7 @@ def collect(groups: list[Group], world: World) -> None:
                     f"sensor {name!r} ({type(unit.sensor).__name__}): it has the medium {medium!r}, but emit() gave "
                     "nothing; expected poses, half angles and whether each emitter fires"
                 )
-            poses, half_angle, fired = emitted
+            poses, half_angle, fired, time = Emission(*emitted)
             due = unit.due(group.moment)
             if due is not None:
                 fired = fired & due
@@ -38,6 +39,7 @@ def collect(groups: list[Group], world: World) -> None:
                     poses=poses.reshape(replicas, -1, 3),
                     half_angle=half_angle.reshape(replicas, -1),
                     fired=fired.reshape(replicas, -1),
+                    time=(np.zeros(fired.shape) if time is None else time).reshape(replicas, -1),
                     body=body.reshape(replicas, -1),
                     sensor=np.full(body.size // replicas, name),
                 )
@@ -54,6 +56,7 @@ def _joined(parts: list[Emitted]) -> Emitted:
         poses=np.concatenate([part.poses for part in parts], axis=1)[:, order],
         half_angle=np.concatenate([part.half_angle for part in parts], axis=1)[:, order],
         fired=np.concatenate([part.fired for part in parts], axis=1)[:, order],
+        time=np.concatenate([part.time for part in parts], axis=1)[:, order],
         body=body[:, order],
         sensor=sensor[order],
     )

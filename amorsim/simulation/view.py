@@ -118,7 +118,14 @@ class GroupView:
         said = self._world.emissions[medium]
         replica = self._world.replica_index[self._bodies]
         own = (said.body[replica] == self._bodies[:, None]) & (said.sensor == self.sensor)
-        return Emissions(said.poses[replica], said.half_angle[replica], said.fired[replica], own)
+        return Emissions(
+            poses=said.poses[replica],
+            half_angle=said.half_angle[replica],
+            fired=said.fired[replica],
+            own=own,
+            time=said.time[replica],
+            body=said.body[replica] % self._world.count,
+        )
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Controller, Estimator, Motion, Noise, Sensor, State
+from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
+from amorsim.simulation.bodies import Emitted
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
 from amorsim.testing.trial import Given, Outputs, Trial
@@ -54,6 +55,7 @@ class SensorTrial(Trial[Sensor]):
             given.add("aim.bearing", bend)
             given.add("aim.time", aim.time)
         _watch(given, "view", view, _VIEW)
+        fired = self._fire(component, session, state) if component.medium else {}
         with self.who.calling("sense"):
             found = component.sense(view, aim, state, session.draws)
         pair = isinstance(found, tuple) and len(found) == 2 and isinstance(found[1], Mapping)
@@ -61,7 +63,7 @@ class SensorTrial(Trial[Sensor]):
         values, side = found
         width = getattr(values, "shape", (0, 0))[-1]
         self.who.require(width == self.size, "size", "sense()", f"{self.size} values a row, as size() says", f"{width}")
-        outputs = {"values": self.array(values, (rows, self.size), "sense()")}
+        outputs = {"values": self.array(values, (rows, self.size), "sense()"), **fired}
         self.who.require(not np.isnan(values).any(), "finite", "sense()", "numbers, inf for no return", "nan")
         for name, array in side.items():
             outputs[f"side {name}"] = self.array(array, (rows, self.size), f"side[{name!r}]")
@@ -70,6 +72,29 @@ class SensorTrial(Trial[Sensor]):
         if bearings is not None:
             wanted = (rows if len(bearings) > 1 else 1, self.size)
             outputs["bearings"] = np.broadcast_to(self.array(bearings, wanted, "bearings()"), (rows, self.size))
+        return outputs
+
+    def _fire(self, component: Sensor, session: Session, state: State) -> Outputs:
+        """What it emits, made known in the rig's world, where nobody else does."""
+        rows, require = len(session.rows), self.who.require
+        with self.who.calling("emit"):
+            found = component.emit(session.view, state)
+        require(found is not None, "emit", "emit() with a medium", "an Emission", "nothing")
+        said = Emission(*found)  # type: ignore[misc]
+        count = np.shape(said.half_angle)[-1]
+        outputs = {"emitters": self.array(said.poses, (rows, count, 3), "emit().poses")}
+        outputs["half angles"] = self.array(said.half_angle, (rows, count), "emit().half_angle")
+        fits = np.shape(said.fired) == (rows, count) and np.asarray(said.fired).dtype == bool
+        require(fits, "emit", "emit().fired", f"flags ({rows}, {count})", np.shape(said.fired))
+        time = np.zeros((rows, count)) if said.time is None else said.time
+        outputs["times"] = self.array(time, (rows, count), "emit().time")
+        session.view.sensor = ""
+        world = session.view._world
+        bodies = np.repeat(world.first[:-1, None], count, axis=1)
+        sensor = np.full(count, "")
+        world.emissions = {
+            component.medium: Emitted(said.poses, said.half_angle, said.fired, time, bodies, sensor),
+        }
         return outputs
 
 

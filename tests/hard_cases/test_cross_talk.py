@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Emission, Sensor, State, View, parameter
 from amorsim.core.poses import relative
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
@@ -38,10 +38,9 @@ class HearingSonar(Sensor):
     def fires(self, view: View) -> npt.NDArray[np.bool_]:
         return np.asarray((view.tick - self.phase) % self.period == 0)
 
-    def emit(self, view: View, state: State) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
-        """Poses `(N, e, 3)`, half angles `(N, e)` and whether it fires `(N, e)`."""
+    def emit(self, view: View, state: State) -> Emission:
         half = np.array(np.broadcast_to(self.half_angle, (view.rows, 1)))
-        return view.pose[:, None, :].copy(), half, self.fires(view)
+        return Emission(view.pose[:, None, :].copy(), half, self.fires(view))
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         echo = view.cone(view.pose, self.half_angle, self.range_max)

@@ -20,6 +20,7 @@ CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 _WHEELS: dict[str, Any] = {"inf": "absent", "values_of": "encoder"}
 SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
     ("noise", "beam_model"): {"inf": "changed"},
+    ("noise", "cross_talk"): {"inf": "changed", "side": {"heard": 1.0}},
     ("noise", "diffusion"): {"inf": "absent"},
     ("noise", "odometry_model"): _WHEELS,
     ("noise", "slip"): _WHEELS,
