@@ -1,0 +1,101 @@
+"""The window's server: NiceGUI's page, our scripts, and one WebSocket a window, all behind the guard."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Any
+
+import nicegui
+import uvicorn
+from fastapi import FastAPI, Request, WebSocket
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import PlainTextResponse, Response
+from starlette.staticfiles import StaticFiles
+
+from amorsim.core.errors import AmorsimError
+from amorsim.ui.film import FilmError, gif_of, read_film
+from amorsim.ui.page import WEB, WEB_PATH
+from amorsim.ui.security import App, Door, Guard
+from amorsim.ui.talk import Simulated, Talk
+
+__all__ = ["build", "listen", "serve"]
+
+LONGEST_MESSAGE = 64 * 1024  # of a window's commands
+
+
+def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: None) -> App:
+    """The whole application for a session; `started` is called once it can be asked."""
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        started()
+        yield
+
+    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan)
+
+    async def connect(websocket: WebSocket) -> None:
+        await Talk(websocket, session).run()
+
+    async def make_gif(request: Request) -> Response:
+        try:
+            film = await read_film(request.stream(), request.query_params.get("every", ""))
+            made = await run_in_threadpool(gif_of, film)
+        except FilmError as error:
+            return PlainTextResponse(str(error), status_code=400)
+        return Response(made, media_type="image/gif")
+
+    app.add_api_websocket_route("/amorsim/socket", connect)
+    app.add_route("/amorsim/gif", make_gif, methods=["POST"])
+    app.mount(WEB_PATH, _Scripts(directory=WEB))
+    nicegui.ui.run_with(
+        app, title="amorsim", tailwind=False, gzip_middleware_factory=None, show_welcome_message=False, language="en-US"
+    )
+    return Guard(app, door)
+
+
+class _Scripts(StaticFiles):
+    """Our scripts and sheets; a browser asks whether they are new, so that an update is seen at once."""
+
+    def file_response(self, *args: Any, **options: Any) -> Response:
+        response = super().file_response(*args, **options)
+        response.headers["cache-control"] = "no-cache"
+        return response
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A socket that is bound; `port` 0 takes any that is free.
+
+    Raises
+    ------
+    AmorsimError
+        If the address is taken or not this machine's.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+    except (OSError, OverflowError) as error:
+        bound.close()
+        reason = getattr(error, "strerror", None) or str(error)
+        raise AmorsimError(f"cannot listen on {host}, port {port}: {reason}; choose another with --port") from None
+    return bound
+
+
+def serve(session: Simulated, *, host: str = "127.0.0.1", port: int = 0, ready: Callable[[str], None]) -> None:
+    """Serve a session's window until the process is told to end; `ready` is given the address, token included."""
+    with listen(host, port) as bound:
+        door = Door(host=host, port=bound.getsockname()[1])
+        app = build(session, door, lambda: ready(door.address))
+        config = uvicorn.Config(
+            app,
+            log_level="warning",
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=1,
+            ws_max_size=LONGEST_MESSAGE,
+            ws_per_message_deflate=False,  # frames are floats: it would cost more than it saves
+        )
+        uvicorn.Server(config).run(sockets=[bound])

@@ -1,0 +1,116 @@
+"""What the server and one window say to each other over the window's WebSocket.
+
+Text from the window: ``{"id": n, "do": ...}``, a command, answered by ``{"answer": n, "said": ...}``; and
+``{"drawn": n}``, the number of the frame that it has drawn. To the window go frames as bytes, but none before the last
+is drawn, and at most `FRAME_RATE` a second: a slow, hidden or vanished window slows nothing and piles up nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import Any, Protocol
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+__all__ = ["FRAME_RATE", "Simulated", "Talk"]
+
+FRAME_RATE = 30.0  # [Hz]
+MOST_WAITING = 64  # commands of one window
+# These ask only; the others are done in the order in which they came.
+READS = frozenset({"state", "scene", "parameters", "history", "events", "image"})
+
+Table = dict[str, Any]
+
+
+class Simulated(Protocol):
+    """What the server needs of a session; see `amorsim.ui.session.Session`."""
+
+    def open_window(self) -> str:
+        """A new window's name."""
+
+    def close_window(self, window: str) -> None:
+        """A window has gone; what it drove by hand stops."""
+
+    async def newest_frame(self, after: int) -> bytes:
+        """The newest frame, once there is one of another number than `after`."""
+
+    async def ask(self, window: str, command: Table) -> Table:
+        """The answer to a command."""
+
+
+class Talk:
+    """The conversation with one window."""
+
+    def __init__(self, websocket: WebSocket, session: Simulated) -> None:
+        self.websocket = websocket
+        self.session = session
+        self.window = ""
+        self.drawn = asyncio.Event()
+        self.commands: asyncio.Queue[Table] = asyncio.Queue(MOST_WAITING)
+        self.reads: set[asyncio.Task[None]] = set()
+        self.sending = asyncio.Lock()
+
+    async def run(self) -> None:
+        """Talk until the window goes."""
+        await self.websocket.accept()
+        self.window = self.session.open_window()
+        tasks = [asyncio.create_task(work()) for work in (self._hear, self._show, self._obey)]
+        try:
+            await self._send({"window": self.window})
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in (*tasks, *self.reads):
+                task.cancel()
+            self.session.close_window(self.window)
+            ends = await asyncio.gather(*tasks, *self.reads, return_exceptions=True)
+        for end in ends:
+            # A window that goes while something is being sent to it is no fault; anything else is ours, and is raised.
+            if isinstance(end, Exception) and not isinstance(end, (WebSocketDisconnect, RuntimeError, OSError)):
+                raise end
+
+    async def _send(self, message: Table) -> None:
+        async with self.sending:
+            await self.websocket.send_text(json.dumps(message))
+
+    async def _hear(self) -> None:
+        while True:
+            text = await self.websocket.receive_text()
+            try:
+                message = json.loads(text)
+            except ValueError:
+                message = None
+            if not isinstance(message, dict):
+                await self.websocket.close(1003, "expected a JSON table")
+                return
+            if "drawn" in message:
+                self.drawn.set()
+            elif message.get("do") in READS and len(self.reads) < MOST_WAITING:
+                task = asyncio.create_task(self._answer(message))
+                self.reads.add(task)
+                task.add_done_callback(self.reads.discard)
+            elif self.commands.full():
+                await self._send({"answer": message.get("id"), "said": {"ok": False, "error": "Too much at once."}})
+            else:
+                self.commands.put_nowait(message)
+
+    async def _obey(self) -> None:
+        while True:
+            await self._answer(await self.commands.get())
+
+    async def _answer(self, message: Table) -> None:
+        number = message.pop("id", None)
+        await self._send({"answer": number, "said": await self.session.ask(self.window, message)})
+
+    async def _show(self) -> None:
+        after = -1
+        clock = asyncio.get_running_loop().time
+        while True:
+            began = clock()
+            frame = await self.session.newest_frame(after)
+            after = int.from_bytes(frame[8:12], "little")
+            self.drawn.clear()
+            async with self.sending:
+                await self.websocket.send_bytes(frame)
+            await self.drawn.wait()
+            await asyncio.sleep(max(0.0, 1.0 / FRAME_RATE - (clock() - began)))

@@ -1,0 +1,70 @@
+// What part of the world is seen: one camera for all panes, so that they stay in step. Pure geometry, no drawing.
+
+const NEAREST = 4000; // pixels a metre
+const FARTHEST = 0.5;
+
+export class Camera {
+  constructor() {
+    this.x = 0; // world point in the middle of the pane [m]
+    this.y = 0;
+    this.scale = 50; // pixels a metre
+    this.width = 1; // of a pane, in CSS pixels
+    this.height = 1;
+    this.changed = () => {};
+  }
+
+  toScreen(x, y) {
+    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
+  }
+
+  toWorld(left, top) {
+    return [this.x + (left - this.width / 2) / this.scale, this.y - (top - this.height / 2) / this.scale];
+  }
+
+  /** Put the world's metres on a canvas: after this, draw in metres with y upwards. */
+  apply(context, ratio) {
+    const k = this.scale * ratio;
+    context.setTransform(k, 0, 0, -k, (ratio * this.width) / 2 - this.x * k, (ratio * this.height) / 2 + this.y * k);
+  }
+
+  resize(width, height) {
+    this.width = width;
+    this.height = height;
+  }
+
+  /** See all of `[x0, y0, x1, y1]`, with a margin. */
+  fit([x0, y0, x1, y1], margin = 24) {
+    const wide = Math.max(this.width - 2 * margin, 10) / Math.max(x1 - x0, 1e-3);
+    const high = Math.max(this.height - 2 * margin, 10) / Math.max(y1 - y0, 1e-3);
+    this.scale = Math.min(NEAREST, Math.max(FARTHEST, Math.min(wide, high)));
+    this.centre((x0 + x1) / 2, (y0 + y1) / 2);
+  }
+
+  centre(x, y) {
+    if (!Number.isFinite(x) || !Number.isFinite(y)) return;
+    this.x = x;
+    this.y = y;
+    this.changed();
+  }
+
+  /** Zoom by a factor; the world point under (left, top) stays where it is. */
+  zoom(factor, left = this.width / 2, top = this.height / 2) {
+    const [x, y] = this.toWorld(left, top);
+    this.scale = Math.min(NEAREST, Math.max(FARTHEST, this.scale * factor));
+    this.x = x - (left - this.width / 2) / this.scale;
+    this.y = y + (top - this.height / 2) / this.scale;
+    this.changed();
+  }
+
+  /** Move what is seen by so many pixels. */
+  pan(right, down) {
+    this.centre(this.x - right / this.scale, this.y + down / this.scale);
+  }
+
+  /** The part of the world that is seen, `[x0, y0, x1, y1]`. */
+  bounds() {
+    const [x0, y1] = this.toWorld(0, 0);
+    const [x1, y0] = this.toWorld(this.width, this.height);
+    return [x0, y0, x1, y1];
+  }
+}

@@ -1,0 +1,46 @@
+// Dialogs: the browser's own `<dialog>`, which keeps the keyboard inside and gives it back.
+
+import { h } from "./dom.js";
+
+function open(title, body, buttons) {
+  const dialog = h("dialog", { "aria-label": title }, h("h2", {}, title), body, h("div", { class: "buttons" }, buttons));
+  dialog.addEventListener("close", () => dialog.remove());
+  document.querySelector(".amorsim").append(dialog);
+  dialog.showModal();
+  return dialog;
+}
+
+export function tell(title, ...body) {
+  const close = h("button", { onclick: () => dialog.close() }, "close");
+  const dialog = open(title, h("div", {}, body), [close]);
+}
+
+/** Ask for a name; `save(name)` gives `{ok, error}`, and the dialog stays until it is ok. */
+export function askName(title, label, name, note, save) {
+  const problem = h("p", { class: "error", role: "alert" });
+  const input = h("input", { type: "text", value: name, id: "asked-name", autocomplete: "off", spellcheck: "false" });
+  const go = async () => {
+    const said = await save(input.value.trim());
+    if (said.ok) dialog.close();
+    else problem.textContent = said.error;
+  };
+  input.addEventListener("keydown", (event) => event.key === "Enter" && go());
+  const dialog = open(
+    title,
+    h("div", {}, h("label", { for: "asked-name" }, label), input, h("p", { class: "help" }, note), problem),
+    [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: go }, "save")],
+  );
+  input.select();
+}
+
+const KEYS = [
+  ["Space", "run, pause"], [".", "one step"], ["Shift + R", "reset to the start"], ["M", "drive by hand, or give back"],
+  ["arrows, W A S D", "drive, while a key is held"], ["Q, E", "slide, where the drive can"], ["X", "stop"],
+  ["O", "overlay of the two panes"], ["F", "follow the robot"], ["T", "trails"], ["G", "grid"], ["0", "see all"],
+  ["+, −", "zoom"], ["Shift + arrows", "pan"], ["N, P", "next, previous robot"], ["L", "light or dark"], ["?", "this"],
+];
+
+export function showKeys() {
+  const rows = KEYS.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
+  tell("Keys", h("table", { class: "keys" }, h("tbody", {}, rows)));
+}

@@ -1,0 +1,190 @@
+// Forms made of components' own fields: label, unit, bounds, help, a slider, and back to what the scenario says.
+// Nothing here knows the Simulator: the Editor makes its forms of the same fields.
+
+import { brief, h, say } from "./dom.js";
+
+const DEGREES = 180 / Math.PI;
+const KINDS = {
+  systematic: "Systematic errors",
+  noise: "Noise",
+  nominal: "What the robot holds of itself",
+  controller: "Controller",
+  estimator: "Estimator",
+};
+
+/** A unit as it is shown, and the factor to it: angles in degrees. */
+export function shown(unit) {
+  if (/^rad(?![a-z])/.test(unit)) return [unit.replace(/^rad/, "°"), DEGREES];
+  return [unit, 1];
+}
+
+export class Form {
+  /**
+   * @param on `{set(path, value): promise of {ok, error}, restore(path)}`; values in SI units
+   */
+  constructor(on) {
+    this.on = on;
+    this.fields = new Map();
+    this.element = h("div", { class: "form" });
+    this.signature = "";
+  }
+
+  /** Show these parameters; where they are the same ones as before only their values change. */
+  show(parameters) {
+    const signature = parameters.map((p) => p.path).join("\n");
+    if (signature !== this.signature) {
+      this.signature = signature;
+      this.build(parameters);
+    }
+    for (const parameter of parameters) this.fields.get(parameter.path)?.update(parameter);
+  }
+
+  build(parameters) {
+    this.fields.clear();
+    const sections = [];
+    for (const [kind, title] of Object.entries(KINDS)) {
+      const mine = parameters.filter((p) => p.kind === kind);
+      if (!mine.length) continue;
+      const groups = [...new Set(mine.map((p) => p.group))];
+      const parts = groups.map((group) => {
+        const rows = mine.filter((p) => p.group === group).map((parameter) => {
+          const field = new Field(parameter, this.on);
+          this.fields.set(parameter.path, field);
+          return field.element;
+        });
+        const opened = kind === "systematic" ? group === "drive" : kind === "noise" && groups.length < 2;
+        return h("details", { class: "group", open: opened }, h("summary", {}, groupTitle(group)), rows);
+      });
+      sections.push(h("section", {}, h("h3", {}, title), parts));
+    }
+    this.element.replaceChildren(...sections);
+  }
+}
+
+const groupTitle = (group) => group.replace(/^sensors\./, "").replaceAll("_", " ").replaceAll(".", " · ");
+
+let serial = 0;
+
+class Field {
+  constructor(parameter, on) {
+    this.on = on;
+    this.path = parameter.path;
+    const id = `field-${++serial}`;
+    const [unit, factor] = shown(parameter.unit);
+    this.factor = factor;
+    this.isWhole = parameter.type === "int";
+    this.error = h("p", { class: "error", role: "alert", id: `${id}-error` });
+    this.help = h("p", { class: "help", id: `${id}-help` });
+    this.number = h("input", {
+      id,
+      type: "text",
+      inputmode: "decimal",
+      autocomplete: "off",
+      "aria-describedby": `${id}-help ${id}-error`,
+      onchange: () => this.commit(this.number.value),
+      onkeydown: (event) => event.key === "Escape" && this.put(this.parameter),
+    });
+    const [from, to] = parameter.slider.map((bound) => bound * factor);
+    this.slider = h("input", {
+      type: "range",
+      min: String(from),
+      max: String(to),
+      step: this.isWhole ? "1" : String((to - from) / 400),
+      "aria-label": parameter.label,
+      oninput: () => this.preview(Number(this.slider.value)),
+      onchange: () => this.commit(this.slider.value),
+    });
+    this.back = h(
+      "button",
+      { class: "back", "aria-label": `${parameter.label}: as in the scenario`, title: "as in the scenario", onclick: () => this.restore() },
+      "↺",
+    );
+    this.tick = h("span", { class: "tick", "aria-hidden": "true" });
+    this.element = h(
+      "div",
+      { class: "field", "data-path": parameter.path },
+      h("div", { class: "line" }, h("label", { for: id, title: parameter.help }, parameter.label), this.back, this.number, h("span", { class: "unit" }, unit)),
+      h("div", { class: "track" }, this.slider, this.tick),
+      this.help,
+      this.error,
+    );
+    this.update(parameter);
+  }
+
+  update(parameter) {
+    this.parameter = parameter;
+    const [from, to] = parameter.slider;
+    const origin = parameter.scenario ?? parameter.value;
+    const share = origin === null ? -1 : (origin - from) / (to - from);
+    this.tick.hidden = !(share >= 0 && share <= 1);
+    this.tick.style.setProperty("--at", share);
+    const changed = parameter.value !== parameter.scenario && !(parameter.value === null && parameter.drawn);
+    this.element.classList.toggle("changed", changed);
+    this.back.hidden = !changed;
+    say(this.help, this.words(parameter));
+    if (!this.element.contains(document.activeElement) || document.activeElement === this.back) this.put(parameter);
+  }
+
+  words(parameter) {
+    const [unit, factor] = shown(parameter.unit);
+    const bound = (value) => brief(value * factor);
+    const [openLow, openHigh] = parameter.is_open;
+    const limits = [];
+    if (parameter.low !== null) limits.push(`${openLow ? ">" : "≥"} ${bound(parameter.low)}`);
+    if (parameter.high !== null) limits.push(`${openHigh ? "<" : "≤"} ${bound(parameter.high)}`);
+    const parts = [parameter.help, limits.length ? `${limits.join(" and ")} ${unit === "×" ? "" : unit}`.trim() : ""];
+    if (parameter.drawn) parts.push(`drawn: ${parameter.drawn}`);
+    if (parameter.kind === "systematic" && parameter.nominal !== null && parameter.true !== null) {
+      parts.push(`true ${brief(parameter.true)}, believed ${brief(parameter.nominal)}`);
+    }
+    return parts.filter(Boolean).join("; ");
+  }
+
+  put(parameter) {
+    const value = parameter.value ?? parameter.scenario;
+    this.number.value = parameter.value === null ? "" : brief(parameter.value * this.factor);
+    this.number.placeholder = parameter.drawn ? "drawn" : "";
+    if (value !== null) this.slider.value = String(value * this.factor);
+    this.slider.setAttribute("aria-valuetext", this.number.value);
+    this.fail("");
+  }
+
+  preview(value) {
+    this.number.value = brief(value);
+    this.slider.setAttribute("aria-valuetext", brief(value));
+    this.slide ??= this.follow();
+  }
+
+  /** While the slider moves, its newest value is set again and again, one at a time. */
+  async follow() {
+    let last;
+    while (last !== this.slider.value) {
+      last = this.slider.value;
+      await this.commit(last);
+      await new Promise((done) => setTimeout(done, 40));
+    }
+    this.slide = undefined;
+  }
+
+  async commit(text) {
+    const value = Number(String(text).trim().replace("−", "-").replace(",", "."));
+    if (String(text).trim() === "" || !Number.isFinite(value)) {
+      this.fail("Expected a number.");
+      return;
+    }
+    const exact = this.isWhole ? Math.round(value) : value / this.factor;
+    const said = await this.on.set(this.path, exact);
+    this.fail(said.ok ? "" : said.error);
+  }
+
+  async restore() {
+    const said = await this.on.restore(this.path);
+    this.fail(said.ok ? "" : said.error);
+    this.number.focus();
+  }
+
+  fail(problem) {
+    say(this.error, problem);
+    this.number.setAttribute("aria-invalid", problem ? "true" : "false");
+  }
+}

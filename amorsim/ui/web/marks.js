@@ -1,0 +1,218 @@
+// What is drawn in the world: each function draws one kind of thing, in metres, on a context that the camera has set.
+
+import { DASHES } from "./theme.js";
+
+/** A line width of so many CSS pixels, in metres. */
+const px = (camera, pixels) => pixels / camera.scale;
+
+/** Walls as one path, made once a scene. */
+export function wallPath(map) {
+  const path = new Path2D();
+  for (const [x0, y0, x1, y1] of map?.segments ?? []) {
+    path.moveTo(x0, y0);
+    path.lineTo(x1, y1);
+  }
+  return path;
+}
+
+/** Draw a map: its lines, or its picture of cells, which has the wall's colour already. */
+export function drawMap(context, camera, map, path, picture, colour) {
+  if (!map) return;
+  if (picture) {
+    const [x0, y0, x1, y1] = map.image.extent;
+    context.save();
+    context.translate(map.origin[0], map.origin[1]);
+    context.rotate(map.origin[2]);
+    context.translate(x0, y1);
+    context.scale(1, -1);
+    context.imageSmoothingEnabled = camera.scale * (x1 - x0) < picture.width;
+    context.drawImage(picture, 0, 0, x1 - x0, y1 - y0);
+    context.restore();
+    return;
+  }
+  context.strokeStyle = colour;
+  context.lineWidth = Math.max(px(camera, 2), 0.001);
+  context.lineCap = "square";
+  context.setLineDash([]);
+  context.stroke(path);
+  context.lineCap = "butt";
+}
+
+/** A picture of occupied cells, black where they are, in another colour. */
+export function tinted(picture, colour) {
+  const canvas = document.createElement("canvas");
+  canvas.width = picture.naturalWidth;
+  canvas.height = picture.naturalHeight;
+  const context = canvas.getContext("2d");
+  context.drawImage(picture, 0, 0);
+  context.globalCompositeOperation = "source-in";
+  context.fillStyle = colour;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  return canvas;
+}
+
+export function drawGrid(context, camera, step, colour) {
+  const [x0, y0, x1, y1] = camera.bounds();
+  context.beginPath();
+  for (let x = Math.ceil(x0 / step) * step; x <= x1; x += step) {
+    context.moveTo(x, y0);
+    context.lineTo(x, y1);
+  }
+  for (let y = Math.ceil(y0 / step) * step; y <= y1; y += step) {
+    context.moveTo(x0, y);
+    context.lineTo(x1, y);
+  }
+  context.strokeStyle = colour;
+  context.lineWidth = px(camera, 1);
+  context.setLineDash([]);
+  context.stroke();
+}
+
+/** Add a footprint at a pose to the current path. */
+function trace(context, footprint, x, y, heading) {
+  if (footprint.circle) {
+    context.moveTo(x + footprint.circle, y);
+    context.arc(x, y, footprint.circle, 0, 2 * Math.PI);
+    return;
+  }
+  const c = Math.cos(heading);
+  const s = Math.sin(heading);
+  let first = true;
+  for (const [u, v] of footprint.polygon) {
+    const px_ = x + u * c - v * s;
+    const py_ = y + u * s + v * c;
+    if (first) context.moveTo(px_, py_);
+    else context.lineTo(px_, py_);
+    first = false;
+  }
+  context.closePath();
+}
+
+export const reach = (footprint) =>
+  footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
+
+/** All robots but the selected one, in one path: a thousand cost little more than ten. */
+export function drawCrowd(context, camera, robots, poses, skip, kind, theme) {
+  const [x0, y0, x1, y1] = camera.bounds();
+  context.beginPath();
+  for (let i = 0; i < robots.length; i++) {
+    if (i === skip) continue;
+    const x = poses[3 * i];
+    const y = poses[3 * i + 1];
+    const size = robots[i].reach;
+    if (!(x > x0 - size && x < x1 + size && y > y0 - size && y < y1 + size)) continue;
+    const heading = poses[3 * i + 2];
+    if (size * camera.scale < 3) {
+      context.rect(x - size, y - size, 2 * size, 2 * size);
+      continue;
+    }
+    trace(context, robots[i].footprint, x, y, heading);
+    context.moveTo(x, y);
+    context.lineTo(x + 0.8 * size * Math.cos(heading), y + 0.8 * size * Math.sin(heading));
+  }
+  context.fillStyle = theme[`${kind}-fill`];
+  context.fill();
+  context.strokeStyle = theme[kind];
+  context.lineWidth = px(camera, 1);
+  context.setLineDash(DASHES[kind].map((d) => px(camera, d / 2)));
+  context.stroke();
+  context.setLineDash([]);
+}
+
+/** The selected robot: its footprint, wheels, and an arrow ahead. */
+export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) {
+  const [x, y, heading] = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
+  if (!Number.isFinite(x) || !Number.isFinite(y)) return;
+  context.beginPath();
+  trace(context, robot.footprint, x, y, heading);
+  context.fillStyle = theme[`${kind}-fill`];
+  context.fill();
+  context.strokeStyle = alarm ? theme.danger : theme[kind];
+  context.lineWidth = px(camera, alarm ? 2.5 : 2);
+  context.setLineDash(DASHES[kind].map((d) => px(camera, d / 2)));
+  context.stroke();
+  context.setLineDash([]);
+  context.save();
+  context.translate(x, y);
+  context.rotate(heading);
+  context.fillStyle = theme[kind];
+  for (const wheel of robot.wheels ?? []) {
+    context.save();
+    context.translate(wheel.x, wheel.y);
+    context.rotate(wheel.heading ?? 0);
+    context.fillRect(-wheel.radius, -wheel.width / 2, 2 * wheel.radius, wheel.width);
+    context.restore();
+  }
+  const size = Math.max(0.45 * robot.reach, px(camera, 5));
+  context.beginPath();
+  context.moveTo(size, 0);
+  context.lineTo(-0.35 * size, 0.5 * size);
+  context.lineTo(-0.35 * size, -0.5 * size);
+  context.closePath();
+  context.fill();
+  context.restore();
+}
+
+/** Obstacles, where they truly are. */
+export function drawObstacles(context, camera, obstacles, poses, theme) {
+  context.beginPath();
+  obstacles.forEach((obstacle, i) => {
+    const shape = obstacle.shape ?? obstacle.footprint;
+    if (shape) trace(context, shape, poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]);
+  });
+  context.fillStyle = theme.obstacle;
+  context.fill();
+  context.strokeStyle = theme.wall;
+  context.lineWidth = px(camera, 1.5);
+  context.stroke();
+}
+
+/** The ellipse that holds the pose with 95 % (two degrees of freedom: 5.991), and the 95 % wedge of the heading. */
+export function drawEllipse(context, camera, pose, covariance, theme) {
+  const [xx, xy, , yy, , hh] = covariance;
+  if (!covariance.every(Number.isFinite) || !(xx >= 0 && yy >= 0)) return;
+  const middle = (xx + yy) / 2;
+  const apart = Math.hypot((xx - yy) / 2, xy);
+  const long = Math.sqrt(5.991 * Math.max(middle + apart, 0));
+  const short = Math.sqrt(5.991 * Math.max(middle - apart, 0));
+  context.lineWidth = px(camera, 1.5);
+  context.strokeStyle = theme.estimated;
+  if (long * camera.scale > 1.5) {
+    context.beginPath();
+    context.ellipse(pose[0], pose[1], long, short, Math.atan2(2 * xy, xx - yy) / 2, 0, 2 * Math.PI);
+    context.fillStyle = theme["estimated-fill"];
+    context.fill();
+    context.stroke();
+  }
+  const wedge = Math.min(1.96 * Math.sqrt(Math.max(hh, 0)), Math.PI);
+  if (wedge > 0.01) {
+    const far = Math.max(long, px(camera, 34));
+    context.beginPath();
+    context.moveTo(pose[0], pose[1]);
+    context.arc(pose[0], pose[1], far, pose[2] - wedge, pose[2] + wedge);
+    context.closePath();
+    context.setLineDash([px(camera, 2), px(camera, 2)]);
+    context.stroke();
+    context.setLineDash([]);
+  }
+}
+
+/** A path driven so far, from a ring of points (x0, y0, x1, y1, …); NaN lifts the pen. */
+export function drawTrail(context, camera, trail, kind, theme) {
+  if (trail.count < 2) return;
+  context.beginPath();
+  let down = false;
+  trail.each((x, y) => {
+    if (!Number.isFinite(x)) down = false;
+    else if (down) context.lineTo(x, y);
+    else {
+      context.moveTo(x, y);
+      down = true;
+    }
+  });
+  context.strokeStyle = theme[kind];
+  context.lineWidth = px(camera, 1.5);
+  context.setLineDash(DASHES[kind].map((d) => px(camera, d)));
+  context.stroke();
+  context.setLineDash([]);
+}

@@ -1,0 +1,104 @@
+// Every quantity of the selected robot as true, measured, estimated: the rows of the table and the curves of the plot.
+
+import { wrap } from "./dom.js";
+import { isRange } from "./readings.js";
+
+const DEGREES = 180 / Math.PI;
+export const KINDS = ["true", "measured", "estimated", "difference"];
+
+/**
+ * The quantities of a robot: `{key, label, unit, decimals, of(frame, i)}`, where `of` gives `[true, measured,
+ * estimated, difference]` with NaN for what there is not. The difference is estimated less true, or measured less true
+ * of what nobody estimates.
+ */
+export function quantitiesOf(robot) {
+  const find = (kind) => robot.sensors.findIndex((sensor) => sensor.kind === kind && sensor.size === 1);
+  const [compass, gyro] = [find("compass"), find("gyro")];
+  const reading = (frame, s, which) => (s >= 0 ? (frame.sensors[s]?.[which][0] ?? NaN) : NaN);
+  const list = [
+    plain("x", "x", "m", 3, (f, i) => [f.truePoses[3 * i], NaN, f.estimatedPoses[3 * i]]),
+    plain("y", "y", "m", 3, (f, i) => [f.truePoses[3 * i + 1], NaN, f.estimatedPoses[3 * i + 1]]),
+    angle("heading", named("heading", robot, compass), (f, i) => [
+      f.truePoses[3 * i + 2],
+      reading(f, compass, "measured"),
+      f.estimatedPoses[3 * i + 2],
+    ]),
+    {
+      key: "apart",
+      label: "apart",
+      unit: "m",
+      decimals: 3,
+      of: (f, i) => {
+        const gap = Math.hypot(
+          f.estimatedPoses[3 * i] - f.truePoses[3 * i],
+          f.estimatedPoses[3 * i + 1] - f.truePoses[3 * i + 1],
+        );
+        return [NaN, NaN, believed(f.covariances, i), gap];
+      },
+    },
+    plain("forward", "speed ahead", "m/s", 3, (f) => [f.trueTwist[0], NaN, f.estimatedTwist[0]]),
+  ];
+  if (robot.twist[1] > 0) {
+    list.push(plain("left", "speed to the left", "m/s", 3, (f) => [f.trueTwist[1], NaN, f.estimatedTwist[1]]));
+  }
+  list.push(
+    degrees("turn", named("turning", robot, gyro), "°/s", (f) => [
+      f.trueTwist[2],
+      reading(f, gyro, "measured"),
+      f.estimatedTwist[2],
+    ]),
+  );
+  robot.joints.forEach((joint, j) => {
+    const label = joint.replaceAll("_", " ");
+    list.push(plain(`joint.${joint}`, label, "rad/s", 3, (f) => [f.trueRates[j], f.measuredRates[j], NaN]));
+  });
+  robot.sensors.forEach((sensor, s) => {
+    if (s === compass || s === gyro) return;
+    if (isRange(sensor)) {
+      const least = (values) => (values?.length ? values.reduce((a, b) => (b < a || Number.isNaN(a) ? b : a)) : NaN);
+      const of = (f) => [least(f.sensors[s]?.true), least(f.sensors[s]?.measured), NaN];
+      list.push(plain(`sensor.${sensor.name}`, `${sensor.name}, nearest`, sensor.unit, 3, of));
+      return;
+    }
+    for (let k = 0; k < Math.min(sensor.size, 6); k++) {
+      const label = sensor.size > 1 ? `${sensor.name} ${robot.joints.length === sensor.size ? robot.joints[k].replaceAll("_", " ") : k}` : sensor.name;
+      const of = (f) => [f.sensors[s]?.true[k] ?? NaN, f.sensors[s]?.measured[k] ?? NaN, NaN];
+      const key = `sensor.${sensor.name}.${k}`;
+      if (sensor.unit === "rad") list.push(angle(key, label, of));
+      else if (sensor.unit === "rad/s") list.push(degrees(key, label, "°/s", of));
+      else list.push(plain(key, label, sensor.unit, sensor.unit === "count" ? 0 : 3, of));
+    }
+  });
+  return list;
+}
+
+const named = (label, robot, sensor) => (sensor >= 0 ? `${label} (${robot.sensors[sensor].name})` : label);
+
+const apart = ([t, m, e]) => (Number.isNaN(e) ? m - t : e - t);
+
+function plain(key, label, unit, decimals, of) {
+  const whole = (frame, i) => {
+    const three = of(frame, i);
+    return [...three, apart(three)];
+  };
+  return { key, label, unit, decimals, of: whole };
+}
+
+function degrees(key, label, unit, of) {
+  return plain(key, label, unit, 2, (frame, i) => of(frame, i).map((value) => value * DEGREES));
+}
+
+/** Angles are shown in (-180, 180], and so is their difference. */
+function angle(key, label, of) {
+  const whole = (frame, i) => {
+    const three = of(frame, i);
+    return [...three.map(wrap), wrap(apart(three))].map((value) => value * DEGREES);
+  };
+  return { key, label, unit: "°", decimals: 2, of: whole };
+}
+
+/** How far off the robot believes to be with 95 %: the long half axis of its ellipse. */
+function believed(covariances, i) {
+  const [xx, xy, yy] = [covariances[6 * i], covariances[6 * i + 1], covariances[6 * i + 3]];
+  return Math.sqrt(5.991 * Math.max((xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy), 0));
+}

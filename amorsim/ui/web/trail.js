@@ -1,0 +1,45 @@
+// The path a robot drove, in bounded memory: when it is full, every other point of the older half goes.
+
+const MOST = 6000;
+
+export class Trail {
+  constructor() {
+    this.clear();
+  }
+
+  clear() {
+    this.points = [];
+    this.count = 0;
+    this.last = -Infinity;
+  }
+
+  /** Add a point of a tick; what does not move is not added, and going back in time cuts the trail there. */
+  add(tick, x, y) {
+    if (tick < this.last) this.cut(tick);
+    this.last = tick;
+    const n = this.points.length;
+    if (n && Math.hypot(this.points[n - 1][1] - x, this.points[n - 1][2] - y) < 1e-3) return;
+    this.points.push([tick, x, y]);
+    if (this.points.length > MOST) {
+      const half = MOST / 2;
+      this.points = this.points.filter((_, i) => i > half || i % 2 === 0);
+    }
+    this.count = this.points.length;
+  }
+
+  cut(tick) {
+    while (this.points.length && this.points[this.points.length - 1][0] > tick) this.points.pop();
+    this.count = this.points.length;
+  }
+
+  /** Take a recorded path instead: `ticks` and `poses` as rows of x, y, …. */
+  load(ticks, poses) {
+    this.points = ticks.map((tick, i) => [tick, poses[i][0], poses[i][1]]);
+    this.count = this.points.length;
+    this.last = this.count ? ticks[ticks.length - 1] : -Infinity;
+  }
+
+  each(visit) {
+    for (const [, x, y] of this.points) visit(x, y);
+  }
+}

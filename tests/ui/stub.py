@@ -1,0 +1,40 @@
+"""A server whose session answers without simulating: `python -m tests.ui.stub` prints its address."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from amorsim.ui.server import serve
+
+
+class StubSession:
+    """Counts its windows; every frame is a header with a number, and nothing else."""
+
+    def __init__(self) -> None:
+        self.windows: set[str] = set()
+        self.number = 0
+        self.asked: list[dict[str, Any]] = []
+
+    def open_window(self) -> str:
+        name = f"window-{len(self.windows) + 1}"
+        self.windows.add(name)
+        return name
+
+    def close_window(self, window: str) -> None:
+        self.windows.discard(window)
+
+    async def newest_frame(self, after: int) -> bytes:
+        while self.number == after:
+            await asyncio.sleep(0.001)
+        return b"amf1" + bytes(4) + self.number.to_bytes(4, "little") + bytes(68)
+
+    async def ask(self, window: str, command: dict[str, Any]) -> dict[str, Any]:
+        self.asked.append(command)
+        if command.get("do") == "wait":
+            await asyncio.sleep(command["seconds"])
+        return {"ok": True, "window": window, "said": command.get("do")}
+
+
+if __name__ == "__main__":
+    serve(StubSession(), ready=lambda address: print(address, flush=True))

@@ -1,0 +1,263 @@
+"""Nobody else gets in: every path of a real server, NiceGUI's own included, asked by raw HTTP and WebSocket."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+from urllib.parse import urlsplit
+
+import pytest
+
+nicegui = pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+
+from amorsim.core.errors import AmorsimError  # noqa: E402
+from amorsim.ui.security import Door, Guard  # noqa: E402
+from amorsim.ui.server import listen  # noqa: E402
+
+STATIC = f"/_nicegui/{nicegui.__version__}/static/nicegui.js"
+POLLING = "/_nicegui_ws/socket.io/?EIO=4&transport=polling"
+PATHS = ["/", "/amorsim/web/simulator.js", STATIC, POLLING, "/favicon.ico", "/nothing"]
+SOCKETS = ["/amorsim/socket", "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"]
+
+
+class Answer(NamedTuple):
+    status: int
+    headers: dict[str, str]
+    body: bytes
+
+
+class Server(NamedTuple):
+    host: str
+    port: int
+    token: str
+    cookie: str = ""
+
+    @property
+    def own(self) -> str:
+        return f"{self.host}:{self.port}"
+
+    def ask(self, path: str, method: str = "GET", /, **headers: str) -> Answer:
+        """A request as raw bytes, for clients tidy up paths; `Host` is ours unless given, the cookie comes if known."""
+        given = {"Host": self.own, "Connection": "close"} | ({"Cookie": self.cookie} if self.cookie else {})
+        given |= {name.replace("_", "-"): value for name, value in headers.items()}
+        lines = [f"{method} {path} HTTP/1.1", *(f"{name}: {value}" for name, value in given.items() if value)]
+        with socket.create_connection((self.host, self.port), timeout=10) as line:
+            line.sendall("\r\n".join([*lines, "", ""]).encode("latin-1"))
+            data = b""
+            while b"\r\n\r\n" not in data or "Upgrade" not in given:
+                part = line.recv(65536)
+                if not part:
+                    break
+                data += part
+        head, _, body = data.partition(b"\r\n\r\n")
+        first, *rest = head.decode("latin-1").split("\r\n")
+        return Answer(
+            int(first.split()[1]), {k.lower(): v.strip() for k, _, v in (r.partition(":") for r in rest)}, body
+        )
+
+    def shake(self, path: str, **headers: str) -> int:
+        """The status of a WebSocket's handshake: 101 where it is let in."""
+        key = base64.b64encode(os.urandom(16)).decode()
+        wanted = {
+            "Upgrade": "websocket",
+            "Connection": "Upgrade",
+            "Sec_WebSocket_Key": key,
+            "Sec_WebSocket_Version": "13",
+        }
+        return self.ask(path, **(wanted | {"Origin": f"http://{self.own}"} | headers)).status
+
+
+@pytest.fixture(scope="module")
+def stranger() -> Iterator[Server]:
+    """The server as one without a cookie meets it."""
+    with subprocess.Popen([sys.executable, "-m", "tests.ui.stub"], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        parts = urlsplit(process.stdout.readline().strip())
+        assert parts.hostname is not None
+        assert parts.port is not None
+        yield Server(parts.hostname, parts.port, parts.query.removeprefix("token="))
+        process.kill()
+
+
+@pytest.fixture(scope="module")
+def user(stranger: Server) -> Server:
+    """The server as one who opened the address meets it."""
+    given = stranger.ask(f"/?token={stranger.token}").headers["set-cookie"]
+    return stranger._replace(cookie=given.split(";")[0])
+
+
+def test_the_address_gives_a_cookie_that_scripts_and_other_sites_never_get(stranger: Server) -> None:
+    answer = stranger.ask(f"/?token={stranger.token}")
+    assert answer.status == 200
+    name, *flags = answer.headers["set-cookie"].split("; ")
+    assert set(flags) == {"Path=/", "HttpOnly", "SameSite=Strict"}
+    assert stranger.token not in name  # who sees the cookie cannot open another window
+    assert answer.headers["cache-control"] == "no-store"
+    assert answer.headers["referrer-policy"] == "no-referrer"
+
+
+@pytest.mark.parametrize("token", ["", "?token=", "?token=wrong", "?token=TOKEN&token=TOKEN", "?token=TOKENx"])
+def test_a_missing_or_false_token_gives_nothing(stranger: Server, token: str) -> None:
+    answer = stranger.ask("/" + token.replace("TOKEN", stranger.token))
+    assert answer.status == 401
+    assert "set-cookie" not in answer.headers
+
+
+def test_the_token_opens_the_page_alone(stranger: Server) -> None:
+    assert stranger.ask(f"/amorsim/web/simulator.js?token={stranger.token}").status == 401
+    assert stranger.ask(f"/?token={stranger.token}", "POST", Origin=f"http://{stranger.own}").status == 401
+    # Not as a picture or a script in a page elsewhere, either.
+    assert stranger.ask(f"/?token={stranger.token}", Sec_Fetch_Dest="image", Sec_Fetch_Site="cross-site").status == 403
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_without_the_cookie_no_path_answers(stranger: Server, path: str) -> None:
+    assert stranger.ask(path).status == 401
+    assert stranger.ask(path, Cookie=f"amorsim-{stranger.port}=guessed").status == 401
+
+
+@pytest.mark.parametrize("path", PATHS[:-2])
+def test_with_the_cookie_they_do(user: Server, path: str) -> None:
+    answer = user.ask(path)
+    assert answer.status == 200
+    assert answer.headers["x-content-type-options"] == "nosniff"
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_a_foreign_host_is_refused_on_every_path(user: Server, path: str) -> None:
+    for host in (
+        "evil.example",
+        f"evil.example:{user.port}",
+        "127.0.0.1.evil.example",
+        "192.168.1.7",
+        "localhost.evil",
+        "",
+    ):
+        assert user.ask(path, Host=host).status in (400, 403)
+    # Nor does the token help a name that was rebound to this machine.
+    assert user.ask(f"/?token={user.token}", Host=f"evil.example:{user.port}").status == 403
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_a_foreign_origin_is_refused_on_every_path(user: Server, path: str) -> None:
+    for origin in (
+        "http://evil.example",
+        "null",
+        f"http://localhost:{user.port}",
+        f"http://{user.host}:{user.port + 1}",
+    ):
+        assert user.ask(path, Origin=origin).status == 403
+    # Another port of this machine is of the same site, and sends the cookie even where it sends no origin.
+    assert user.ask(path, Sec_Fetch_Site="same-site").status == 403
+    assert user.ask(path, Sec_Fetch_Site="cross-site").status == 403
+
+
+@pytest.mark.parametrize("path", SOCKETS)
+def test_sockets_want_origin_host_and_cookie(stranger: Server, user: Server, path: str) -> None:
+    assert user.shake(path) == 101
+    assert stranger.shake(path) == 403
+    assert user.shake(path, Origin="http://evil.example") == 403
+    assert user.shake(path, Origin=f"http://{user.host}:{user.port + 1}") == 403
+    assert user.shake(path, Origin="") == 403
+    assert user.shake(path, Host="evil.example", Origin="http://evil.example") == 403
+
+
+def test_what_changes_things_wants_an_origin(user: Server) -> None:
+    assert user.ask("/amorsim/gif", "POST", Content_Length="0").status == 403
+    assert user.ask("/amorsim/gif?every=100", "POST", Content_Length="0", Origin=f"http://{user.own}").status == 400
+    assert user.ask(POLLING, "POST", Content_Length="0").status == 403
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["../security.py", "..%2fsecurity.py", "%2e%2e/security.py", "....//security.py", "/etc/passwd", "%2fetc%2fpasswd"],
+)
+def test_no_path_leads_out_of_the_scripts_folder(user: Server, path: str) -> None:
+    for start in (
+        "/amorsim/web/",
+        f"/_nicegui/{nicegui.__version__}/static/",
+        f"/_nicegui/{nicegui.__version__}/components/",
+    ):
+        answer = user.ask(start + path)
+        assert answer.status in (400, 403, 404)
+        assert b"Guard" not in answer.body
+        assert b"root:" not in answer.body
+
+
+# ------------------------------------------------------------------------------------------------- the door, alone
+
+
+def status_of(door: Door, headers: list[tuple[str, str]], **scope: Any) -> int:
+    """What the guard says to a request; 200 where it lets it through."""
+
+    async def inner(scope: Any, receive: Any, send: Any) -> None:
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+
+    said: list[Any] = []
+
+    async def send(message: Any) -> None:
+        said.append(message)
+
+    whole = {"type": "http", "method": "GET", "path": "/x", "query_string": b""} | scope
+    whole["headers"] = [(name.encode(), value.encode()) for name, value in headers]
+    asyncio.run(Guard(inner, door)(whole, None, send))  # type: ignore[arg-type]
+    return int(said[0]["status"])
+
+
+@pytest.mark.parametrize(
+    ("bound", "host", "status"),
+    [
+        ("127.0.0.1", "127.0.0.1:8000", 200),
+        ("127.0.0.1", "localhost:9999", 200),  # a port forwarded to ours
+        ("127.0.0.1", "LOCALHOST", 200),
+        ("127.0.0.1", "[::1]:8000", 200),
+        ("127.0.0.1", "10.0.0.5:8000", 403),
+        ("127.0.0.1", "user@localhost", 403),
+        ("127.0.0.1", "localhost:8000:1", 403),
+        ("127.0.0.1", "localhost, evil.example", 403),
+        ("lab.example", "lab.example:8000", 200),
+        ("lab.example", "other.example:8000", 403),
+        ("0.0.0.0", "10.0.0.5:8000", 200),  # a number cannot be rebound
+        ("0.0.0.0", "[fe80::1]:8000", 200),
+        ("0.0.0.0", "evil.example:8000", 403),
+    ],
+)
+def test_which_names_are_ours(bound: str, host: str, status: int) -> None:
+    door = Door(host=bound, port=8000)
+    cookie = ("cookie", f"amorsim-8000={door.cookie}")
+    assert status_of(door, [("host", host), cookie]) == status
+    assert status_of(door, [("host", host), ("origin", f"http://{host}"), cookie]) == status
+
+
+def test_two_hosts_or_two_origins_are_refused() -> None:
+    door = Door(port=8000)
+    ours, cookie = ("host", "localhost:8000"), ("cookie", f"a=b; amorsim-8000={door.cookie}")
+    origin = ("origin", "http://localhost:8000")
+    assert status_of(door, [ours, origin, cookie]) == 200
+    assert status_of(door, [ours, ours, cookie]) == 403
+    assert status_of(door, [ours, origin, ("origin", "http://evil.example"), cookie]) == 403
+    assert status_of(door, [cookie]) == 403
+
+
+def test_doors_differ_and_do_not_show_their_secrets() -> None:
+    one, other = Door(port=1), Door(port=1)
+    assert len({one.token, other.token, one.cookie, other.cookie}) == 4
+    assert one.token not in repr(one)
+    assert one.cookie not in repr(one)
+    assert Door(host="0.0.0.0", port=80, token="t").address == "http://127.0.0.1:80/?token=t"
+    assert Door(host="::1", port=80, token="t").address == "http://[::1]:80/?token=t"
+
+
+def test_a_taken_port_is_an_error_of_ours() -> None:
+    with listen("127.0.0.1", 0) as first:
+        first.listen()
+        port = first.getsockname()[1]
+        with pytest.raises(AmorsimError, match=f"port {port}.*--port"):
+            listen("127.0.0.1", port)

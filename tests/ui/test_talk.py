@@ -1,0 +1,130 @@
+"""A window's WebSocket: frames wait for the window, never the other way; commands keep their order."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import Any
+
+import pytest
+
+pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+
+from starlette.websockets import WebSocketDisconnect
+
+from amorsim.ui import talk
+from amorsim.ui.talk import Talk
+from tests.ui.stub import StubSession
+
+
+class Line:
+    """A WebSocket's two ends, as far as `Talk` uses them."""
+
+    def __init__(self) -> None:
+        self.heard: asyncio.Queue[str | None] = asyncio.Queue()
+        self.texts: list[dict[str, Any]] = []
+        self.frames: list[int] = []
+        self.closed: int | None = None
+
+    async def accept(self) -> None:
+        pass
+
+    async def receive_text(self) -> str:
+        text = await self.heard.get()
+        if text is None:
+            raise WebSocketDisconnect
+        return text
+
+    async def send_text(self, text: str) -> None:
+        self.texts.append(json.loads(text))
+
+    async def send_bytes(self, data: bytes) -> None:
+        self.frames.append(int.from_bytes(data[8:12], "little"))
+
+    async def close(self, code: int, reason: str) -> None:
+        self.closed = code
+
+    def say(self, **message: Any) -> None:
+        self.heard.put_nowait(json.dumps(message))
+
+    def go(self) -> None:
+        self.heard.put_nowait(None)
+
+
+def hold(conversation: Any) -> None:
+    """Run `await conversation(line, session)` beside a talk, which must then end by itself."""
+
+    async def whole() -> None:
+        line, session = Line(), StubSession()
+        running = asyncio.create_task(Talk(line, session).run())  # type: ignore[arg-type]
+        await asyncio.sleep(0.01)
+        await conversation(line, session)
+        line.go()
+        await asyncio.wait_for(running, 2.0)
+        assert not session.windows  # whoever goes is forgotten
+
+    asyncio.run(whole())
+
+
+def test_no_frame_goes_out_before_the_last_is_drawn() -> None:
+    async def conversation(line: Line, session: StubSession) -> None:
+        assert line.texts[0] == {"window": "window-1"}
+        for number in range(1, 40):
+            session.number = number
+            await asyncio.sleep(0.002)
+        assert line.frames == [0]  # a window that draws nothing is sent nothing
+        line.say(drawn=0)
+        await asyncio.sleep(0.1)
+        assert line.frames == [0, 39]  # then the newest, not what it missed
+
+    hold(conversation)
+
+
+def test_frames_keep_to_their_rate(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(talk, "FRAME_RATE", 20.0)
+
+    async def conversation(line: Line, session: StubSession) -> None:
+        for number in range(100):
+            session.number = number
+            line.say(drawn=0)
+            await asyncio.sleep(0.005)
+        assert 5 <= len(line.frames) <= 13  # of half a second or a little more
+
+    hold(conversation)
+
+
+def test_commands_are_done_in_order_and_questions_meanwhile() -> None:
+    async def conversation(line: Line, session: StubSession) -> None:
+        line.say(id=1, do="wait", seconds=0.1)
+        line.say(id=2, do="run")
+        line.say(id=3, do="state")
+        await asyncio.sleep(0.05)
+        assert [text["answer"] for text in line.texts[1:]] == [3]
+        await asyncio.sleep(0.15)
+        assert [text["answer"] for text in line.texts[1:]] == [3, 1, 2]
+        assert [command["do"] for command in session.asked] == ["wait", "state", "run"]
+
+    hold(conversation)
+
+
+def test_a_flood_of_commands_is_refused_not_kept() -> None:
+    async def conversation(line: Line, session: StubSession) -> None:
+        line.say(id=0, do="wait", seconds=0.1)
+        await asyncio.sleep(0.01)
+        for number in range(1, talk.MOST_WAITING + 11):
+            line.say(id=number, do="step")
+        await asyncio.sleep(0.05)
+        refused = [text for text in line.texts[1:] if not text["said"]["ok"]]
+        assert len(refused) == 10
+
+    hold(conversation)
+
+
+@pytest.mark.parametrize("junk", ["no json", "[1]", '"run"', "\x00"])
+def test_what_is_no_table_ends_the_talk(junk: str) -> None:
+    async def conversation(line: Line, session: StubSession) -> None:
+        line.heard.put_nowait(junk)
+        await asyncio.sleep(0.02)
+        assert line.closed == 1003
+
+    hold(conversation)
