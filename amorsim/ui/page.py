@@ -13,7 +13,7 @@ WEB = Path(__file__).parent / "web"
 WEB_PATH = "/amorsim/web"
 
 
-class Window(Element, component="web/amorsim_window.js"):
+class Window(Element, component="web/amorsim_window.js"):  # type: ignore[call-arg, unused-ignore]
     """What `simulator.js` fills; the Editor's page has the same component with another entry."""
 
     def __init__(self, entry: str) -> None:
