@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         Motion,
         Mount,
         Noise,
+        ObstacleFrame,
         Recorder,
         RobotModel,
         RunInfo,
@@ -79,7 +80,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint MapLoader Measurement Motion "
-        "Mount Noise Recorder RobotModel RunInfo Sensor SensorModel State View parameter"
+        "Mount Noise ObstacleFrame Recorder RobotModel RunInfo Sensor SensorModel State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -137,6 +138,7 @@ __all__ = [
     "Noise",
     "NoiseElement",
     "Obstacle",
+    "ObstacleFrame",
     "ParameterError",
     "PluginError",
     "Pose",

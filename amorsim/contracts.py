@@ -50,6 +50,7 @@ __all__ = [
     "Motion",
     "Mount",
     "Noise",
+    "ObstacleFrame",
     "Recorder",
     "RobotModel",
     "RunInfo",
@@ -427,6 +428,18 @@ class Frame(NamedTuple):
     robot: RobotModel  # the nominal one
 
 
+class ObstacleFrame(NamedTuple):
+    """One step of one group of obstacles, as recorders get it. Arrays are not to be changed."""
+
+    names: Sequence[str]  # of each row
+    replica: npt.NDArray[np.int64]  # (N,)
+    tick: npt.NDArray[np.int64]  # (N,)
+    time: Array  # (N,) [s]
+    true_pose: Array  # (N, 3)
+    true_twist: Array  # (N, 3) mean over the step, in the body's frame
+    moves: bool  # whether they have a motion
+
+
 class RunInfo(NamedTuple):
     """What a recorder is told of a run before its first step."""
 
@@ -451,6 +464,10 @@ class Recorder(abc.ABC):
     @abc.abstractmethod
     def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
         """Take a step: a frame for each group, and the events (`amorsim.simulation.events.Event`) since the last."""
+
+    def write_obstacles(self, frames: Sequence[ObstacleFrame]) -> None:
+        """Take where the obstacles are, a frame for each group; called after `open` and after each `write`."""
+        return
 
     @abc.abstractmethod
     def close(self) -> None:

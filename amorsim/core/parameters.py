@@ -37,7 +37,8 @@ class Parameter:
 
     `unit` is ``""`` for a pure number and ``"sensor"`` where it follows the sensor the component sits on.
     `static` parameters fix shapes (a number of beams): rows that differ in one are of different groups.
-    `live` ones may change between steps.
+    `live` ones may change between steps. A `file` is the path of one: relative ones start, in a scenario, where the
+    scenario lies, and a run's folder gets a copy.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Parameter:
     choices: tuple[str, ...] = ()
     static: bool = False
     live: bool = True
+    file: bool = False
 
     @property
     def is_required(self) -> bool:
@@ -99,6 +101,7 @@ def parameter(
     choices: tuple[str, ...] = (),
     static: bool = False,
     live: bool = True,
+    file: bool = False,
 ) -> Any:
     """A field of a component class: a default (or none, then it must be given), its unit, help and bounds.
 
@@ -116,6 +119,7 @@ def parameter(
         "choices": choices,
         "static": static,
         "live": live and not static,
+        "file": file,
     }
     return attrs.field(default=default, validator=_validate, metadata={_KEY: metadata})
 

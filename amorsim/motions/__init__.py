@@ -4,6 +4,18 @@ from __future__ import annotations
 
 from amorsim.motions.doors import SlidingDoor, SwingDoor
 from amorsim.motions.routes import Loop, Oscillate, Waypoints
+from amorsim.motions.track import Track
+from amorsim.motions.user import ObstacleState, UserMotion
 from amorsim.motions.wander import Wander
 
-__all__ = ["Loop", "Oscillate", "SlidingDoor", "SwingDoor", "Wander", "Waypoints"]
+__all__ = [
+    "Loop",
+    "ObstacleState",
+    "Oscillate",
+    "SlidingDoor",
+    "SwingDoor",
+    "Track",
+    "UserMotion",
+    "Wander",
+    "Waypoints",
+]

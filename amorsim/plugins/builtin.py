@@ -57,6 +57,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.motion("loop", "amorsim.motions.routes:Loop")
     registry.motion("oscillate", "amorsim.motions.routes:Oscillate")
     registry.motion("wander", "amorsim.motions.wander:Wander")
+    registry.motion("track", "amorsim.motions.track:Track")
     registry.motion("swing_door", "amorsim.motions.doors:SwingDoor")
     registry.motion("sliding_door", "amorsim.motions.doors:SlidingDoor")
 

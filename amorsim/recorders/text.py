@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame, Recorder, RunInfo
+from amorsim.contracts import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.core.poses import logarithm, relative
 from amorsim.recorders.files import LineFiles
 
@@ -34,7 +34,7 @@ _EVENT = "time,robot,kind,other,x,y,speed,path,value,tick"
 class Text(Recorder):
     """Writes ``poses.csv``, ``velocities.csv``, ``sensors/``, ``estimates/``, ``commands.csv`` and ``events.csv``.
 
-    A `replica` column leads where there are several.
+    And ``obstacles.csv`` if there are any. A `replica` column leads where there are several.
     """
 
     _files: LineFiles = attrs.field(factory=LineFiles, init=False)
@@ -43,6 +43,7 @@ class Text(Recorder):
     _channels: list[str] = attrs.field(factory=list, init=False)
     _sizes: dict[str, int] = attrs.field(factory=dict, init=False)
     _run: RunInfo | None = attrs.field(default=None, init=False)
+    _tells_obstacles: bool = attrs.field(default=False, init=False)
     _decimals: int = attrs.field(default=6, init=False)  # of times
 
     def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
@@ -81,13 +82,32 @@ class Text(Recorder):
         if events:
             self._files.write("events", "".join(self._event(event) for event in events))
 
+    def write_obstacles(self, frames: Sequence[ObstacleFrame]) -> None:
+        """Write a line for each obstacle that moves; at the start, for the others too."""
+        if not frames or self._run is None:
+            return
+        is_first = not self._tells_obstacles
+        if is_first:
+            self._tells_obstacles = True
+            self._open("obstacles", "time,obstacle,x,y,heading")
+        for frame in frames:
+            if frame.moves or is_first:
+                self._lines("obstacles", self._leads(frame), frame.true_pose)
+
+    def _leads(self, frame: Frame | ObstacleFrame) -> list[str]:
+        """How the lines of a frame begin: with the replica where there are several, the time and the name."""
+        time = [f"{t:.{self._decimals}f}" for t in frame.time.tolist()]
+        if self._run is not None and len(self._run.replicas) > 1:
+            time = [f"{number},{t}" for number, t in zip(frame.replica.tolist(), time, strict=True)]
+        return [f"{t},{name}" for t, name in zip(time, frame.names, strict=True)]
+
     def _write_frame(self, frame: Frame, previous: dict[str, Any]) -> None:
         rows = range(len(frame.names))
         replica = [""] * len(rows)
         if self._run is not None and len(self._run.replicas) > 1:
             replica = [f"{number}," for number in frame.replica.tolist()]
         time = [f"{t:.{self._decimals}f}" for t in frame.time.tolist()]
-        lead = [f"{replica[i]}{time[i]},{frame.names[i]}" for i in rows]
+        lead = self._leads(frame)
         estimate = next(iter(frame.estimates.values()))
         self._lines("poses", lead, np.concatenate((frame.true_pose, estimate.pose), axis=1))
         self._lines("velocities", lead, self._velocities(frame, estimate.pose, previous))

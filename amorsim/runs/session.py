@@ -148,6 +148,7 @@ class RunSession:
         )
         for recorder in self._recorders:
             recorder.open(info, simulation.frames())
+            recorder.write_obstacles(simulation.obstacle_frames())
         self._traces = Traces(simulation)
         run_started(simulation, self._registry)
 
@@ -168,9 +169,10 @@ class RunSession:
                 f"{', '.join(map(str, sorted(set(simulation.ticks.tolist()))[:5]))}; call keep() after every step"
             )
         events = simulation.events
-        frames = simulation.frames()
+        frames, obstacles = simulation.frames(), simulation.obstacle_frames()
         for recorder in self._recorders:
             recorder.write(frames, events[self._events :])
+            recorder.write_obstacles(obstacles)
         self._events = len(events)
         self._traces.keep()
         self.steps += 1

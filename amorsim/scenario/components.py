@@ -10,8 +10,15 @@ from amorsim.contracts import Drive, Estimator, Motion, Mount, Sensor
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import ControllerError, PluginError
 from amorsim.core.parameters import ParameterError
+from amorsim.motions.user import UserMotion
 from amorsim.plugins.registry import KINDS, Registry
-from amorsim.scenario.controller_files import is_controller_file, load_controller, split_reference
+from amorsim.scenario.controller_files import (
+    CONTROLLER,
+    MOTION,
+    is_controller_file,
+    load_controller,
+    split_reference,
+)
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording
@@ -41,8 +48,11 @@ def read_estimator(node: Node, registry: Registry) -> Estimator | None:
 
 
 def read_motion(node: Node, registry: Registry) -> Motion | None:
-    """The motion in a table."""
-    return _read(node, "motion", registry, ("use",))  # type: ignore[no-any-return]
+    """The motion in a table: a registered one, or ``use = "file.py:name"`` with its own options."""
+    own = _read_own(node, MOTION)
+    if own is None:
+        return _read(node, "motion", registry, ("use",))  # type: ignore[no-any-return]
+    return UserMotion(**own) if own else None
 
 
 def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
@@ -108,20 +118,28 @@ def _free_name(use: str, taken: set[str], given: list[Any]) -> str:
 
 def read_controller(node: Node, registry: Registry) -> Any:
     """The controller in a table: a registered one, or ``use = "file.py:name"`` with its own options."""
+    own = _read_own(node, CONTROLLER)
+    if own is None:
+        return _read(node, "controller", registry, ("use",))
+    return UserController(**own) if own else None
+
+
+def _read_own(node: Node, arguments: tuple[str, ...]) -> dict[str, Any] | None:
+    """What ``use = "file.py:name"`` means, nothing after faults, or None if the table does not say that."""
     use = node.value.get("use") if node.is_table else None
     if not isinstance(use, str) or not is_controller_file(use):
-        return _read(node, "controller", registry, ("use",))
+        return None
     options = {key: value for key, value in node.value.items() if key != "use"}
     if not check_values(node, ("use",)):
-        return None
+        return {}
     use_node = node.child("use")
     try:
         path, name = split_reference(use, use_node.folder)
-        function = load_controller(path, name, options)
+        function = load_controller(path, name, options, arguments)
     except ControllerError as error:
         use_node.fault(str(error))
-        return None
-    return UserController(source=f"{path}:{name}", function=function, options=tuple(options.items()))
+        return {}
+    return {"source": f"{path}:{name}", "function": function, "options": tuple(options.items())}
 
 
 def read_recording(node: Node, registry: Registry) -> Recording | None:

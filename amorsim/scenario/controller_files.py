@@ -33,8 +33,16 @@ def split_reference(use: str, folder: Path) -> tuple[Path, str]:
     return Path(os.path.abspath(folder / file)), name  # noqa: PTH100 - a link keeps the name that it was given
 
 
-def load_controller(path: Path, name: str, options: Mapping[str, Any]) -> Any:
+CONTROLLER = ("readings", "estimate", "clock")
+"""What a function that is a controller is called with."""
+MOTION = ("obstacle",)
+"""What a function that is a motion is called with."""
+
+
+def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments: tuple[str, ...] = CONTROLLER) -> Any:
     """The function or class called `name` in a Python file, which must take `options` as keyword arguments.
+
+    A function takes `arguments` before them.
 
     The file is run as a module of its own; one that says the same is run once in a process.
 
@@ -52,7 +60,7 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any]) -> Any:
         raise ControllerError(f"there is no {name!r} in {path}, but: {known}.{did_you_mean(name, own)}")
     if not callable(found):
         raise ControllerError(f"{name!r} in {path} is neither a function nor a class, but {found!r}")
-    _check_arguments(path, name, found, options)
+    _check_arguments(path, name, found, options, arguments)
     return found
 
 
@@ -93,9 +101,9 @@ def _text(error: BaseException) -> str:
     return error.msg if isinstance(error, SyntaxError) else str(error)
 
 
-def _check_arguments(path: Path, name: str, found: Any, options: Mapping[str, Any]) -> None:
-    # A class is made with the options alone, a function called with them after its three arguments.
-    leading = () if inspect.isclass(found) else (None, None, None)
+def _check_arguments(path: Path, name: str, found: Any, options: Mapping[str, Any], arguments: tuple[str, ...]) -> None:
+    # A class is made with the options alone, a function called with them after its arguments.
+    leading = () if inspect.isclass(found) else (None,) * len(arguments)
     try:
         signature = inspect.signature(found)
     except (TypeError, ValueError):  # written in C: nothing to check against
@@ -106,5 +114,5 @@ def _check_arguments(path: Path, name: str, found: Any, options: Mapping[str, An
         known = [parameter.name for parameter in list(signature.parameters.values())[len(leading) :]]
         unknown = [option for option in options if option not in known]
         hint = did_you_mean(unknown[0], known) if unknown else ""
-        call = f"{name}({', '.join(known)})" if not leading else f"{name}(readings, estimate, clock, **options)"
+        call = f"{name}({', '.join(known)})" if not leading else f"{name}({', '.join(arguments)}, **options)"
         raise ControllerError(f"{path}: {name}{signature} cannot be called as {call}: {error}.{hint}") from error

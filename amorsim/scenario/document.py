@@ -7,6 +7,7 @@ from typing import Any
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import Fault, PluginError, ScenarioError
 from amorsim.core.map import Map
+from amorsim.motions.user import UserMotion
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import write_shape
@@ -158,9 +159,9 @@ class _Writer:
             written.append({"use": fields.pop("use", ""), "name": element.name, **fields})
         return written
 
-    def _controller(self, controller: Any, path: str) -> dict[str, Any]:
-        if not isinstance(controller, UserController):
-            return self._component("controller", controller, path)
+    def _controller(self, controller: Any, path: str, kind: str = "controller") -> dict[str, Any]:
+        if not isinstance(controller, (UserController, UserMotion)):
+            return self._component(kind, controller, path)
         if controller.source:
             return {"use": controller.source, **dict(controller.options)}
         name = getattr(controller.function, "__qualname__", repr(controller.function))
@@ -175,7 +176,7 @@ class _Writer:
         written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
         written["pose"] = write_fields(obstacle.pose)
         if obstacle.motion is not None:
-            written["motion"] = self._component("motion", obstacle.motion, f"{path}.motion")
+            written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")
         return written
 
     def _shape(self, shape: Any, path: str) -> dict[str, Any]:

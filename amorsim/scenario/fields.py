@@ -7,6 +7,7 @@ nested class, ``"none"`` for None where a field admits it. Nothing is coerced; a
 from __future__ import annotations
 
 import math
+import os
 import types
 import typing
 from collections.abc import Iterable, Mapping
@@ -103,6 +104,9 @@ def _read(node: Node, key: str, parameter: Parameter) -> Any:
     try:
         check_value(expected, value)
         value = _map_numbers(to_radians, value) if parameter.is_angle else _plain(parameter.type, value)
+        if parameter.file and value:
+            # As for maps: what a link is called is the user's.
+            value = os.path.abspath(node.folder / value)  # noqa: PTH100
         check_value(parameter, value)
     except ParameterError as error:
         problem = error.problem.replace(f"got {value!r}", f"got {shown(node.value)}")

@@ -19,6 +19,7 @@ from amorsim.controllers.user import UserController
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
+from amorsim.motions.user import UserMotion
 
 __all__ = [
     "Deviation",
@@ -193,16 +194,26 @@ class Robot:
     knowledge: Knowledge = attrs.field(factory=Knowledge)
 
 
+def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:
+    if given is None or isinstance(given, Motion):
+        return given
+    if not callable(given):
+        raise ParameterError("motion", f"expected a motion, a function or a class, got {given!r}")
+    return UserMotion(source="", function=given)
+
+
 @attrs.frozen(kw_only=True, eq=False)
 class Obstacle:
     """A body that is no robot: it stands, or moves as its motion proposes.
 
-    Without a `pose` it starts where its motion begins, such as at the first waypoint, or else at the origin.
+    A motion is a component, or a function ``f(obstacle)`` that gives a velocity, or a class with such a `velocity`
+    (`amorsim.motions.user.UserMotion`). Without a `pose` the obstacle starts where its motion begins, such as at the
+    first waypoint, or else at the origin.
     """
 
     name: str = attrs.field(validator=_check_name)
     shape: Shape
-    motion: Motion | None = None
+    motion: Motion | None = attrs.field(default=None, converter=_motion)
     pose: Pose = attrs.field()
 
     @pose.default

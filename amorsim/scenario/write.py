@@ -13,6 +13,7 @@ from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 
 from amorsim.core.errors import MapError, RunError
 from amorsim.core.map import Map
+from amorsim.core.parameters import describe
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.document import document_of
@@ -140,10 +141,10 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     for robot in document["robots"]:
         if "map" in robot.get("knowledge", {}):
             robot["knowledge"]["map"] = copies.of(robot["knowledge"]["map"])
-        use = robot.get("controller", {}).get("use", "")
-        if is_controller_file(use):
-            file, _, name = use.rpartition(":")
-            robot["controller"]["use"] = f"{copies.of(file)}:{name}"
+        copies.of_program(robot.get("controller", {}))
+    for obstacle, written in zip(scenario.obstacles, document.get("obstacles", ()), strict=True):
+        copies.of_program(written.get("motion", {}))
+        _copy_files(obstacle.motion, written.get("motion", {}), copies)
     return document
 
 
@@ -167,6 +168,13 @@ def _with_files(scenario: Scenario, copies: _Copies) -> Scenario:
     return attrs.evolve(scenario, map=in_file(scenario.map), robots=robots)
 
 
+def _copy_files(component: Any, written: dict[str, Any], copies: _Copies) -> None:
+    """Name the copies of the files that a component's fields name."""
+    for name, parameter in () if component is None else describe(type(component)).items():
+        if parameter.file and written.get(name):
+            written[name] = copies.of(written[name])
+
+
 class _Copies:
     """Files copied into a folder, and what they are called there."""
 
@@ -178,6 +186,7 @@ class _Copies:
         "velocities.csv",
         "commands.csv",
         "events.csv",
+        "obstacles.csv",
         "picture.png",
     )
 
@@ -202,6 +211,13 @@ class _Copies:
             number += 1
             name = f"{path.stem}_{number}{path.suffix}"
         return name
+
+    def of_program(self, component: dict[str, Any]) -> None:
+        """Name the copy of the user's file that a component's table means, if it does."""
+        use = component.get("use", "")
+        if is_controller_file(use):
+            file, _, name = use.rpartition(":")
+            component["use"] = f"{self.of(file)}:{name}"
 
     def of(self, file: str) -> str:
         """The name of a file's copy."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Motion, State
+from amorsim.contracts import Context, Motion, ObstacleFrame, State
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
@@ -100,6 +100,18 @@ class ObstacleGroup:
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
         digest.absorb([self.true_pose], self.fingerprint)
+
+    def frame(self) -> ObstacleFrame:
+        """The step as recorders get it."""
+        return ObstacleFrame(
+            names=self.names,
+            replica=self.moment.replica,
+            tick=self.moment.tick[:, 0],
+            time=self.moment.time[:, 0],
+            true_pose=self.true_pose,
+            true_twist=self.true_twist,
+            moves=self.motion is not None,
+        )
 
     _ARRAYS = ("true_pose", "true_twist", "free", "fingerprint")
 

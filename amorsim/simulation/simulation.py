@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame
+from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.scenario.paths import with_value
@@ -203,6 +203,10 @@ class Simulation:
     def frames(self) -> list[Frame]:
         """The present step as recorders get it: everything, a frame for each group."""
         return [group.frame() for group in self._fleet.groups]
+
+    def obstacle_frames(self) -> list[ObstacleFrame]:
+        """Where the obstacles are at the present step, as recorders get it: a frame for each group."""
+        return [group.frame() for group in self._fleet.obstacles]
 
     def digest(self, replica: int | None = None) -> str:
         """A fingerprint of all exact results since the start: equal for equal bits. Of one replica, or of all."""

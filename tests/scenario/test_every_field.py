@@ -47,6 +47,8 @@ def good_value(parameter: Parameter):
     (kind, *_) = options_of(parameter.type)
     if parameter.choices:
         return parameter.choices[0]
+    if parameter.file:
+        return "track.csv"
     if kind is str:
         return "encoder"
     if kind is bool:
@@ -173,6 +175,7 @@ def place(folder):
     from PIL import Image
 
     Image.new("1", (40, 30), 1).save(folder / "room.bmp")
+    (folder / "track.csv").write_text("time,x,y\n0,1,1\n1,2,1\n")
     return folder
 
 

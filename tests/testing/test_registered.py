@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from amorsim.motions import Loop, Oscillate, SlidingDoor, SwingDoor, Waypoints
+from amorsim.motions import Loop, Oscillate, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.plugins.manager import make_registry
 from amorsim.sensors.sonar import Sonar
 from amorsim.testing import check_component
@@ -44,9 +45,12 @@ EXAMPLES: dict[type, Any] = {
 
 
 @pytest.mark.parametrize(("kind", "name"), CASES, ids=[f"{kind}-{name}" for kind, name in CASES])
-def test_registered_component(kind: str, name: str) -> None:
+def test_registered_component(kind: str, name: str, tmp_path: Path) -> None:
     component: Any = REGISTRY.get(kind, name)
     component = EXAMPLES.get(component, component)
+    if component is Track:
+        (tmp_path / "track.csv").write_text("time,x,y\n5,4,4\n5.2,4.1,4\n5.5,4.1,4.3\n")
+        component = Track(file=str(tmp_path / "track.csv"), repeat=True)
     check_component(component, **SETTINGS.get((kind, name), {}))
 
 

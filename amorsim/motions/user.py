@@ -1,0 +1,124 @@
+"""A user's own motion: a plain function of one obstacle, or a class with such a method."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Motion, State, View, parameter
+from amorsim.core.errors import ComponentError
+from amorsim.motions.ways import displacement
+
+__all__ = ["ObstacleState", "UserMotion"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen
+class ObstacleState:
+    """What a user's motion is told of its obstacle, and of the bodies around it; the truth."""
+
+    x: float  # [m], in the world
+    y: float
+    heading: float  # [rad], anticlockwise from the world's x axis
+    free: float  # what part of the last displacement was free; 1 at first
+    time: float  # [s], since the episode began
+    dt: float  # [s]
+    others: Array  # (B - 1, 3) poses of all other bodies: robots by name, then obstacles by name
+
+
+@attrs.frozen(kw_only=True)
+class UserMotion(Motion):
+    """Runs a user's function of one obstacle, or objects of a user's class, one for each obstacle.
+
+    The function is called as ``function(obstacle, **options)``; of a class an object is made with the options as
+    keyword arguments, and its method called as ``velocity(obstacle)``. `obstacle` is an `ObstacleState`. They return
+    the velocity that the obstacle wants in the world: ``(x, y)`` [m/s] or ``(x, y, turn)`` [m/s, m/s, rad/s], or None
+    to stand.
+
+    Parameters
+    ----------
+    source
+        Where it comes from, for messages: ``"file.py:name"``.
+    function
+        The function or the class.
+    options
+        Names and values of its keyword arguments.
+    """
+
+    source: str = parameter(static=True, help="where it comes from, as in file.py:name")
+    function: Any = attrs.field()
+    options: tuple[tuple[str, Any], ...] = attrs.field(default=())
+
+    def start(self, context: Context) -> State:
+        """An object of the class for each row, ``state["objects"]`` `(N,)`; nothing for a function.
+
+        Raises
+        ------
+        ComponentError
+            If it cannot be called, an object cannot be made, or has no method `velocity`.
+        """
+        if not inspect.isclass(self.function):
+            return {}
+        objects = np.empty(context.rows, dtype=object)
+        for row in range(context.rows):
+            try:
+                objects[row] = self.function(**dict(self.options))
+            except Exception as error:
+                raise ComponentError(
+                    f"motion {self.source!r}: making its object with the options {dict(self.options)} raised "
+                    f"{type(error).__name__}: {error}"
+                ) from error
+            if not callable(getattr(objects[row], "velocity", None)):
+                raise ComponentError(
+                    f"motion {self.source!r}: the class {self.function.__name__} has no method velocity(self, obstacle)"
+                )
+        return {"objects": objects}
+
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
+        """The velocities times the step.
+
+        Raises
+        ------
+        ComponentError
+            If the user's code raises, or returns what is no velocity.
+        """
+        options, objects = dict(self.options), state.get("objects")
+        bodies = view.bodies()
+        wanted = np.zeros((view.rows, 3))
+        for row in range(view.rows):
+            others = np.delete(bodies.poses[row], bodies.own[row], axis=0)
+            x, y, heading = view.body_pose[row].tolist()
+            time = float(view.tick[row, 0]) * dt
+            told = ObstacleState(x, y, heading, float(view.free[row, 0]), time, dt, others)
+            call: Callable[..., Any] = self.function if objects is None else objects[row].velocity
+            try:
+                answer = call(told, **options) if objects is None else call(told)
+            except Exception as error:
+                raise ComponentError(
+                    f"motion {self.source!r} at {time:g} s raised {type(error).__name__}: {error}"
+                ) from error
+            wanted[row] = self._velocity(answer)
+        dx, dy, turn = (wanted[:, i : i + 1] * dt for i in range(3))
+        return displacement(view, dx, dy, turn)
+
+    def _velocity(self, answer: Any) -> tuple[float, float, float]:
+        if answer is None:
+            return 0.0, 0.0, 0.0
+        try:
+            parts = [float(part) for part in answer]
+        except (TypeError, ValueError):
+            parts = []
+        if len(parts) not in (2, 3) or not all(map(math.isfinite, parts)):
+            raise ComponentError(
+                f"motion {self.source!r} returned {answer!r}; expected the velocity (x, y) [m/s] in the world, "
+                "(x, y, turn) with rad/s, or None to stand"
+            )
+        x, y, turn = (*parts, 0.0)[:3]
+        return x, y, turn
