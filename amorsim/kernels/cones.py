@@ -1,5 +1,10 @@
 """The nearest return within a cone of rays: what a sonar hears first.
 
+Where the map has line features, they bound every ray from below (`amorsim.kernels.lines`): the few rays that could be
+the nearest by these bounds are cast, from where all are free, and mostly that is one, square to a wall or at its end.
+The walls about a place are put in order once for all cones there, and those behind what is heard are passed over.
+
+Without lines cells are asked.
 The least distance over all rays is the least over all pairs of a ray and an occupied cell it enters, so the cells can
 be asked instead of the rays. A few rays say how far away the nearest wall is at most; then only occupied cells nearer
 than that count, and few are, for a wall that is met squarely leaves a sliver of them, and one that is met at a slant
@@ -16,15 +21,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.grid import NONE, ONE, Grid
-from amorsim.kernels.rays import cast_ray, cell_of, direction, to_frame
+from amorsim.kernels.grid import NONE, ONE, Grid, is_occupied
+from amorsim.kernels.lines import FACE, INSIDE, PASSED, RINGS, Lines, ring_walls, side_of
+from amorsim.kernels.rays import cast_ray, cell_of, direction, march, rounding, to_frame
 
 __all__ = ["cast_cones"]
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 _COARSE = 100  # every so many rays one is cast
 _WIDEST = 1.5  # [rad] half a cone's angle; wider ones are cast ray by ray
+_FEW = 8  # rays of a cone up to which all are cast
+_NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
+_MOST = 64  # walls that a cone may hear
+_NEXT = 1e-3  # [rays] within which a wall that ends beside a ray counts as met
 _SAFETY = 1e-9  # relative, on every bound that leaves something out
 
 
@@ -96,7 +107,9 @@ def _is_near(x0: float, y0: float, side: float, cos_h: float, sin_h: float, edge
     """
     near_x = max(x0, 0.0, -(x0 + side))
     near_y = max(y0, 0.0, -(y0 + side))
-    if near_x * near_x + near_y * near_y > least * least * (1.0 + _SAFETY):
+    # Where the cone's point all but touches something, roundings of places count too.
+    within = least + _SAFETY * side
+    if near_x * near_x + near_y * near_y > within * within * (1.0 + _SAFETY):
         return False
     middle_x = x0 + 0.5 * side
     middle_y = y0 + 0.5 * side
@@ -195,8 +208,206 @@ def _nearest(
 
 
 @kernel
+def _is_beyond(walls: Floats, m: int, x: float, y: float, out_x: float, out_y: float) -> bool:
+    """Whether all that a segment occupies lies farther out, in a direction from a point, than that point."""
+    begin = out_x * (walls[m, 0] - x) + out_y * (walls[m, 1] - y)
+    end = begin + (out_x * walls[m, 2] + out_y * walls[m, 3]) * walls[m, 4]
+    return bool(min(begin, end) > 1.4143 * walls[m, 5])
+
+
+@kernel
+def _rays_between(
+    x0: float, y0: float, x1: float, y1: float, half_angle: float, step: float, rays: int
+) -> tuple[int, int]:
+    """First and last ray of a cone from one direction anticlockwise to another; the last before the first if none."""
+    low = math.atan2(y0, x0)
+    high = math.atan2(y1, x1)
+    if high < low:
+        if high >= -half_angle - step:
+            low -= 2.0 * math.pi
+        else:
+            high += 2.0 * math.pi
+    first = max(math.ceil((low + half_angle) / step - _NEXT), 0.0)
+    last = min(math.floor((high + half_angle) / step + _NEXT), rays - 1.0)
+    return int(first), int(last)
+
+
+@kernel
+def _crosses(a: float, b: float, near: float, start: float, stop: float, margin: float, dx: float, dy: float) -> bool:
+    """Whether a ray goes through a wall's rectangle from one long side to the other, so that it must meet the wall."""
+    # How far along the wall it gets for each metre across; the wall itself ends short of its rectangle.
+    slope = (a * dy - b * dx) / (a * dx + b * dy)
+    first = near * slope
+    last = (near + 2.0 * margin) * slope
+    return bool(min(first, last) > start + 3.0 * margin and max(first, last) < stop - 3.0 * margin)
+
+
+@kernel
+def _cast_from(
+    grid: Grid, x: float, y: float, col: int, row: int, dx: float, dy: float, free: float, range_max: float
+) -> float:
+    """Distance along a ray that is free so far [m] at least, from (x, y) in the free cell (row, col)."""
+    inverse = 1.0 / grid.resolution
+    place_x = (x + free * dx) * inverse
+    place_y = (y + free * dy) * inverse
+    start_col = math.floor(place_x)
+    start_row = math.floor(place_y)
+    part_x = place_x - start_col
+    part_y = place_y - start_row
+    doubt = 2.0 * rounding(grid, 1.0, 1.0)
+    if doubt < part_x < 1.0 - doubt and doubt < part_y < 1.0 - doubt:
+        col = int(start_col)
+        row = int(start_row)
+    return march(grid, x, y, col, row, dx, dy, range_max)
+
+
+@kernel
+def _hear(
+    grid: Grid,
+    lines: Lines,
+    x: float,
+    y: float,
+    col: int,
+    row: int,
+    cos_h: float,
+    sin_h: float,
+    half_angle: float,
+    edge: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: float,
+    heads: Integers,
+    following: Integers,
+    width: float,
+    aside: float,
+    walls: Floats,
+    spans: Integers,
+) -> tuple[bool, float]:
+    """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
+
+    The walls are in rings `width` [m] wide about a place `aside` [m] of here (`amorsim.kernels.lines.ring_walls`).
+    `walls` (most, 3) and `spans` (most, 3) are room for what of them may be heard: the line that bounds rays, and how
+    near it comes; first and last ray, and the one to which it is nearest.
+    """
+    rays = cos_b.shape[1]
+    step = 2.0 * half_angle / (rays - 1)
+    # Nothing farther than this is heard: out of range, or behind a wall that fills the way.
+    most = range_max * (1.0 + _SAFETY)
+    held = 0
+    # Square to the edges, outward.
+    left_x = -sin_h * edge[0] - cos_h * edge[1]
+    left_y = cos_h * edge[0] - sin_h * edge[1]
+    right_x = sin_h * edge[0] - cos_h * edge[1]
+    right_y = -cos_h * edge[0] - sin_h * edge[1]
+    for ring in range(RINGS + 1):
+        if ring * width - aside > most:
+            break
+        then = heads[ring]
+        while then >= 0:
+            m = then
+            then = following[m]
+            if _is_beyond(lines.walls, m, x, y, left_x, left_y) or _is_beyond(lines.walls, m, x, y, right_x, right_y):
+                continue
+            what, a, b, x0, y0, x1, y1, near, start, stop = side_of(lines.walls, m, x, y, cos_h, sin_h, most)
+            if what == PASSED:
+                continue
+            if what == INSIDE:
+                return False, 0.0
+            beside = max(start, -stop, 0.0)
+            if near > 0.0 and near * near + beside * beside > most * most:
+                continue
+            first, last = _rays_between(x0, y0, x1, y1, half_angle, step, rays)
+            if first > last:
+                continue
+            # The nearness of the line is a sine over the rays, and less than half of its turn is here.
+            best = first
+            if a * sin_b[0, first] < b * cos_b[0, first]:
+                best = last
+                if a * sin_b[0, last] > b * cos_b[0, last]:
+                    best = min(max(int(np.rint((math.atan2(b, a) + half_angle) / step)), first), last)
+            dx = cos_b[0, best]
+            dy = sin_b[0, best]
+            nearness = a * dx + b * dy
+            if nearness * most < 1.0:
+                continue
+            if held == walls.shape[0]:
+                return False, 0.0
+            walls[held, 0] = a
+            walls[held, 1] = b
+            walls[held, 2] = nearness
+            spans[held, 0] = first
+            spans[held, 1] = last
+            spans[held, 2] = best
+            held += 1
+            margin = lines.walls[m, 5]
+            if what == FACE and _crosses(a, b, near, start, stop, margin, dx, dy):
+                most = min(most, (1.0 + 2.0 * margin / near) / nearness * (1.0 + _SAFETY))
+    least = np.inf
+    if held == 0:
+        return True, least
+    limit = range_max * (1.0 + _SAFETY)
+    for _ in range(held):
+        nearest = 0
+        for i in range(1, held):
+            if walls[i, 2] > walls[nearest, 2]:
+                nearest = i
+        a = walls[nearest, 0]
+        b = walls[nearest, 1]
+        nearness = walls[nearest, 2]
+        if nearness * min(least, limit) * (1.0 + _SAFETY) < 1.0:
+            break
+        free = (1.0 - _SAFETY) / nearness
+        # From the nearest ray outward to either side, as far as the bound stays below what was found.
+        for way in (-1, 1):
+            k = spans[nearest, 2] + (way + 1) // 2
+            while spans[nearest, 0] <= k <= spans[nearest, 1]:
+                if (a * cos_b[0, k] + b * sin_b[0, k]) * min(least, limit) * (1.0 + _SAFETY) < 1.0:
+                    break
+                dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
+                least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
+                k += way
+        walls[nearest, 2] = -np.inf
+    return True, least
+
+
+@kernel
+def _ask(
+    grid: Grid,
+    x: float,
+    y: float,
+    cos_h: float,
+    sin_h: float,
+    half_angle: float,
+    edge: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: float,
+) -> float:
+    """The least over all rays by a few of them, and then by cells; by all rays where cones are wide."""
+    rays = cos_b.shape[1]
+    stride = _COARSE if half_angle < _WIDEST and rays > 2 else 1
+    least = np.inf
+    limit = range_max
+    for k in range(0, rays - 1 + stride, stride):
+        beam = min(k, rays - 1)
+        dx, dy = direction(cos_h, sin_h, cos_b[0, beam], sin_b[0, beam])
+        found = cast_ray(grid, x, y, dx, dy, limit)
+        if not found >= least:  # less, or nan
+            least = found
+            limit = found
+    if stride > 1 and least > 0.0:
+        # With no wall on any of the few rays the range is the bound, and what is just there still counts.
+        bound = least if least <= limit else np.nextafter(limit, np.inf)
+        nearest = _nearest(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, bound)
+        if nearest <= limit:
+            least = nearest
+    return least
+
+
+@kernel
 def cast_cones(
     grid: Grid,
+    lines: Lines,
     origin_x: float,
     origin_y: float,
     yaw: float,
@@ -209,31 +420,58 @@ def cast_cones(
 ) -> None:
     """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
 
-    Arguments are those of `rays.cast`, with the bearings (1, k), evenly spread from -half_angle to half_angle, and
-    `range_max` (N,).
+    Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
+    and `range_max` (N,).
     """
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
-    rays = cos_b.shape[1]
+    resolution = grid.resolution
     edge = np.array([math.cos(half_angle), math.sin(half_angle)])
-    stride = _COARSE if half_angle < _WIDEST else 1
+    has_lines = lines.walls.shape[0] > 0 and half_angle < _WIDEST and cos_b.shape[1] > _FEW
+    heads = np.empty(RINGS + 1, dtype=np.int64)
+    following = np.empty(lines.walls.shape[0], dtype=np.int64)
+    walls = np.empty((_MOST, 3))
+    spans = np.empty((_MOST, 3), dtype=np.int64)
+    # Where walls were put in order, and how far out.
+    here_x, here_y, here_reach = 0.0, 0.0, -1.0
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         cos_h = math.cos(poses[n, 2] - yaw)
         sin_h = math.sin(poses[n, 2] - yaw)
-        least = np.inf
-        limit = range_max[n]
-        for k in range(0, rays - 1 + stride, stride):
-            beam = min(k, rays - 1)
-            dx, dy = direction(cos_h, sin_h, cos_b[0, beam], sin_b[0, beam])
-            found = cast_ray(grid, x, y, dx, dy, limit)
-            if not found >= least:  # less, or nan
-                least = found
-                limit = found
-        if stride > 1 and least > 0.0:
-            # With no wall on any of the few rays the range is the bound, and what is just there still counts.
-            bound = least if least <= limit else np.nextafter(limit, np.inf)
-            nearest = _nearest(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, bound)
-            if nearest <= limit:
-                least = nearest
-        out[n] = least
+        reach = range_max[n]
+        inside = 0.0 <= x < grid.cols * resolution and 0.0 <= y < grid.rows * resolution
+        if has_lines and inside and resolution < reach and cos_h == cos_h:  # not of nan
+            col = cell_of(x, resolution)
+            row = cell_of(y, resolution)
+            if is_occupied(grid, row, col):
+                out[n] = 0.0
+                continue
+            aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
+            if not aside + reach <= here_reach:
+                here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
+                ring_walls(lines, x, y, here_reach, heads, following)
+            heard, least = _hear(
+                grid,
+                lines,
+                x,
+                y,
+                col,
+                row,
+                cos_h,
+                sin_h,
+                half_angle,
+                edge,
+                cos_b,
+                sin_b,
+                reach,
+                heads,
+                following,
+                here_reach / RINGS * (1.0 - _SAFETY),
+                aside * (1.0 + _SAFETY),
+                walls,
+                spans,
+            )
+            if heard:
+                out[n] = least
+                continue
+        out[n] = _ask(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, reach)

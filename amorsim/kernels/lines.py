@@ -1,11 +1,12 @@
 """Walls that a map was drawn from, as bounds on where a ray may first meet an occupied cell.
 
 A segment occupies the cells that its closed line touches, so all of them lie in a rectangle: the segment, grown on
-every side by what a cell reaches beyond a point of it. Seen from outside it, a rectangle covers an interval of
-bearings, and lies beyond a line: that of its near side, or of its near end. Along a beam of direction d the line
-n . q = c is met where 1/t = (n . d) / c. That is linear in d, so the greatest 1/t of all rectangles over the beams of a
-scan is a one-dimensional depth buffer, filled without a division, several beams at a time. Nothing is occupied before
-it. What it is good for depends on how tight it is; the bits of the grid decide what is read.
+every side by what a cell reaches beyond a point of it; along an axis, the cells themselves. Seen from outside it, a
+rectangle covers an interval of bearings, and lies beyond a line: that of its near side, or of its near end. Along a
+beam of direction d the line n . q = c is met where 1/t = (n . d) / c. That is linear in d, so the greatest 1/t of all
+rectangles over the beams of a scan is a one-dimensional depth buffer, filled without a division, several beams at a
+time. Nothing is occupied before it. What it is good for depends on how tight it is; the bits of the grid decide what is
+read.
 """
 
 from __future__ import annotations
@@ -17,8 +18,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
+from amorsim.kernels.rasterise import SNAP
 
-__all__ = ["SAFETY", "Lines", "bound_scan", "bucket_of", "lines_of", "no_lines"]
+__all__ = [
+    "FACE",
+    "INSIDE",
+    "PASSED",
+    "RINGS",
+    "SAFETY",
+    "Lines",
+    "bound_scan",
+    "bucket_of",
+    "lines_of",
+    "no_lines",
+    "ring_walls",
+    "side_of",
+]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -26,9 +41,16 @@ Integers = NDArray[np.int64]
 SAFETY = 1e-9
 """Relative, on every bound: many times the roundings on the way to it."""
 _SLACK = 1e-3  # [cells] by which rectangles are larger than need be, for end points snapped to grid lines and roundings
+_THIN_SLACK = 1e-6  # [cells] the same for those made of whole cells, in which only roundings count
 _BLOCK = 16  # segments whose distance is asked for at once
-_MOST = 2  # segments near a scan, for each of its beams, from which on bounds cost more than they save
+_MOST = 6  # segments seen by a scan, for each of its beams, from which on bounds cost more than they save
 _EDGE = 1e-12  # [of a quarter turn] by which a rectangle covers more than it does
+
+RINGS = 48
+"""By which walls are put in order of their distance."""
+
+# What a segment shows: nothing within reach, its side, its end, or it is all around.
+PASSED, FACE, END, INSIDE = range(4)
 
 
 class Lines(NamedTuple):
@@ -60,11 +82,142 @@ def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
 
 
 @kernel
-def _is_near(lines: Lines, block: int, x: float, y: float, reach: float) -> bool:
-    """Whether anything that a block's segments occupy may be within reach."""
+def _distance(lines: Lines, block: int, x: float, y: float) -> float:
+    """How far [m] from a point all is at least that a block's segments occupy."""
     away_x = max(lines.boxes[block, 0] - x, 0.0, x - lines.boxes[block, 2])
     away_y = max(lines.boxes[block, 1] - y, 0.0, y - lines.boxes[block, 3])
-    return bool(away_x * away_x + away_y * away_y <= reach * reach)
+    return math.sqrt(away_x * away_x + away_y * away_y)
+
+
+@kernel
+def _near_blocks(lines: Lines, x: float, y: float, reach: float, found: Integers, away: Floats) -> int:
+    """How many blocks may occupy something within reach; into `found` which, by rings, the nearest first.
+
+    `away` gets how far [m] each block is; both are as long as there are blocks.
+    """
+    ends = np.zeros(RINGS + 2, dtype=np.int64)
+    scale = RINGS / reach
+    for block in range(lines.boxes.shape[0]):
+        away[block] = _distance(lines, block, x, y)
+        if away[block] <= reach:
+            ends[min(int(away[block] * scale), RINGS) + 1] += 1
+    for ring in range(RINGS + 1):
+        ends[ring + 1] += ends[ring]
+    for block in range(lines.boxes.shape[0]):
+        if away[block] <= reach:
+            ring = min(int(away[block] * scale), RINGS)
+            found[ends[ring]] = block
+            ends[ring] += 1
+    return int(ends[RINGS])
+
+
+@kernel
+def ring_walls(lines: Lines, x: float, y: float, reach: float, heads: Integers, following: Integers) -> None:
+    """Put the segments that may occupy something within reach into rings of ``reach / RINGS`` about a point.
+
+    ``heads[i]`` is one of those that are i such widths away at least, ``following[m]`` the one after segment m in its
+    ring; -1 where there is none. That is `RINGS` + 1 heads, and as many to follow as there are segments.
+    """
+    walls = lines.walls
+    scale = RINGS / reach
+    heads[:] = -1
+    for block in range(lines.boxes.shape[0]):
+        if _distance(lines, block, x, y) > reach:
+            continue
+        for m in range(lines.first[block], lines.first[block + 1]):
+            to_x = walls[m, 0] - x
+            to_y = walls[m, 1] - y
+            along = walls[m, 2] * to_x + walls[m, 3] * to_y
+            across = max(abs(walls[m, 3] * to_x - walls[m, 2] * to_y) - walls[m, 5], 0.0)
+            beside = max(max(along, -along - walls[m, 4]) - walls[m, 5], 0.0)
+            square = across * across + beside * beside
+            if square <= reach * reach:
+                ring = min(int(math.sqrt(square) * scale), RINGS)
+                following[m] = heads[ring]
+                heads[ring] = m
+
+
+@kernel
+def _block_span(lines: Lines, block: int, x: float, y: float) -> tuple[bool, float, float, float, float]:
+    """Whether a point is outside a block's box, and then the corners of the box that are farthest right and left of it.
+
+    They are told from the point, x and y of the right one first.
+    """
+    x0 = lines.boxes[block, 0] - x
+    y0 = lines.boxes[block, 1] - y
+    x1 = lines.boxes[block, 2] - x
+    y1 = lines.boxes[block, 3] - y
+    if x0 > 0.0:
+        return True, (x1 if y0 > 0.0 else x0), y0, (x1 if y1 < 0.0 else x0), y1
+    if x1 < 0.0:
+        return True, (x0 if y1 < 0.0 else x1), y1, (x0 if y0 > 0.0 else x1), y0
+    if y0 > 0.0:
+        return True, x1, y0, x0, y0
+    return y1 < 0.0, x0, y1, x1, y1
+
+
+@kernel
+def side_of(
+    walls: Floats, m: int, x: float, y: float, cos_h: float, sin_h: float, reach: float
+) -> tuple[int, float, float, float, float, float, float, float, float, float]:
+    """What of a segment's cells is to be seen from a point: ``(what, a, b, x0, y0, x1, y1, near, start, stop)``.
+
+    `what` is `PASSED` where nothing of them is within reach, and `INSIDE` where the point may be among them; then the
+    rest says nothing. Else they are within bearings from that of (x0, y0) anticlockwise to that of (x1, y1), and a beam
+    of direction (dx, dy) does not meet them before 1 / (a * dx + b * dy). Directions count from the heading
+    (cos_h, sin_h). Where `what` is `FACE`, that is where it meets the line `near` [m] across the segment, which goes
+    from `start` to `stop` along it.
+    """
+    tx = walls[m, 2]
+    ty = walls[m, 3]
+    margin = walls[m, 5]
+    to_x = walls[m, 0] - x
+    to_y = walls[m, 1] - y
+    # Across and along the segment, so turned that it runs anticlockwise as seen from here.
+    across = ty * to_x - tx * to_y
+    along = tx * to_x + ty * to_y
+    length = walls[m, 4]
+    if across < 0.0:
+        across = -across
+        along = -along - length
+        tx, ty = -tx, -ty
+    near = across - margin
+    start = along - margin
+    stop = along + length + margin
+    if near > reach or start > reach or stop < -reach:
+        return PASSED, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    # The segment's direction as the beams count bearings.
+    ux = cos_h * tx + sin_h * ty
+    uy = cos_h * ty - sin_h * tx
+    far = across + margin
+    what = END
+    first, last = start, stop
+    if near > margin:
+        what = FACE
+        a = uy / near
+        b = -ux / near
+        first_n = far if start > 0.0 else near
+        last_n = far if stop < 0.0 else near
+    elif start > 0.0:
+        a = ux / start
+        b = uy / start
+        first_n, last_n, last = far, near, (start if near <= 0.0 else stop)
+    elif stop < 0.0:
+        a = ux / stop
+        b = uy / stop
+        first_n, last_n, first = near, far, (stop if near <= 0.0 else start)
+    elif near > 0.0:
+        what = FACE
+        a = uy / near
+        b = -ux / near
+        first_n = last_n = near
+    else:
+        return INSIDE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x0 = first_n * uy + first * ux
+    y0 = first * uy - first_n * ux
+    x1 = last_n * uy + last * ux
+    y1 = last * uy - last_n * ux
+    return what, a, b, x0, y0, x1, y1, near, start, stop
 
 
 @kernel
@@ -73,6 +226,43 @@ def _raise(low: int, high: int, a: float, b: float, cos_b: Floats, sin_b: Floats
     for i in range(np.uint64(low), np.uint64(high)):
         value = a * cos_b[i] + b * sin_b[i]
         nearness[i] = value if value > nearness[i] else nearness[i]
+
+
+@kernel
+def _is_hidden(low: int, high: int, most: float, nearness: Floats) -> bool:
+    """Whether beams low..high-1 are all bounded nearer than a wall whose nearness is `most` could bound them."""
+    least = np.inf
+    for i in range(np.uint64(low), np.uint64(high)):
+        least = nearness[i] if nearness[i] < least else least
+    return least >= most
+
+
+@kernel
+def _block_is_hidden(
+    lines: Lines,
+    block: int,
+    x: float,
+    y: float,
+    cos_h: float,
+    sin_h: float,
+    away: float,
+    starts: Integers,
+    scale: float,
+    nearness: Floats,
+) -> bool:
+    """Whether no beam can meet what a block's segments occupy sooner than what bounds it already."""
+    outside, x0, y0, x1, y1 = _block_span(lines, block, x, y)
+    if not outside or away <= 0.0:
+        return False
+    low = bucket_of(cos_h * x0 + sin_h * y0, cos_h * y0 - sin_h * x0, -_EDGE, scale)
+    high = bucket_of(cos_h * x1 + sin_h * y1, cos_h * y1 - sin_h * x1, _EDGE, scale)
+    most = (1.0 + SAFETY) / away
+    if low <= high:
+        return _is_hidden(starts[low], starts[high + 1], most, nearness)
+    last = len(starts) - 2
+    return _is_hidden(starts[low], starts[last + 1], most, nearness) and _is_hidden(
+        starts[0], starts[high + 1], most, nearness
+    )
 
 
 @kernel
@@ -87,12 +277,15 @@ def bound_scan(
     scale: float,
     cos_b: Floats,
     sin_b: Floats,
+    blocks: Integers,
+    away: Floats,
     nearness: Floats,
 ) -> bool:
     """Raise `nearness` (k,) [1/m] to 1/t, where no beam meets an occupied cell before t.
 
-    Returns False, and `nearness` says nothing, from where no wall can be told from its start, and where too many are
-    near for this to pay.
+    Blocks are looked at from near to far, and those passed over that are hidden: wholly behind what bounds all beams
+    that could meet them. Returns False, and `nearness` says nothing, from where no wall can be told from its start, and
+    where too many are seen for this to pay.
 
     Parameters
     ----------
@@ -104,67 +297,25 @@ def bound_scan(
         The sectors of `bucket_of`: beams starts[s] to starts[s + 1] - 1 are in sector s.
     cos_b, sin_b
         (k,): beams in the order of their sectors.
+    blocks, away
+        Room to work in, as long as there are blocks.
     """
     last = len(starts) - 2
     walls = lines.walls
     left = _MOST * len(cos_b)
-    # Blocks hold some that are not near: where there are twice too many, none need be looked at to tell.
-    about = 2 * left
-    for block in range(lines.boxes.shape[0]):
-        if _is_near(lines, block, x, y, reach):
-            about -= lines.first[block + 1] - lines.first[block]
-    if about < 0:
-        return False
-    for block in range(lines.boxes.shape[0]):
-        if not _is_near(lines, block, x, y, reach):
+    for i in range(_near_blocks(lines, x, y, reach, blocks, away)):
+        block = blocks[i]
+        if _block_is_hidden(lines, block, x, y, cos_h, sin_h, away[block], starts, scale, nearness):
             continue
         for m in range(lines.first[block], lines.first[block + 1]):
-            tx = walls[m, 2]
-            ty = walls[m, 3]
-            margin = walls[m, 5]
-            to_x = walls[m, 0] - x
-            to_y = walls[m, 1] - y
-            # Across and along the segment, so turned that it runs anticlockwise as seen from here.
-            across = ty * to_x - tx * to_y
-            along = tx * to_x + ty * to_y
-            length = walls[m, 4]
-            if across < 0.0:
-                across = -across
-                along = -along - length
-                tx, ty = -tx, -ty
-            near = across - margin
-            start = along - margin
-            stop = along + length + margin
-            if near > reach or start > reach or stop < -reach:
+            what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, reach)
+            if what == PASSED:
                 continue
             left -= 1
-            if left < 0:
+            if left < 0 or what == INSIDE:
                 return False
-            # The segment's direction as the beams count bearings.
-            ux = cos_h * tx + sin_h * ty
-            uy = cos_h * ty - sin_h * tx
-            far = across + margin
-            if near > margin:
-                a = uy / near
-                b = -ux / near
-                first_n = far if start > 0.0 else near
-                last_n = far if stop < 0.0 else near
-            elif start > 0.0:
-                a = ux / start
-                b = uy / start
-                first_n, last_n, stop = far, near, (start if near <= 0.0 else stop)
-            elif stop < 0.0:
-                a = ux / stop
-                b = uy / stop
-                first_n, last_n, start = near, far, (stop if near <= 0.0 else start)
-            elif near > 0.0:
-                a = uy / near
-                b = -ux / near
-                first_n = last_n = near
-            else:
-                return False
-            low = bucket_of(first_n * uy + start * ux, start * uy - first_n * ux, -_EDGE, scale)
-            high = bucket_of(last_n * uy + stop * ux, stop * uy - last_n * ux, _EDGE, scale)
+            low = bucket_of(x0, y0, -_EDGE, scale)
+            high = bucket_of(x1, y1, _EDGE, scale)
             if low <= high:
                 _raise(starts[low], starts[high + 1], a, b, cos_b, sin_b, nearness)
             else:
@@ -194,15 +345,39 @@ def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins:
     margin = resolution * (np.abs(unit).sum(axis=1) + _SLACK)
     if margins is not None:
         margin = np.append(margins, np.full(4, resolution * _SLACK))
+    walls = np.concatenate([ends[:, :2], unit, length[:, None], margin[:, None]], axis=1)
+    if margins is None:
+        _tighten(walls[:-4], ends[:-4], resolution)
     order = np.argsort(_curve(ends, max(width, height)), kind="stable")
-    walls = np.concatenate([ends[:, :2], unit, length[:, None], margin[:, None]], axis=1)[order]
-    ends, margin = ends[order], margin[order]
+    walls, ends, margin = walls[order], ends[order], margin[order]
     block = _BLOCK * max(1, math.isqrt(len(ends)) // (4 * _BLOCK))
     first = np.append(np.arange(0, len(ends), block), len(ends))
     beyond = 1.5 * margin[:, None]  # the corner of a rectangle is the square root of 2 margins away
     low = np.minimum.reduceat(np.minimum(ends[:, :2], ends[:, 2:]) - beyond, first[:-1])
     high = np.maximum.reduceat(np.maximum(ends[:, :2], ends[:, 2:]) + beyond, first[:-1])
     return Lines(np.concatenate([low, high], axis=1), first.astype(np.int64), np.ascontiguousarray(walls))
+
+
+def _tighten(walls: Floats, ends: Floats, resolution: float) -> None:
+    """Give walls along an axis the rectangle of their cells: whole rows or columns of them, one or two wide.
+
+    Then a wall met squarely bounds a beam to rounding, not to a cell or two.
+    """
+    cells = ends / resolution
+    low = np.ceil(np.minimum(cells[:, :2], cells[:, 2:]) - 3.0 * SNAP) - 1.0
+    high = np.floor(np.maximum(cells[:, :2], cells[:, 2:]) + 3.0 * SNAP) + 1.0
+    size = high - low
+    for axis in range(2):
+        across = 1 - axis
+        thin = (size[:, across] <= 2.0) & (size[:, axis] >= size[:, across])
+        half = 0.5 * size[thin, across]
+        start = np.empty((len(half), 2))
+        start[:, axis] = low[thin, axis] + half
+        start[:, across] = low[thin, across] + half
+        walls[thin, :2] = start * resolution
+        walls[thin, 2 + axis], walls[thin, 2 + across] = 1.0, 0.0
+        walls[thin, 4] = (size[thin, axis] - size[thin, across]) * resolution
+        walls[thin, 5] = (half + _THIN_SLACK) * resolution
 
 
 def _curve(ends: Floats, size: float) -> Any:

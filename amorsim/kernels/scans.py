@@ -220,6 +220,8 @@ def cast_scans(
     order = np.arange(beams)
     lanes = (beams + _LANES - 1) // _LANES * _LANES
     nearness = np.empty(lanes)
+    blocks = np.empty(lines.boxes.shape[0], dtype=np.int64)
+    away = np.empty(lines.boxes.shape[0])
     cos_s = np.ones(lanes)
     sin_s = np.zeros(lanes)
     f = np.empty(9 * _LANES)
@@ -247,7 +249,7 @@ def cast_scans(
         bounded = has_lines and reach > resolution
         if bounded:
             nearness[:] = beyond
-            bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, nearness)
+            bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, nearness)
         for first in range(0, beams, _LANES):
             if bounded:
                 _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, f, q)

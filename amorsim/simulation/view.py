@@ -156,10 +156,10 @@ class GroupView:
         cos_b, sin_b = self._table(bearings)
         world = self._world
         least = np.empty(len(origins))
-        grid, origin = world.map.grid, world.map.origin
+        grid, lines, origin = world.map.grid, world.map.lines, world.map.origin
 
         def part(a: int, b: int) -> None:
-            cones.cast_cones(grid, *origin, origins[a:b], half_angle, cos_b, sin_b, limits[a:b], least[a:b])
+            cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, cos_b, sin_b, limits[a:b], least[a:b])
 
         world.workers.share(len(origins), CONE_WORK, part)
         if not world.has_company:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,7 +15,9 @@ from amorsim.core.map import Map
 from amorsim.kernels import poses as pose_kernels
 from amorsim.kernels import rays
 from amorsim.kernels.cones import cast_cones
+from amorsim.kernels.lines import lines_of
 from amorsim.simulation.view import cone_bearings
+from tests.kernels.test_scans import random_poses, random_walls
 
 
 def both(map_: Map, poses: np.ndarray, half_angle: float, range_max: float) -> tuple[np.ndarray, np.ndarray]:
@@ -24,7 +27,7 @@ def both(map_: Map, poses: np.ndarray, half_angle: float, range_max: float) -> t
     limits = np.full(len(poses), range_max)
     every, least = np.empty((len(poses), bearings.shape[1])), np.empty(len(poses))
     rays.cast(map_.grid, *map_.origin, poses, cos_b, sin_b, limits, every)
-    cast_cones(map_.grid, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least)
+    cast_cones(map_.grid, map_.lines, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least)
     return least, every.min(axis=1)
 
 
@@ -57,6 +60,40 @@ def test_in_the_office_the_bits_are_the_same() -> None:
     least, expected = both(map_, somewhere(map_, 3, 400), math.radians(15.0), 5.0)
     np.testing.assert_array_equal(least, expected)
     assert 0.3 < np.isfinite(expected).mean() <= 1.0
+
+
+def compare_in_line_worlds(worlds: int, poses: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(worlds):
+        resolution = float(rng.choice([0.001, 0.01, 0.05, 1 / 3]))
+        size = float(resolution * rng.choice([40, 300, 2000]))
+        walls = random_walls(rng, int(rng.choice([1, 8, 40, 150])), size, resolution)
+        # Nearly along an axis: into the next row of cells, or within a rounding of a grid line.
+        walls[1::7, 3] = walls[1::7, 1] + rng.choice([0.0, 0.4, 1e-6, -2e-6], len(walls[1::7])) * resolution
+        map_ = Map.from_segments(walls + rng.normal() * np.tile(rng.random(2) * 10, 2), resolution=resolution)
+        half_angle = math.radians(float(rng.choice([0.0, 0.3, 5.0, 15.0, 60.0, 85.0])))
+        reach = float(rng.choice([np.inf, 8.0, size / 3, 3 * resolution]))
+        least, expected = both(map_, random_poses(rng, map_, poses), half_angle, reach)
+        np.testing.assert_array_equal(least, expected)
+
+
+def test_among_walls_of_all_kinds_the_bits_are_the_same() -> None:
+    compare_in_line_worlds(worlds=40, poses=24, seed=0)
+
+
+@pytest.mark.long
+def test_among_walls_of_all_kinds_the_bits_are_the_same_at_length() -> None:
+    compare_in_line_worlds(worlds=1500, poses=100, seed=1)
+
+
+def test_walls_are_believed() -> None:
+    # Walls told to be where they are not are not heard: so what agrees elsewhere is not the asking of cells.
+    map_ = Map.from_segments([[0, 0, 6, 0], [6, 0, 6, 4], [6, 4, 0, 4], [0, 4, 0, 0], [2, 1, 3, 2.5]])
+    poses = somewhere(map_, 4, 20)
+    least, expected = both(map_, poses, 0.26, 5.0)
+    np.testing.assert_array_equal(least, expected)
+    wrong = lines_of(np.empty((0, 4)), map_.shape[0] * 2, map_.shape[1] * 2, map_.resolution)
+    assert (both(attrs.evolve(map_, lines=wrong), poses, 0.26, 5.0)[0] != expected).mean() > 0.5
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2, math.pi / 4])
