@@ -11,8 +11,8 @@ import typer
 
 from amorsim.cli import calibrate, check, explain, new, plot, plugins, reproduce, run, umbmark
 from amorsim.cli.console import complain
-from amorsim.cli.trouble import explain as in_words
 from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import explain as in_words
 
 __all__ = ["app", "main"]
 

@@ -32,8 +32,8 @@ def command(
 
     The exit status is 0 if it would run, else 2.
     """
-    from amorsim.cli.scenarios import make_simulation, read_scenario
     from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
     from amorsim.simulation.advice import advice
 

@@ -76,8 +76,8 @@ def command(
     The folder holds the scenario with its map, text files of all that was true, measured and estimated, and a
     picture of the paths. Ctrl-C ends the run with its files whole.
     """
-    from amorsim.cli.scenarios import make_simulation, read_scenario
     from amorsim.core.errors import AmorsimError
+    from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.run import run as run_scenario
 
     if replicas is not None and replica:

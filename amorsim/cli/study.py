@@ -20,9 +20,9 @@ __all__ = ["claim_folder", "draw", "free_folder", "read_study", "significant", "
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
     """The scenario that a user means, with another seed if one is given."""
-    from amorsim.cli.scenarios import read_scenario
     from amorsim.core.parameters import ParameterError
     from amorsim.kernels.compile import is_cold
+    from amorsim.runs.asked import read_scenario
 
     if is_cold():
         say("compiling the kernels, once after installing (some ten seconds) ...")

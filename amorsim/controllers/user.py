@@ -205,7 +205,8 @@ class UserController(Controller):
             except Exception as error:
                 raise ControllerError(
                     f"controller {self.source!r} of {robot.who(row)} at {arguments[2].time:g} s raised "
-                    f"{type(error).__name__}: {error}"
+                    f"{type(error).__name__}: {error}",
+                    robot=robot.names[row] if robot.names else "",
                 ) from error
             answers.take(row, answer)
         return answers.command()
@@ -287,5 +288,6 @@ class _Answers:
         return ControllerError(
             f"controller {self._source!r} of {self._robot.who(row)} returned {answer!r}: {problem}. Expected "
             f"am.Twist(forward, turn), am.WheelSpeeds(left, right) in m/s, rad/s for each of ({channels}) in "
-            "order or by name, or None to stop"
+            "order or by name, or None to stop",
+            robot=self._robot.names[row] if self._robot.names else "",
         )

@@ -41,7 +41,11 @@ class ComponentError(AmorsimError):
 
 
 class ControllerError(AmorsimError):
-    """A user's controller that cannot be loaded, raised, or returned what is not a command."""
+    """A user's controller that cannot be loaded, raised, or returned what is not a command; of `robot`, if known."""
+
+    def __init__(self, message: str, robot: str = "") -> None:
+        self.robot = robot
+        super().__init__(message)
 
 
 class SnapshotError(AmorsimError):

@@ -16,7 +16,7 @@ from typing import Any
 from amorsim.core.errors import RunError
 from amorsim.plugins.manager import default_registry
 
-__all__ = ["RunFolder", "circumstances", "fingerprints", "new_folder", "read_about"]
+__all__ = ["RunFolder", "circumstances", "fingerprints", "new_folder", "next_folder", "read_about"]
 
 FORMAT = 1
 ABOUT = "run.json"
@@ -55,6 +55,15 @@ def new_folder(name: str, base: Path | None = None) -> Path:
             raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
         else:
             return path
+
+
+def next_folder(path: str | os.PathLike[str]) -> Path:
+    """`path` with the first number from 2 on that gives a folder which is not there, as in ``run-2``."""
+    first = Path(path)
+    number = 2
+    while (found := first.with_name(f"{first.name}-{number}")).exists():
+        number += 1
+    return found
 
 
 class RunFolder:

@@ -121,7 +121,7 @@ class RunSession:
         try:
             self._open(planned)
         except BaseException:
-            self._give_up()
+            self.give_up()
             raise
 
     def _open(self, planned: int) -> None:
@@ -254,7 +254,7 @@ class RunSession:
             return
         assert error is not None
         if self.steps == 0:  # nothing but the start: a mistake, rather than a run
-            self._give_up()
+            self.give_up()
             return
         try:
             self.close("interrupted" if issubclass(kind, KeyboardInterrupt) else "broken off")
@@ -262,7 +262,8 @@ class RunSession:
             error.add_note(str(second))  # the first one says why
         error.add_note(f"the files up to {self.steps * self._simulation.dt:g} s are in {self.folder}")
 
-    def _give_up(self) -> None:
+    def give_up(self) -> None:
+        """Remove the folder again: for a run in which nothing happened."""
         with contextlib.suppress(Exception):  # what went wrong before is what is told
             self._close_recorders()
         self._folder.give_back()

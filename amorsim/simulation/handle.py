@@ -131,16 +131,29 @@ class RobotHandle:
         """The same robot with its true parameters."""
         return self._group.true[self._row]
 
-    def drive(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> None:
-        """Set the velocity of a robot driven by hand: forward [m/s], turn [rad/s], left [m/s], held until the next.
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The names of its command's channels: the drive's, then those of devices that take commands."""
+        return self._group.channels
 
-        The robot's own software makes the joints' rates of it, with nominal parameters.
+    def command_for(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> list[float]:
+        """The command that makes it go forward [m/s], turn [rad/s] and go left [m/s], or nearest to it.
+
+        The robot's own software makes the joints' rates of it, with nominal parameters; devices keep their commands.
         """
         group, row = self._group, self._row
         twists = np.zeros((group.rows, 3))
         twists[row] = forward, left, turn
-        wheels = group.robot.drive.command_for(twists, group.joints)[row].tolist()
-        self.command(*wheels, *group.command[row, len(wheels) :].tolist())
+        wheels: list[float] = group.robot.drive.command_for(twists, group.joints)[row].tolist()
+        devices: list[float] = group.command[row, len(wheels) :].tolist()
+        return [*wheels, *devices]
+
+    def drive(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> None:
+        """Set the velocity of a robot driven by hand: forward [m/s], turn [rad/s], left [m/s], held until the next.
+
+        The command is that of `command_for`.
+        """
+        self.command(*self.command_for(forward, turn, left))
 
     def command(self, *channels: float) -> None:
         """Set the command of a robot driven by hand, channel by channel [rad/s], held until the next.

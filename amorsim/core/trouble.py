@@ -8,24 +8,31 @@ from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["explain"]
+__all__ = ["explain", "users_lines"]
 
 _OURS = Path(__file__).resolve().parents[1]
 _PYTHONS = Path(sysconfig.get_path("stdlib"))
 
 
-def explain(error: AmorsimError) -> str:
+def explain(error: BaseException) -> str:
     """The error's message, with notes, and with the lines of a user's controller or plugin that raised it."""
-    cause = error.__cause__
-    lines = [str(error)]
+    is_ours = isinstance(error, AmorsimError)
+    cause = error.__cause__ if is_ours else error
+    lines = [str(error) if is_ours else f"{type(error).__name__}: {error}"]
     if isinstance(cause, SyntaxError):
         lines += [part.rstrip("\n") for part in traceback.format_exception_only(cause)]
     elif cause is not None:
-        frames = traceback.extract_tb(cause.__traceback__)
-        users = [i for i, frame in enumerate(frames) if _is_users(frame.filename)]
-        if users:  # what lies before is ours, what lies behind a library's
-            lines += [part.rstrip("\n") for part in traceback.format_list(frames[users[0] : users[-1] + 1])]
+        lines += users_lines(traceback.extract_tb(cause.__traceback__))
     return "\n".join([*lines, *getattr(error, "__notes__", ())])
+
+
+def users_lines(stack: traceback.StackSummary) -> list[str]:
+    """The part of a stack, outermost first, that is the user's, as text; nothing where none is."""
+    users = [i for i, frame in enumerate(stack) if _is_users(frame.filename)]
+    if not users:
+        return []
+    # What lies before is ours, what lies behind a library's.
+    return [part.rstrip("\n") for part in traceback.format_list(stack[users[0] : users[-1] + 1])]
 
 
 def _is_users(file: str) -> bool:

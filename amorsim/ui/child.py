@@ -1,0 +1,318 @@
+"""The child process: it owns the simulation and does what its session says, over standard input and output.
+
+Three threads: the first one simulates, and is the one that a user's controller can hold up; the second reads what the
+session says; the third writes answers. So the session hears from it also while a controller does not return, the
+simulation never waits for a reader, and the process ends when its session does: then there is nothing more to read.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import faulthandler
+import json
+import os
+import queue
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from types import FrameType
+from typing import IO, Any
+
+from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import explain, users_lines
+from amorsim.ui.commands import Commands
+from amorsim.ui.inputs import Input, Inputs
+from amorsim.ui.pipes import JSON, Writer, read_message
+from amorsim.ui.player import Fault, Player
+from amorsim.ui.protocol import FrameFlag, pack_frame
+from amorsim.ui.recipe import Recipe
+from amorsim.ui.scenes import SceneBuilder
+
+__all__ = ["Child", "main"]
+
+LONGEST_SLEEP = 0.05  # [s], after which an idle loop looks about
+LEAST_BETWEEN_FRAMES = 0.025  # [s]
+LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
+# Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
+LONGEST_SILENCE = 60.0  # [s]
+
+# What the session says that the simulation needs not be asked for.
+_AT_ONCE = ("ping", "frame", "interrupt", "end")
+
+
+class Interrupted(BaseException):
+    """Raised in a user's controller that does not return; no `except Exception` of his catches it."""
+
+
+class Child:
+    """The process's work.
+
+    Parameters
+    ----------
+    said, answers
+        What is read, and where answers go.
+    """
+
+    def __init__(self, said: IO[bytes], answers: IO[bytes]) -> None:
+        self._said = said
+        self._writer = Writer(answers)
+        self._commands: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+        self._is_ending = threading.Event()
+        self._main = threading.main_thread().ident or 0
+        self._busy_since: float | None = None  # when the present step, or replay, began
+        self._in_step = False
+        self._wanted: int | None = None  # the number of the frame that the session has, if it wants the next
+        self._number = 0
+        self._changed = True
+        self._last_frame = 0.0
+        self._tick = 0
+        self._told: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
+
+    # ---------------------------------------------------------------------------------------------- the reading thread
+
+    def read(self) -> None:
+        """Take what the session says, until it says no more."""
+        while (message := read_message(self._said)) is not None:
+            kind, data = message
+            if kind != JSON:
+                continue
+            command = json.loads(data)
+            if command["do"] in _AT_ONCE:
+                self._at_once(command)
+            else:
+                self._commands.put(command)
+        self.end()
+
+    def _at_once(self, command: Mapping[str, Any]) -> None:
+        name = command["do"]
+        if name == "ping":
+            faulthandler.dump_traceback_later(LONGEST_SILENCE, exit=True, file=2)
+            self._writer.send(self._sign_of_life(command))
+        elif name == "frame":
+            self._wanted = int(command["after"])
+            self._commands.put({"do": ""})  # wakes an idle loop
+        elif name == "interrupt":
+            if self._in_step:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._main), ctypes.py_object(Interrupted))
+        else:
+            self.end()
+
+    def _sign_of_life(self, command: Mapping[str, Any]) -> dict[str, Any]:
+        since = self._busy_since
+        held = 0.0 if since is None else time.monotonic() - since
+        answer: dict[str, Any] = {"id": command["id"], "ok": True, "held": held, "tick": self._tick}
+        if self._in_step and held > float(command.get("patience", 5.0)):
+            answer |= self._where()
+        return answer
+
+    def _where(self) -> dict[str, Any]:
+        """Which controller holds up the first thread, and where."""
+        frame = sys._current_frames().get(self._main)
+        lines = users_lines(traceback.extract_stack(frame)) if frame is not None else []
+        return {"stack": "\n".join(lines), "robot": _robot_of(frame)} if lines else {}
+
+    def end(self) -> None:
+        """Let the first thread end, and see to it that the process does."""
+        self._is_ending.set()
+        self._commands.put({"do": ""})
+        timer = threading.Timer(LONGEST_END, os._exit, (1,))
+        timer.daemon = True
+        timer.start()
+
+    # ------------------------------------------------------------------------------------------- the simulating thread
+
+    def work(self, recipe: Recipe, *, out: Path | None, inputs: Inputs, tick: int, epoch: int) -> None:
+        """Make the simulation, and simulate until the session ends."""
+        try:
+            self._busy_since = time.monotonic()
+            simulation, remark = recipe.simulation()
+            player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
+            if tick:
+                player.inputs = inputs
+                player.resume(tick)
+        except AmorsimError as error:
+            self._writer.send({"push": "failed", "error": explain(error)})
+            return
+        self._busy_since = None
+        builder = SceneBuilder(simulation)
+        self._player, self._does = player, Commands(player, builder)
+        remarks = [
+            f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
+        ]
+        self._writer.send(
+            {"push": "ready", "scene": builder.scene, "remarks": remarks, "folder": str(player.folder or "")}
+        )
+        try:
+            while not self._is_ending.is_set():
+                with contextlib.suppress(Interrupted):  # it came late: what it was meant for has returned
+                    self._turn()
+        finally:
+            player.close()
+
+    def _replayed(self, tick: int) -> None:
+        if tick % 256 == 0 and self._is_ending.is_set():
+            raise SystemExit(0)
+
+    def _turn(self) -> None:
+        """Carry out what was said, make a step if one is due, and show how it looks."""
+        does, player = self._does, self._player
+        now = time.monotonic()
+        wait = LONGEST_SLEEP
+        if does.is_running:
+            wait = min(wait, does.pace.wait(now))
+        if self._wanted is not None and self._changed:
+            wait = min(wait, max(0.0, self._last_frame + LEAST_BETWEEN_FRAMES - now))
+        self._listen(wait)
+        if does.is_running and does.pace.wait(time.monotonic()) <= 0.0:
+            self._step()
+        self._show()
+        self._tick = player.newest
+
+    def _listen(self, wait: float) -> None:
+        try:
+            command = self._commands.get(timeout=wait) if wait > 0.0 else self._commands.get_nowait()
+            while True:
+                if command["do"]:
+                    self._carry_out(command)
+                command = self._commands.get_nowait()
+        except queue.Empty:
+            pass
+
+    def _carry_out(self, command: dict[str, Any]) -> None:
+        self._busy_since, self._in_step = time.monotonic(), True
+        try:
+            answer = self._does.carry_out(command)
+        except Interrupted:
+            self._interrupted()
+            answer = {"ok": False, "error": "it was broken off"}
+        except Exception as error:
+            sys.stderr.write("".join(traceback.format_exception(error)))
+            answer = {"ok": False, "error": f"{type(error).__name__}: {error}"}
+        finally:
+            self._busy_since, self._in_step = None, False
+        self._changed = True
+        self._tell_inputs()
+        self._writer.send({"id": command["id"], **answer})
+
+    def _step(self) -> None:
+        does, player = self._does, self._player
+        # Frames are rare where it runs as fast as it can; only the step before one needs to be looked at.
+        is_watched = does.pace.factor is not None or self._is_frame_due()
+        self._busy_since, self._in_step = time.monotonic(), True
+        try:
+            made = player.step(watched=is_watched)
+        except Interrupted:
+            made = False
+            self._interrupted()
+        finally:
+            self._busy_since, self._in_step = None, False
+        self._changed = True
+        if not made:
+            does.is_running = False
+            if player.fault is not None:
+                sys.stderr.write(player.fault.stack + "\n")
+            return
+        does.pace.stepped(time.monotonic(), player.simulation.dt)
+        if player.newest == player.last:
+            does.is_running, does.has_ended = False, True
+
+    def _interrupted(self) -> None:
+        robot = self._hung
+        self._player.fail(
+            Fault(
+                robots=(robot,) if robot else (),
+                text=f"the controller of {robot or 'a robot'} did not return",
+                stack="",
+            )
+        )
+
+    @property
+    def _hung(self) -> str:
+        _, _, trace = sys.exc_info()
+        while trace is not None:
+            if robot := _robot_of(trace.tb_frame):
+                return robot
+            trace = trace.tb_next
+        return ""
+
+    def _tell_inputs(self) -> None:
+        """Let the session know what was given, for a child after this one."""
+        inputs = self._player.inputs
+        first, news = inputs.news()
+        known, count = self._told
+        if inputs is not known or news or len(inputs) != count:
+            self._told = inputs, len(inputs)
+            self._writer.send({"push": "inputs", "first": first, "inputs": [one.to_json() for one in news]})
+
+    def _is_frame_due(self) -> bool:
+        return self._wanted is not None and time.monotonic() - self._last_frame >= LEAST_BETWEEN_FRAMES
+
+    def _show(self) -> None:
+        """Send a frame if the session has none that is as new, and has waited long enough since the last."""
+        if self._changed and self._is_frame_due():
+            does = self._does
+            self._number += 1
+            self._changed = False
+            self._wanted = None
+            self._last_frame = time.monotonic()
+            flags = (FrameFlag.RUNNING if does.is_running else 0) | (FrameFlag.ENDED if does.has_ended else 0)
+            speed = float("inf") if does.pace.factor is None else does.pace.factor
+            moment = self._player.frame(
+                version=1, number=self._number, speed=speed, achieved=does.achieved, flags=flags
+            )
+            self._writer.send_frame(pack_frame(moment))
+
+    def close(self) -> None:
+        """Write what waits."""
+        self._writer.close()
+
+
+def _robot_of(frame: FrameType | None) -> str:
+    """The robot whose controller a stack is in, as far as `UserController` is in it."""
+    from amorsim.controllers.user import UserController
+
+    while frame is not None:
+        if frame.f_code is UserController.command.__code__:
+            row, names = frame.f_locals.get("row"), frame.f_locals["robot"].names
+            return str(names[row]) if names and row is not None else ""
+        frame = frame.f_back
+    return ""
+
+
+def main() -> None:
+    """Read what to simulate as the first message, and do it."""
+    # Ctrl-C is for the session, which ends this process in order.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    said = os.fdopen(os.dup(0), "rb", buffering=0)
+    answers = os.fdopen(os.dup(1), "wb")
+    # What a user's controller prints goes to the log, and never into the answers.
+    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    first = read_message(said)
+    if first is None:
+        return
+    order = json.loads(first[1])
+    child = Child(said, answers)
+    with contextlib.suppress(AttributeError, ValueError):
+        signal.signal(signal.SIGTERM, lambda *_: child.end())
+    threading.Thread(target=child.read, name="amorsim-reader", daemon=True).start()
+    child.work(
+        Recipe.from_json(order["recipe"]),
+        out=Path(order["out"]) if order["out"] else None,
+        inputs=Inputs(Input(**one) for one in order["inputs"]),
+        tick=order["tick"],
+        epoch=order["epoch"],
+    )
+    child.close()
+    # All is written; taking the interpreter apart would only take time.
+    sys.stderr.flush()
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

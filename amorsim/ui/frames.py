@@ -1,0 +1,100 @@
+"""Frames: a simulation at a moment, as numbers to be drawn."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Frame
+from amorsim.core.poses import logarithm, relative
+from amorsim.simulation.simulation import Simulation
+from amorsim.ui.protocol import RobotFlag, Selected
+
+__all__ = ["Before", "flags_of", "look_back", "obstacle_poses", "selected_of", "upper_triangle"]
+
+Array = npt.NDArray[np.float64]
+
+_UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
+
+
+class Before(NamedTuple):
+    """What a frame needs of the step before it, of the selected robot: to tell velocities from positions."""
+
+    tick: int
+    estimated: Array  # (1, 3)
+    angles: Array | None  # (1, j) measured
+    stamp: int
+
+
+def _place(simulation: Simulation, robot: int) -> tuple[Frame, int]:
+    name = simulation.names[robot]
+    for frame in simulation.frames():
+        if name in frame.names:
+            return frame, list(frame.names).index(name)
+    raise LookupError(name)
+
+
+def _measured_angles(frame: Frame, row: int) -> tuple[Array, int] | None:
+    """What the first sensor that tells the joints' angles measured of them `(1, j)`, and when."""
+    for name, model in frame.robot.sensors.items():
+        if hasattr(model.sensor, "angles"):
+            reading = frame.readings[name][1]
+            angles = np.asarray(model.sensor.angles(reading.measured))
+            if angles.shape[1] == len(frame.joint_names):
+                return angles[row : row + 1], int(reading.stamp[row, 0])
+    return None
+
+
+def look_back(simulation: Simulation, robot: int) -> Before:
+    """What the frame of the next step will need of this one."""
+    frame, row = _place(simulation, robot)
+    measured = _measured_angles(frame, row)
+    angles, stamp = (None, -1) if measured is None else measured
+    return Before(simulation.tick, simulation.estimated_pose[robot : robot + 1], angles, stamp)
+
+
+def selected_of(simulation: Simulation, robot: int, before: Before | None) -> Selected:
+    """All of one robot; what only the step before could tell is 0 at the start, and nan where it is not known."""
+    frame, row = _place(simulation, robot)
+    joints = len(frame.joint_names)
+    estimated = simulation.estimated_pose[robot : robot + 1]
+    rates, twist = np.full(joints, np.nan), np.full(3, np.nan)
+    if simulation.tick == 0:
+        rates, twist = np.zeros(joints), np.zeros(3)
+    elif before is not None and before.tick == simulation.tick - 1:
+        twist = logarithm(relative(before.estimated, estimated))[0] / simulation.dt
+        measured = _measured_angles(frame, row)
+        if measured is not None and before.angles is not None and measured[1] > before.stamp:
+            rates = (measured[0] - before.angles)[0] / ((measured[1] - before.stamp) * simulation.dt)
+    readings = list(frame.readings.values())
+    nothing = np.empty(0)
+    return Selected(
+        true=np.concatenate([nothing, *(true[row] for true, _ in readings)]),
+        measured=np.concatenate([nothing, *(reading.measured[row] for _, reading in readings)]),
+        age=np.concatenate([nothing, *(reading.age[row] for _, reading in readings)]),
+        true_rates=frame.joint_rates[row],
+        measured_rates=rates,
+        true_twist=frame.true_twist[row],
+        estimated_twist=twist,
+        command=frame.command[row],
+    )
+
+
+def flags_of(simulation: Simulation) -> npt.NDArray[np.uint8]:
+    """A `RobotFlag` for each robot."""
+    flags = np.where(simulation.touching, RobotFlag.TOUCHING, 0)
+    flags |= np.where(simulation.active, 0, RobotFlag.ENDED)
+    flags |= np.where(simulation.by_hand, RobotFlag.BY_HAND, 0)
+    return flags.astype(np.uint8)
+
+
+def upper_triangle(covariance: Array) -> Array:
+    """xx, xy, xh, yy, yh, hh of covariances `(N, 3, 3)`."""
+    return covariance.reshape(len(covariance), 9)[:, _UPPER]
+
+
+def obstacle_poses(simulation: Simulation, names: list[str]) -> Array:
+    """True poses `(O, 3)` of obstacles."""
+    return np.array([simulation.obstacle(name).true_pose for name in names]).reshape(-1, 3)

@@ -1,0 +1,420 @@
+"""A simulation that is played: forward, back, on from there; with what was given to it kept, to be given again."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from amorsim.core.errors import AmorsimError, ControllerError, RunError
+from amorsim.core.trouble import explain
+from amorsim.runs.folder import next_folder
+from amorsim.runs.session import RunSession
+from amorsim.simulation.simulation import Simulation
+from amorsim.ui.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
+from amorsim.ui.inputs import Input, Inputs
+from amorsim.ui.protocol import Dynamic, EventLine, FrameFlag
+from amorsim.ui.timeline import Paths, Snapshots
+
+__all__ = ["Fault", "Player"]
+
+Notice = Callable[[int], None]
+
+
+@attrs.frozen(kw_only=True)
+class Fault:
+    """What went wrong in a step: whose controller it was, if it was one, and the lines that led to it."""
+
+    robots: tuple[str, ...]
+    text: str
+    stack: str
+
+
+class Player:
+    """A simulation with its past.
+
+    Parameters
+    ----------
+    simulation
+        At its start, of one replica.
+    out
+        The folder that it is written into as it goes; one with a number after it where it begins anew, or goes on
+        from an earlier moment.
+    epoch
+        To count on from.
+    notice
+        Called with the tick while the past is simulated again, which may take long.
+
+    Attributes
+    ----------
+    epoch
+        Rises whenever the recorded past is no longer what it was.
+    fault
+        Why no step can be made, or None.
+    """
+
+    def __init__(
+        self, simulation: Simulation, *, out: Path | None = None, notice: Notice | None = None, epoch: int = 0
+    ) -> None:
+        self.simulation = simulation
+        self.epoch = epoch
+        self.selected = 0
+        self.inputs = Inputs()
+        self.fault: Fault | None = None
+        self.remarks: list[EventLine] = []  # what is no event of the simulation
+        self.poses_only: int | None = None  # the tick that is shown, where only poses are known of it
+        self._notice = notice or (lambda _: None)
+        self._present: Any = None  # the snapshot of the present, while the past is shown
+        self._newest = 0
+        self._is_past = False
+        self._before: Before | None = None
+        self._changes: dict[tuple[str, str], Any] = {}  # live ones, that outlast a reset
+        self._obstacles = sorted(obstacle.name for obstacle in simulation.scenario.obstacles)
+        self._out = out
+        self._recording: RunSession | None = None
+        self._begin(simulation)
+
+    # ------------------------------------------------------------------------------------------------------ beginnings
+
+    def _begin(self, simulation: Simulation) -> None:
+        """Take a simulation at its start for the present."""
+        is_again = self._recording is not None
+        self._end_recording()
+        self.simulation = simulation
+        self.paths = Paths(len(simulation.names))
+        self.snapshots = Snapshots()
+        self._newest = 0
+        self._is_past = False
+        self._present = self._before = self.poses_only = self.fault = None
+        self.remarks = []
+        self.epoch += 1
+        if self._out is not None:
+            self._recording = RunSession(simulation, next_folder(self._out) if is_again else self._out)
+        self._keep()
+
+    def _keep(self) -> None:
+        simulation, tick = self.simulation, self._newest
+        self.paths.keep(tick, simulation.true_pose, simulation.estimated_pose)
+        self.snapshots.keep(simulation, tick)
+
+    def _new(self) -> Simulation:
+        return Simulation(self.simulation.scenario, seed=self.simulation.seed)
+
+    def reset(self) -> None:
+        """Begin anew, with the parameters that were set, and the robots in their controllers' hands."""
+        self._begin(self._new())
+        self.inputs = Inputs()
+        for (robot, path), value in self._changes.items():
+            self.give(Input(tick=0, do="set", robot=robot, path=path, value=value))
+
+    # ------------------------------------------------------------------------------------------------------------ time
+
+    @property
+    def tick(self) -> int:
+        """The tick that is shown."""
+        return self.simulation.tick if self.poses_only is None else self.poses_only
+
+    @property
+    def newest(self) -> int:
+        """The last tick that was simulated."""
+        return self._newest
+
+    @property
+    def is_past(self) -> bool:
+        """Whether a moment of the past is shown."""
+        return self._is_past
+
+    @property
+    def last(self) -> int:
+        """The tick at which the scenario's duration is over."""
+        return self.simulation.steps_of(self.simulation.scenario.duration)
+
+    def step(self, *, watched: bool = True) -> bool:
+        """Make a step, and say whether it was made; if not, `fault` tells why.
+
+        Without `watched` no frame can tell the velocities that only two steps together tell.
+        """
+        if self.fault is not None:
+            return False
+        self._expect_present()
+        simulation = self.simulation
+        if watched:
+            self._before = look_back(simulation, self.selected)
+        try:
+            simulation.step()
+        except Exception as error:
+            self.fail(fault_of(error))
+            return False
+        self._newest += 1
+        self._write()
+        self._keep()
+        return True
+
+    def _write(self) -> None:
+        """Write the step down; what can no longer be written does not hold up the simulation."""
+        recording = self._recording
+        if recording is None:
+            return
+        try:
+            recording.keep()
+        except RunError as error:
+            self._recording = self._out = None
+            self.remark("fault", f"the run is no longer written: {error}")
+            with contextlib.suppress(RunError):
+                recording.close("broken off")
+
+    def fail(self, fault: Fault) -> None:
+        """Wait for a hand, at the state before the step that failed, for it may have been half made."""
+        self.fault = fault
+        if not self.snapshots.reason:
+            self._go_to(self._newest)
+        self.remark("fault", fault.text, robot=", ".join(fault.robots), stack=fault.stack)
+
+    def _expect_present(self) -> None:
+        if self._is_past:
+            raise AmorsimError("this is the past; continue from here, or go back to the end first")
+
+    def scrub(self, tick: int | None) -> int:
+        """Show a moment of the past, or the present again; returns the tick that is shown.
+
+        It is simulated again from the nearest snapshot. Where there are none, only poses are known.
+        """
+        wanted = self._newest if tick is None else min(max(0, tick), self._newest)
+        if wanted == self._newest:
+            self._to_present()
+            return wanted
+        if not self._is_past:
+            if not self.snapshots.reason:
+                self._present = self.simulation.snapshot(), self._before
+            self._is_past = True
+        if self.snapshots.reason:
+            self.poses_only = self.paths.at(wanted)[0]
+            return self.poses_only
+        self._go_to(wanted)
+        return wanted
+
+    def _to_present(self) -> None:
+        if self._present is not None:
+            self.simulation.restore(self._present[0])
+            self._before = self._present[1]
+        self._present = self.poses_only = None
+        self._is_past = False
+
+    def _go_to(self, tick: int) -> None:
+        nearest = self.snapshots.before(tick)
+        assert nearest is not None  # that of tick 0 is never let go
+        self.simulation.restore(nearest[1])
+        self._before = None
+        for now in self.inputs.replay(self.simulation, tick):
+            if now == tick - 1:
+                self._before = look_back(self.simulation, self.selected)
+            self._notice(now)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether what is shown of the past is where the robots were; not if a controller did otherwise this time."""
+        kept_at, kept = self.paths.at(self.tick)
+        if not self._is_past or self.poses_only is not None or kept_at != self.tick:
+            return True
+        now = np.concatenate((self.simulation.true_pose, self.simulation.estimated_pose), axis=1).astype(np.float32)
+        return bool(np.array_equal(now, kept))
+
+    @property
+    def reason(self) -> str:
+        """Why one cannot go on from a moment of the past, or nothing."""
+        if self.snapshots.reason:
+            return self.snapshots.reason
+        if not self.is_exact:
+            return "a controller did something else when it was run again (a clock or randomness of its own?)"
+        return ""
+
+    def go_on(self) -> int:
+        """Take the moment that is shown for the present, and forget what came after it; returns its tick.
+
+        Raises
+        ------
+        AmorsimError
+            If one cannot go on from here.
+        """
+        if not self._is_past:
+            return self._newest
+        if self.reason:
+            raise AmorsimError(f"cannot continue from here: {self.reason}")
+        tick = self.tick
+        self.inputs.cut(tick)
+        if self._recording is not None:
+            self.resume(tick)
+        else:
+            self._newest = tick
+            self.paths.cut(tick)
+            self.snapshots.cut(tick)
+            self.remarks = [remark for remark in self.remarks if remark["tick"] <= tick]
+            self.epoch += 1
+        self._is_past, self._present, self.fault = False, None, None
+        self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
+        return tick
+
+    def resume(self, tick: int) -> None:
+        """Simulate from the start what the inputs say, up to a tick, as though it had been watched."""
+        remarks = [remark for remark in self.remarks if remark["tick"] <= tick]
+        self._begin(self._new())
+        self.remarks = remarks
+        for now in self.inputs.replay(self.simulation, tick):
+            self._newest = now
+            self._write()
+            self._keep()
+            self._notice(now)
+
+    # ---------------------------------------------------------------------------------------------------------- inputs
+
+    def give(self, new: Input) -> None:
+        """Give the simulation something before its next step.
+
+        Raises
+        ------
+        AmorsimError
+            If the past is shown, or the simulation does not take it.
+        """
+        self._expect_present()
+        new.give(self.simulation)
+        self.inputs.add(new)
+        if new.do == "set":
+            self._changes[new.robot, new.path] = new.value
+        elif new.do == "hand_over" and self.fault is not None:
+            robots = tuple(name for name in self.fault.robots if not self.simulation.robot(name).is_by_hand)
+            if not robots:
+                self.fault = None
+
+    def forget_change(self, robot: str, path: str) -> None:
+        """Hold a parameter for unchanged: it was set to what the scenario says."""
+        self._changes.pop((robot, path), None)
+
+    def select(self, robot: int) -> None:
+        """Show all of another robot."""
+        self.selected = robot
+        self._before = None
+
+    @property
+    def changes(self) -> dict[tuple[str, str], Any]:
+        """What was set while it ran, by robot and path."""
+        return dict(self._changes)
+
+    # -------------------------------------------------------------------------------------------------------- looking
+
+    def remark(self, kind: str, text: str, *, robot: str = "", stack: str = "") -> None:
+        """Keep a line that is no event of the simulation."""
+        tick = self.tick
+        line: EventLine = {
+            "number": 0,
+            "tick": tick,
+            "time": tick * self.simulation.dt,
+            "kind": kind,
+            "robot": robot,
+            "text": text,
+            "point": None,
+        }
+        if stack:
+            line["stack"] = stack
+        self.remarks.append(line)
+
+    @property
+    def event_count(self) -> int:
+        """How many lines `events` has."""
+        return len(self._simulation_events) + len(self.remarks)
+
+    @property
+    def _simulation_events(self) -> Any:
+        return self.simulation.events if self._present is None else self._present[0].events
+
+    def events(self) -> list[EventLine]:
+        """All that happened up to the present, in order of time."""
+        lines: list[EventLine] = [
+            {
+                "number": 0,
+                "tick": event.tick,
+                "time": event.time,
+                "kind": event.kind,
+                "robot": event.name,
+                "text": str(event).partition(": ")[2],
+                "point": None if event.point is None else list(event.point),
+            }
+            for event in self._simulation_events
+        ]
+        lines = sorted([*lines, *self.remarks], key=lambda line: line["time"])
+        for number, line in enumerate(lines, 1):
+            line["number"] = number
+        return lines
+
+    def frame(self, *, version: int, number: int, speed: float, achieved: float, flags: int) -> Dynamic:
+        """The moment that is shown."""
+        simulation = self.simulation
+        robots = len(simulation.names)
+        if self._is_past:
+            flags |= FrameFlag.SCRUBBED
+        if self.fault is not None:
+            flags |= FrameFlag.FAULT
+        true, estimated = simulation.true_pose, simulation.estimated_pose
+        covariance = upper_triangle(simulation.covariance)
+        selected = selected_of(simulation, self.selected, self._before)
+        marks = flags_of(simulation)
+        if self.poses_only is not None:
+            flags |= FrameFlag.POSES_ONLY
+            kept = self.paths.at(self.poses_only)[1].astype(float)
+            true, estimated = kept[:, :3], kept[:, 3:]
+            covariance = np.full((robots, 6), math.nan)
+            selected = type(selected)(*(np.full_like(part, math.nan) for part in selected))
+            marks = np.zeros(robots, dtype=np.uint8)
+        return Dynamic(
+            version=version,
+            number=number,
+            epoch=self.epoch,
+            time=self.tick * simulation.dt,
+            speed=speed,
+            achieved=achieved,
+            tick=self.tick,
+            newest=self._newest,
+            oldest=0,
+            flags=flags,
+            events=self.event_count,
+            selected_robot=self.selected,
+            true_pose=true,
+            estimated_pose=estimated,
+            covariance=covariance,
+            obstacle_pose=obstacle_poses(simulation, self._obstacles),
+            robot_flags=marks,
+            selected=selected,
+        )
+
+    # ---------------------------------------------------------------------------------------------------------- ending
+
+    @property
+    def folder(self) -> Path | None:
+        """Where it is being written."""
+        return None if self._recording is None else self._recording.folder
+
+    def _end_recording(self) -> None:
+        recording = self._recording
+        if recording is None:
+            return
+        self._to_present()
+        if recording.steps == 0:
+            recording.give_up()
+        else:
+            recording.close("finished" if self._newest >= self.last else "interrupted")
+
+    def close(self) -> None:
+        """End what is being written, with whole files."""
+        self._end_recording()
+        self._recording = None
+
+
+def fault_of(error: BaseException) -> Fault:
+    """What is told of an error that ended a step."""
+    robot = error.robot if isinstance(error, ControllerError) else ""
+    text = str(error) if isinstance(error, AmorsimError) else f"{type(error).__name__}: {error}"
+    return Fault(robots=(robot,) if robot else (), text=text, stack=explain(error))

@@ -1,0 +1,249 @@
+"""Scenes: what of a simulation stays as it is while it runs, as a window draws it."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image as Pictures
+
+from amorsim.contracts import Drive
+from amorsim.controllers.user import UserController
+from amorsim.core.map import Map
+from amorsim.core.poses import Mount, compose
+from amorsim.core.rows import stack
+from amorsim.core.shapes import Shape
+from amorsim.plugins.manager import default_registry
+from amorsim.runs.session import run_name
+from amorsim.scenario.spec import MountedSensor, Robot
+from amorsim.simulation.simulation import Simulation
+from amorsim.ui.protocol import (
+    Channel,
+    Kind,
+    Knowledge,
+    MapShape,
+    ObstacleShape,
+    Outline,
+    RobotEntry,
+    Scene,
+    SensorShape,
+)
+
+__all__ = ["SceneBuilder"]
+
+Array = npt.NDArray[np.float64]
+
+MOST_SEGMENTS = 20_000  # beyond, a picture is drawn faster than lines
+MOST_PIXELS = 4_000_000
+FASTEST = (1.0, 0.0, 1.0)  # m/s, m/s, rad/s, where nothing is known of a drive's limits
+
+
+class SceneBuilder:
+    """The scene of a simulation, and the pictures of maps that it names."""
+
+    def __init__(self, simulation: Simulation, version: int = 1) -> None:
+        self._maps: list[Map] = []
+        self._shapes: list[MapShape] = []
+        self._kinds: list[Kind] = []
+        self._known: dict[Any, int] = {}
+        scenario = simulation.scenario
+        self.scene: Scene = {
+            "version": version,
+            "scenario": run_name(scenario),
+            "dt": simulation.dt,
+            "duration": scenario.duration,
+            "seed": simulation.seed,
+            "map": self._map(scenario.map),
+            "robots": [self._robot(simulation.robot(name).nominal) for name in simulation.names],
+            "maps": self._shapes,
+            "kinds": self._kinds,
+            "obstacles": [
+                ObstacleShape(name=obstacle.name, footprint=_outline(obstacle.shape), moves=obstacle.motion is not None)
+                for obstacle in sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
+            ],
+        }
+
+    # ----------------------------------------------------------------------------------------------------------- maps
+
+    def _map(self, found: Map) -> int:
+        for place, known in enumerate(self._maps):
+            if known is found:
+                return place
+        self._maps.append(found)
+        width, height = found.size
+        corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+        c, s = math.cos(found.origin[2]), math.sin(found.origin[2])
+        world = corners @ np.array([[c, s], [-s, c]]) + found.origin[:2]
+        low, high = world.min(axis=0).tolist(), world.max(axis=0).tolist()
+        shape: MapShape = {
+            "name": found.name,
+            "origin": list(found.origin),
+            "size": [width, height],
+            "extent": [*low, *high],
+            "segments": None,
+            "image": None,
+        }
+        if found.segments is not None and len(found.segments) <= MOST_SEGMENTS:
+            shape["segments"] = found.segments.tolist()
+        else:
+            shape["image"] = {"name": f"map-{len(self._shapes)}", "extent": [0.0, 0.0, width, height]}
+        self._shapes.append(shape)
+        return len(self._shapes) - 1
+
+    def picture(self, name: str) -> bytes:
+        """The PNG that a map's shape names: occupied cells black, free ones clear.
+
+        Raises
+        ------
+        LookupError
+            If no map names it.
+        """
+        for found, shape in zip(self._maps, self._shapes, strict=True):
+            if shape["image"] is not None and shape["image"]["name"] == name:
+                width, height = found.size
+                side = max(found.resolution, math.sqrt(width * height / MOST_PIXELS))
+                cells = found.to_array(resolution=side)[::-1]
+                pixels = np.zeros((*cells.shape, 2), dtype=np.uint8)
+                pixels[..., 1] = np.where(cells, 255, 0)
+                out = io.BytesIO()
+                Pictures.fromarray(pixels, "LA").save(out, "PNG")
+                return out.getvalue()
+        raise LookupError(f"there is no picture {name!r}")
+
+    # --------------------------------------------------------------------------------------------------------- robots
+
+    def _robot(self, robot: Robot) -> RobotEntry:
+        knowledge: Knowledge = {
+            "map": None if robot.knowledge.map is None else self._map(robot.knowledge.map),
+            "landmarks": [list(point) for point in robot.knowledge.landmarks],
+        }
+        return {
+            "name": robot.name,
+            "kind": self._kind(robot),
+            "controller": _controller(robot.controller),
+            "knowledge": knowledge,
+        }
+
+    def _kind(self, robot: Robot) -> int:
+        # Robots that were made from one another share what they have in common.
+        key = (robot.model, id(robot.drive), robot.shape, tuple((n, id(u)) for n, u in robot.sensors.items()))
+        if key in self._known:
+            return self._known[key]
+        drive = stack([robot.drive])
+        kind: Kind = {
+            "model": robot.model,
+            "drive": _registered("drive", robot.drive),
+            "footprint": _outline(robot.shape),
+            "wheels": _wheels(robot.drive),
+            "channels": [*_drive_channels(robot.drive), *_device_channels(robot.sensors)],
+            "joints": [joint.name for joint in robot.drive.joints],
+            "twist": _fastest(drive, robot.drive),
+            "sensors": [_sensor(name, unit, robot.drive) for name, unit in robot.sensors.items()],
+            "estimators": list(robot.estimators),
+        }
+        # Equal in all that is drawn is as good as the same.
+        place = self._kinds.index(kind) if kind in self._kinds else len(self._kinds)
+        if place == len(self._kinds):
+            self._kinds.append(kind)
+        self._known[key] = place
+        return place
+
+
+def _registered(kind: str, component: Any) -> str:
+    return default_registry().name_of(kind, type(component)) or type(component).__name__
+
+
+def _controller(controller: Any) -> str:
+    if controller is None:
+        return ""
+    if isinstance(controller, UserController):
+        file, _, name = controller.source.rpartition(":")
+        name = name or getattr(controller.function, "__qualname__", "a function")
+        return f"{file.replace(chr(92), '/').rpartition('/')[2]}:{name}" if file else name
+    return _registered("controller", controller)
+
+
+def _outline(shape: Shape) -> Outline:
+    if shape.vertices == (((0.0, 0.0),),):
+        return {"circle": shape.radius}
+    return {"polygon": shape.outline.tolist()}
+
+
+def _wheels(drive: Drive) -> list[list[float]]:
+    """The wheels of drives whose parameters say where they are."""
+    track = getattr(drive, "track", None)
+    radii = [getattr(drive, f"wheel_radius_{side}", None) for side in ("left", "right")]
+    if track is None or None in radii:
+        return []
+    return [
+        [0.0, sign * track / 2.0, 0.0, float(radius or 0.0)] for sign, radius in zip((1.0, -1.0), radii, strict=True)
+    ]
+
+
+def _rate_max(drive: Drive) -> float | None:
+    limit = getattr(drive, "rate_max", None)
+    return float(limit) if isinstance(limit, (int, float)) and math.isfinite(limit) else None
+
+
+def _drive_channels(drive: Drive) -> list[Channel]:
+    limit = _rate_max(drive)
+    low = None if limit is None else -limit
+    return [{"name": name, "unit": "rad/s", "low": low, "high": limit} for name in drive.channels]
+
+
+def _device_channels(sensors: Mapping[str, MountedSensor]) -> list[Channel]:
+    return [
+        {"name": f"{name}.{channel}", "unit": "", "low": None, "high": None}
+        for name, unit in sensors.items()
+        for channel in unit.sensor.channels
+    ]
+
+
+def _fastest(drive: Drive, nominal: Drive) -> list[float]:
+    """The fastest of each part of a velocity alone: what its command asks of the joints, against their limit."""
+    limit = _rate_max(nominal)
+    if limit is None:
+        return list(FASTEST)
+    joints = np.zeros((1, len(nominal.joints)))
+    found = []
+    for wanted in np.eye(3):
+        command = np.asarray(drive.command_for(wanted[None, :].copy(), joints), dtype=float)
+        largest = float(np.abs(command).max(initial=0.0))
+        found.append(limit / largest if largest > 1e-9 else 0.0)
+    return found
+
+
+def _sensor(name: str, unit: MountedSensor, drive: Drive) -> SensorShape:
+    sensor: Any = unit.sensor
+    size = sensor.size(drive)
+    bearings = stack([sensor]).bearings()
+    elements: Sequence[Any] = getattr(sensor, "elements", ())
+    if size == len(elements) and all(isinstance(element, Mount) for element in elements):
+        mounts = compose(np.repeat([_pose(unit.mount)], size, axis=0), np.array([_pose(e) for e in elements]))
+        looks = None if bearings is None else [0.0] * size
+    else:
+        mounts = np.array([_pose(unit.mount)])
+        looks = None if bearings is None else np.broadcast_to(bearings, (1, size))[0].tolist()
+    return {
+        "name": name,
+        "kind": _registered("sensor", sensor),
+        "unit": sensor.unit,
+        "size": size,
+        "mounts": mounts.tolist(),
+        "bearings": looks,
+        "range_max": _number(sensor, "range_max"),
+        "half_angle": _number(sensor, "half_angle"),
+    }
+
+
+def _pose(mount: Mount) -> list[float]:
+    return [mount.x, mount.y, mount.heading]
+
+
+def _number(thing: Any, name: str) -> float | None:
+    value = getattr(thing, name, None)
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None

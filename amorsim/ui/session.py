@@ -1,0 +1,416 @@
+"""The session: it keeps the child process, and is what windows talk to.
+
+It runs in the server's process. The child is started, watched and, where it hangs or is gone, started again and led to
+where it was, without the controller that held it up. Of several windows one has the controls.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import concurrent.futures
+import contextlib
+import secrets
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from amorsim.core.errors import AmorsimError
+from amorsim.ui.link import Link
+from amorsim.ui.project import place_for, save_run
+from amorsim.ui.protocol import FRAME_HEADER, FrameFlag, Scene, with_flags
+from amorsim.ui.recipe import Recipe
+
+__all__ = ["LOOKING", "Session"]
+
+Table = Mapping[str, Any]
+Answer = dict[str, Any]
+
+LOOKING = ("state", "scene", "parameters", "history", "events", "image", "folder")
+"""Commands that need no controls."""
+
+_INNER = ("job", "write_scenario", "remark")  # for the session alone
+_OWN = ("controls", "restart", "save_run", "save_scenario")
+
+BETWEEN_PINGS = 0.5  # [s]
+LONGEST_INTERRUPT = 1.0  # [s] that a controller gets to be broken off
+LONGEST_ANSWER = 600.0  # [s]
+LONGEST_START = 300.0  # [s], compiling included
+
+
+class Session:
+    """A simulation in a process of its own, for windows to watch and to drive.
+
+    Parameters
+    ----------
+    recipe
+        What is simulated.
+    out
+        The folder that the run is written into as it goes, new or empty.
+    project
+        The folder that scenarios and runs are saved in; the present one if not given.
+    patience
+        After how long [s] without an answer a controller is said to hang.
+    """
+
+    def __init__(
+        self, recipe: Recipe, *, out: Path | None = None, project: Path | None = None, patience: float = 5.0
+    ) -> None:
+        self.recipe = recipe
+        self.project = (project or Path.cwd()).absolute()
+        self.remarks: list[str] = []  # for the user, at the start
+        self._out = out
+        self._patience = patience
+        self._lock = threading.RLock()
+        self._link: Link | None = None
+        self._scene: Scene | None = None
+        self._windows: dict[str, None] = {}
+        self._holder = ""
+        self._asking: list[str] = []
+        # Of the newest frame: the session's number, the child's, and its bytes.
+        self._number, self._child_number, self._frame = 0, 0, b""
+        self._is_frame_asked = False
+        self._waiters: list[tuple[int, asyncio.AbstractEventLoop, asyncio.Future[bytes]]] = []
+        self._epoch = 0
+        self._hang: dict[str, Any] | None = None  # what the child, or its end, tells of a controller that hangs
+        self._state: Answer = {}
+        self._is_closed = threading.Event()
+
+    # ----------------------------------------------------------------------------------------------- beginning and end
+
+    def start(self) -> Scene:
+        """Start the simulation; returns its scene once it is made.
+
+        Raises
+        ------
+        AmorsimError
+            If the scenario cannot be simulated, with what `amorsim run` would say.
+        """
+        self._begin({"inputs": [], "tick": 0})
+        threading.Thread(target=self._watch, name="amorsim-watch", daemon=True).start()
+        assert self._scene is not None
+        return self._scene
+
+    def _begin(self, rest: dict[str, Any]) -> None:
+        order = {
+            "recipe": self.recipe.to_json(),
+            "out": str(self._out) if self._out else "",
+            "epoch": self._epoch,
+            **rest,
+        }
+        link = Link(order, on_frame=self._take_frame, on_end=self._ended)
+        self._link = link
+        try:
+            ready = link.ready.result(LONGEST_START)
+        except BaseException:
+            link.close(0.0)
+            raise
+        with self._lock:
+            self._scene, self.remarks = ready["scene"], ready["remarks"]
+            self._hang = None
+            self._is_frame_asked = False
+            self._child_number = 0
+            if self._waiters:
+                self._want_frame()
+
+    def close(self) -> None:
+        """End the simulation, with whole files, within two seconds."""
+        self._is_closed.set()
+        link = self._link
+        if link is not None:
+            link.close()
+        with self._lock:
+            waiters, self._waiters = self._waiters, []
+        for _, loop, waiter in waiters:
+            _settle(loop, waiter, None)
+
+    def __enter__(self) -> Session:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # --------------------------------------------------------------------------------------------------------- windows
+
+    def join(self) -> str:
+        """Let a new window watch; returns the word by which it is known. The first has the controls."""
+        window = secrets.token_urlsafe(12)
+        with self._lock:
+            self._windows[window] = None
+            if not self._holder:
+                self._holder = window
+        return window
+
+    def leave(self, window: str) -> None:
+        """Let a window go; what it drove by hand stands."""
+        with self._lock:
+            self._windows.pop(window, None)
+            self._asking = [one for one in self._asking if one != window]
+            held = self._holder == window
+            if held:
+                self._holder = ""
+        if held:
+            with contextlib.suppress(AmorsimError):
+                self._send({"do": "stop"})
+
+    @property
+    def holder(self) -> str:
+        """The window that has the controls, or nothing."""
+        return self._holder
+
+    def _controls(self, window: str, command: Table) -> Answer:
+        want, to = command.get("want"), command.get("to")
+        with self._lock:
+            if want == "take":
+                if self._holder not in ("", window):
+                    raise AmorsimError("another window has the controls; ask for them")
+                self._holder = window
+            elif want == "ask":
+                if self._holder in ("", window):
+                    self._holder = window
+                elif window not in self._asking:
+                    self._asking.append(window)
+            elif want == "give":
+                if self._holder != window:
+                    raise AmorsimError("this window does not have the controls")
+                if to is not None and to not in self._windows:
+                    raise AmorsimError("there is no such window any more")
+                self._holder = str(to) if to else (self._asking[0] if self._asking else "")
+            else:
+                raise AmorsimError(f"want: expected 'take', 'ask' or 'give', got {want!r}")
+            self._asking = [one for one in self._asking if one != self._holder]
+            return {"ok": True, "holder": self._holder, "asking": list(self._asking)}
+
+    # -------------------------------------------------------------------------------------------------------- commands
+
+    @property
+    def scene(self) -> Scene:
+        """All that stays as it is while the simulation runs."""
+        if self._scene is None:
+            raise AmorsimError("the simulation has not been started")
+        return self._scene
+
+    async def ask(self, window: str, command: Table) -> Answer:
+        """The answer to a window's command (see `amorsim.ui.protocol`)."""
+        name = command.get("do")
+        try:
+            if window not in self._windows:
+                raise AmorsimError("this window is not known any more; load the page again")
+            if name in _INNER:
+                raise AmorsimError(f"there is no command {name!r}")
+            if name == "controls":
+                return self._controls(window, command)
+            if name not in LOOKING and self._holder != window and name != "select":
+                raise AmorsimError("another window has the controls; ask for them")
+            if name in _OWN:
+                return await asyncio.to_thread(self._own, command)
+            if name == "state":
+                return await self._told_state(command)
+            if self._hang is not None:
+                raise AmorsimError(f"the simulation does not answer: {self._hang['text']}")
+            return await asyncio.wrap_future(self._send(command))
+        except AmorsimError as error:
+            return {"ok": False, "error": str(error)}
+
+    def request(self, command: Table) -> Answer:
+        """The answer to a command from Python, which needs no controls; waits for it."""
+        try:
+            if command.get("do") in _OWN:
+                return self._own(command)
+            return self._send(command).result(LONGEST_ANSWER)
+        except AmorsimError as error:
+            return {"ok": False, "error": str(error)}
+
+    def _send(self, command: Table) -> concurrent.futures.Future[Answer]:
+        link = self._link
+        if link is None or self._is_closed.is_set():
+            raise AmorsimError("the simulation has ended")
+        return link.send(command)
+
+    def _own(self, command: Table) -> Answer:
+        name = command["do"]
+        if name == "restart":
+            return self._restart(command)
+        if name == "save_run":
+            job = self._demand({"do": "job"})
+            answer = save_run(self.project, self.recipe, job, command.get("name"), self.scene["scenario"])
+            self._remark("saved", f"the run was saved in {answer['folder']}")
+            return answer
+        file = place_for(self.project, command.get("name"), ".toml")
+        if file.exists() and not command.get("overwrite"):
+            raise AmorsimError(f"{file.name} is there already; name another file")
+        self._demand({"do": "write_scenario", "file": str(file)})
+        self._remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
+        return {"ok": True, "file": str(file)}
+
+    def _demand(self, command: Table) -> Answer:
+        answer = self._send(command).result(LONGEST_ANSWER)
+        if not answer["ok"]:
+            raise AmorsimError(answer["error"])
+        return answer
+
+    def _remark(self, kind: str, text: str, **more: str) -> None:
+        with contextlib.suppress(AmorsimError):
+            self._send({"do": "remark", "kind": kind, "text": text, **more})
+
+    async def _told_state(self, command: Table) -> Answer:
+        if self._hang is None:
+            with contextlib.suppress(AmorsimError):
+                self._state = await asyncio.wrap_future(self._send(command))
+        return {**self._state, **self._told_hang(), "holder": self._holder, "asking": list(self._asking)}
+
+    def _told_hang(self) -> Answer:
+        hang = self._hang
+        if hang is None:
+            return {}
+        line = {
+            "number": 0,
+            "tick": hang["tick"],
+            "time": hang["tick"] * self.scene["dt"],
+            "kind": "hang",
+            "robot": hang["robot"],
+            "text": hang["text"],
+            "point": None,
+            "stack": hang["stack"],
+        }
+        return {"ok": True, "status": hang["status"], "fault": line}
+
+    # ---------------------------------------------------------------------------------------------------------- frames
+
+    async def newest_frame(self, after: int = 0) -> bytes:
+        """The newest frame whose number is above `after`, as soon as there is one; nothing once the session ends.
+
+        Frames are made only while somebody waits for one, at most 40 in a second.
+        """
+        loop = asyncio.get_running_loop()
+        with self._lock:
+            if self._number > after:
+                return self._frame
+            if self._is_closed.is_set():
+                return b""
+            waiter: asyncio.Future[bytes] = loop.create_future()
+            self._waiters.append((after, loop, waiter))
+            self._want_frame()
+        try:
+            return await waiter
+        finally:
+            with self._lock:
+                self._waiters = [one for one in self._waiters if one[2] is not waiter]
+
+    def _want_frame(self) -> None:
+        link = self._link
+        if not self._is_frame_asked and link is not None and link.is_alive:
+            self._is_frame_asked = True
+            link.tell({"do": "frame", "after": self._child_number})
+
+    def _take_frame(self, data: bytes) -> None:
+        header = FRAME_HEADER.unpack_from(data)
+        with self._lock:
+            self._is_frame_asked = False
+            self._child_number, self._epoch = header[2], header[3]
+            self._publish(data, header[9])
+
+    def _publish(self, data: bytes, flags: int) -> None:
+        self._number += 1
+        self._frame = with_flags(data, self._number, flags)
+        waiters, self._waiters = self._waiters, []
+        for _, loop, waiter in waiters:
+            _settle(loop, waiter, self._frame)
+
+    def _mark_hang(self) -> None:
+        with self._lock:
+            if self._frame:
+                flags = FRAME_HEADER.unpack_from(self._frame)[9] & ~FrameFlag.RUNNING
+                self._publish(self._frame, flags | FrameFlag.HANG)
+
+    # -------------------------------------------------------------------------------------------------------- watching
+
+    def _watch(self) -> None:
+        """Ask the child for signs of life, and tell when a controller holds it up."""
+        while not self._is_closed.wait(BETWEEN_PINGS):
+            link = self._link
+            if link is None or not link.is_alive:
+                continue
+            sign = self._sign(link)
+            if link is not self._link or not link.is_alive:
+                continue
+            if sign is None:
+                self._note_hang("hang", "it gives no sign of life", link.tick, "", "")
+            elif sign["held"] > self._patience and "stack" in sign:
+                text = f"the controller of {sign['robot'] or 'a robot'} has not returned for {sign['held']:.0f} s"
+                self._note_hang("hang", text, sign["tick"], sign["robot"], sign["stack"])
+            elif self._hang is not None and self._hang["status"] == "hang":
+                self._hang = None
+                with self._lock:
+                    self._want_frame()
+
+    def _sign(self, link: Link) -> Answer | None:
+        try:
+            sign = link.send({"do": "ping", "patience": self._patience}).result(self._patience + BETWEEN_PINGS)
+        except (concurrent.futures.TimeoutError, AmorsimError):
+            return None
+        link.tick = sign["tick"]
+        return sign
+
+    def _note_hang(self, status: str, text: str, tick: int, robot: str, stack: str) -> None:
+        is_new = self._hang is None or self._hang["status"] != status
+        self._hang = {"status": status, "text": text, "tick": tick, "robot": robot, "stack": stack}
+        if is_new:
+            self._mark_hang()
+
+    def _ended(self, link: Link) -> None:
+        """The child's end that nobody asked for."""
+        if self._is_closed.is_set() or link is not self._link or self._scene is None:
+            return
+        robot = self._hang["robot"] if self._hang else ""
+        self._note_hang("gone", f"the simulation has ended by itself ({link.end})", link.tick, robot, link.last_words)
+
+    # ------------------------------------------------------------------------------------------------------ restarting
+
+    def _restart(self, command: Table) -> Answer:
+        """Break off the controller that hangs; where that does not help, or the child is gone, start another child."""
+        link, hang = self._link, self._hang
+        assert link is not None
+        without = command.get("without")
+        if without is None:
+            without = [hang["robot"]] if hang is not None and hang["robot"] else []
+        if not isinstance(without, list) or not all(isinstance(name, str) for name in without):
+            raise AmorsimError(f"without: expected a list of robots' names, got {without!r}")
+        if link.is_alive and (hang is None or hang["status"] == "hang"):
+            link.tell({"do": "interrupt"})
+            if self._is_back(link):
+                self._hang = None
+                for name in without:
+                    self._demand({"do": "hand_over", "robot": name, "to": "hand"})
+                self._remark("restarted", "the step was broken off and taken back")
+                return {"ok": True, "again": False}
+        tick, inputs = link.tick, list(link.inputs)
+        inputs += [{"tick": tick, "do": "hand_over", "robot": name, "value": "hand", "path": ""} for name in without]
+        link.close(0.0)
+        self._epoch += 1
+        self._begin({"inputs": inputs, "tick": tick})
+        self._remark("restarted", "it was started again, and led to where it was")
+        return {"ok": True, "again": True}
+
+    def _is_back(self, link: Link) -> bool:
+        deadline = time.monotonic() + LONGEST_INTERRUPT
+        while time.monotonic() < deadline and link.is_alive:
+            try:
+                sign = link.send({"do": "ping", "patience": self._patience}).result(0.2)
+                if sign["held"] == 0.0:
+                    return True
+            except (concurrent.futures.TimeoutError, AmorsimError):
+                return False
+            time.sleep(0.02)
+        return False
+
+
+def _settle(loop: asyncio.AbstractEventLoop, waiter: asyncio.Future[bytes], data: bytes | None) -> None:
+    def settle() -> None:
+        if not waiter.done():
+            waiter.set_result(data or b"")
+
+    with contextlib.suppress(RuntimeError):  # the loop has ended
+        loop.call_soon_threadsafe(settle)

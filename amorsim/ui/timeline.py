@@ -1,0 +1,117 @@
+"""What of a running simulation is kept to look back on: poses of every tick, and snapshots now and then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import SnapshotError
+from amorsim.simulation.simulation import Simulation
+from amorsim.simulation.snapshot import Snapshot
+
+__all__ = ["Paths", "Snapshots"]
+
+Array = npt.NDArray[np.float64]
+
+MOST_BYTES_OF_PATHS = 64_000_000
+MOST_SNAPSHOTS = 128
+MOST_BYTES_OF_SNAPSHOTS = 256_000_000
+FIRST_STRIDE = 50  # ticks between snapshots, at first
+
+
+class Paths:
+    """True and estimated poses of all robots; every tick at first, every second when memory runs out, and so on."""
+
+    def __init__(self, robots: int, most_bytes: int = MOST_BYTES_OF_PATHS) -> None:
+        self._most = max(4, most_bytes // (24 * max(robots, 1)))
+        self._kept = np.empty((min(1024, self._most), robots, 6), dtype=np.float32)
+        self._count = 0
+        self.stride = 1
+        self.newest = 0
+
+    def keep(self, tick: int, true: Array, estimated: Array) -> None:
+        """Keep the poses `(R, 3)` of a tick; ticks come in order."""
+        self.newest = tick
+        if tick % self.stride:
+            return
+        if self._count == len(self._kept):
+            if self._count >= self._most:
+                self._thin()
+                if tick % self.stride:
+                    return
+            else:
+                self._kept.resize((min(2 * self._count, self._most), *self._kept.shape[1:]), refcheck=False)
+        self._kept[self._count, :, :3] = true
+        self._kept[self._count, :, 3:] = estimated
+        self._count += 1
+
+    def _thin(self) -> None:
+        self._count = (self._count + 1) // 2
+        self._kept[: self._count] = self._kept[: 2 * self._count : 2].copy()
+        self.stride *= 2
+
+    def at(self, tick: int) -> tuple[int, npt.NDArray[np.float32]]:
+        """The last tick at or before `tick` that was kept, and the poses of it: true beside estimated `(R, 6)`."""
+        place = max(0, min(tick // self.stride, self._count - 1))
+        return place * self.stride, self._kept[place]
+
+    def cut(self, tick: int) -> None:
+        """Forget what came after `tick`."""
+        self._count = min(self._count, tick // self.stride + 1)
+        self.newest = min(self.newest, tick)
+
+    def track(self, robot: int, most: int) -> tuple[list[int], Array]:
+        """Ticks and poses `(n, 6)` of one robot, at most so many, the last among them."""
+        every = max(1, -(-self._count // max(most, 2)))
+        # From the end, so that a path ends where its robot is.
+        places = np.arange(self._count - 1, -1, -every)[::-1]
+        return (places * self.stride).tolist(), self._kept[places, robot].astype(float)
+
+
+class Snapshots:
+    """Snapshots by tick, further apart the longer a simulation runs; or the reason why there are none."""
+
+    def __init__(self, most_bytes: int = MOST_BYTES_OF_SNAPSHOTS, stride: int = FIRST_STRIDE) -> None:
+        self._held: dict[int, Snapshot] = {}
+        self._most_bytes = most_bytes
+        self._most = MOST_SNAPSHOTS
+        self.stride = stride
+        self.reason = ""
+
+    def keep(self, simulation: Simulation, tick: int) -> None:
+        """Take a snapshot if one is due at this tick, before anything is given to the simulation at it."""
+        if self.reason or tick % self.stride:
+            return
+        try:
+            self._held[tick] = simulation.snapshot()
+        except SnapshotError as error:
+            self.reason = str(error)
+            self._held.clear()
+            return
+        if len(self._held) == 1:
+            size = max(1, sum(array.nbytes for array in _arrays(self._held[tick])))
+            self._most = max(2, min(MOST_SNAPSHOTS, self._most_bytes // size))
+        if len(self._held) > self._most:
+            self.stride *= 2
+            self._held = {at: snapshot for at, snapshot in self._held.items() if at % self.stride == 0}
+
+    def before(self, tick: int) -> tuple[int, Snapshot] | None:
+        """The last snapshot at or before a tick."""
+        ticks = [at for at in self._held if at <= tick]
+        return (max(ticks), self._held[max(ticks)]) if ticks else None
+
+    def cut(self, tick: int) -> None:
+        """Forget what came after `tick`."""
+        self._held = {at: snapshot for at, snapshot in self._held.items() if at <= tick}
+
+    def __len__(self) -> int:
+        return len(self._held)
+
+
+def _arrays(snapshot: Snapshot) -> Iterator[npt.NDArray[Any]]:
+    for group in snapshot.groups:
+        for held in (*group.arrays.values(), *group.states.values()):
+            yield from held.values()
