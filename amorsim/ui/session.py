@@ -120,10 +120,6 @@ class Session:
         link = self._link
         if link is not None:
             link.close()
-        with self._lock:
-            waiters, self._waiters = self._waiters, []
-        for _, loop, waiter in waiters:
-            _settle(loop, waiter, None)
 
     def __enter__(self) -> Session:
         self.start()
@@ -134,7 +130,7 @@ class Session:
 
     # --------------------------------------------------------------------------------------------------------- windows
 
-    def join(self) -> str:
+    def open_window(self) -> str:
         """Let a new window watch; returns the word by which it is known. The first has the controls."""
         window = secrets.token_urlsafe(12)
         with self._lock:
@@ -143,7 +139,7 @@ class Session:
                 self._holder = window
         return window
 
-    def leave(self, window: str) -> None:
+    def close_window(self, window: str) -> None:
         """Let a window go; what it drove by hand stands."""
         with self._lock:
             self._windows.pop(window, None)
@@ -280,7 +276,7 @@ class Session:
     # ---------------------------------------------------------------------------------------------------------- frames
 
     async def newest_frame(self, after: int = 0) -> bytes:
-        """The newest frame whose number is above `after`, as soon as there is one; nothing once the session ends.
+        """The newest frame whose number is above `after`, as soon as there is one; never, once the session has ended.
 
         Frames are made only while somebody waits for one, at most 40 in a second.
         """
@@ -288,8 +284,6 @@ class Session:
         with self._lock:
             if self._number > after:
                 return self._frame
-            if self._is_closed.is_set():
-                return b""
             waiter: asyncio.Future[bytes] = loop.create_future()
             self._waiters.append((after, loop, waiter))
             self._want_frame()
@@ -407,10 +401,10 @@ class Session:
         return False
 
 
-def _settle(loop: asyncio.AbstractEventLoop, waiter: asyncio.Future[bytes], data: bytes | None) -> None:
+def _settle(loop: asyncio.AbstractEventLoop, waiter: asyncio.Future[bytes], data: bytes) -> None:
     def settle() -> None:
         if not waiter.done():
-            waiter.set_result(data or b"")
+            waiter.set_result(data)
 
     with contextlib.suppress(RuntimeError):  # the loop has ended
         loop.call_soon_threadsafe(settle)
