@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         RunInfo,
         Sensor,
         SensorModel,
+        Sightings,
         State,
         View,
         parameter,
@@ -65,6 +66,8 @@ if TYPE_CHECKING:
         Deviation,
         Distribution,
         Knowledge,
+        Landmark,
+        Light,
         MountedSensor,
         NoiseElement,
         Obstacle,
@@ -80,7 +83,7 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint MapLoader Measurement Motion "
-        "Mount Noise ObstacleFrame Recorder RobotModel RunInfo Sensor SensorModel State View parameter"
+        "Mount Noise ObstacleFrame Recorder RobotModel RunInfo Sensor SensorModel Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -96,7 +99,8 @@ _MODULES = {
     "amorsim.scenario.maps": "load_map save_map",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
-        "Deviation Distribution Knowledge MountedSensor NoiseElement Obstacle Pose Recording Robot Scenario"
+        "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose Recording Robot "
+        "Scenario"
     ),
     "amorsim.simulation.events": "Event",
     "amorsim.runs.reproduce": "reproduce",
@@ -128,6 +132,8 @@ __all__ = [
     "Frame",
     "Joint",
     "Knowledge",
+    "Landmark",
+    "Light",
     "Map",
     "MapError",
     "MapLoader",
@@ -156,6 +162,7 @@ __all__ = [
     "Sensor",
     "SensorModel",
     "Shape",
+    "Sightings",
     "Simulation",
     "SnapshotError",
     "State",

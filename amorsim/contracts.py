@@ -56,6 +56,7 @@ __all__ = [
     "RunInfo",
     "Sensor",
     "SensorModel",
+    "Sightings",
     "State",
     "View",
     "parameter",
@@ -91,6 +92,7 @@ class RobotModel:
     channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
     map: Map | None = None  # `knowledge.map` of the scenario
     landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
+    landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) of the same, 0 where the robot was told none
     names: Sequence[str] = ()  # of the rows' robots, for messages
 
     def who(self, row: int) -> str:
@@ -177,6 +179,14 @@ class BodyStates(NamedTuple):
     is_robot: npt.NDArray[np.bool_]  # (B,) the others are obstacles
 
 
+class Sightings(NamedTuple):
+    """Marks in sight of each row, the nearest first, in a fixed number of slots m; and slots that are empty."""
+
+    range: Array  # (N, m) [m] to the mark's place, inf where the slot is empty
+    bearing: Array  # (N, m) [rad] from the heading of the one who looks, in [-pi, pi]; inf
+    id: npt.NDArray[np.int64]  # (N, m) what is written on it, 1 and up; -1
+
+
 class View(Protocol):
     """All that a sensor or a motion may ask of the world, for its N rows: the truth, read-only."""
 
@@ -214,6 +224,13 @@ class View(Protocol):
 
     def bodies(self) -> BodyStates:
         """Where all bodies of each row's replica are, and how they move."""
+
+    def landmarks(self, slots: int, range_max: Array, half_angle: Array) -> Sightings:
+        """The nearest marks in sight of the sensor's mount: landmarks, and other bodies that carry a fiducial.
+
+        Within `range_max` [m] and `half_angle` [rad] to either side of the mount's heading, both `(N, 1)`. One is in
+        sight if the line to it meets nothing before: no wall, no body but the row's own and the one that carries it.
+        """
 
     def emissions(self, medium: str) -> Emissions:
         """Who fires at this tick, of all sensors whose `medium` it is; for sensors, not for motions."""
@@ -304,6 +321,15 @@ class Sensor(Component, abc.ABC):
     @abc.abstractmethod
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """The ideal reading `(N, k)`, and by name what the chain may need of it (incidence ...), each `(N, k)`."""
+
+    def columns(self) -> Mapping[str, str]:
+        """Names and units of what the values are in turn, where they are not all of one quantity in `unit`.
+
+        With c columns, value i is in column i modulo c: a reading is a table of lines one after another, ``{"range":
+        "m", "bearing": "rad"}`` a range, a bearing, a range ... The same for all of a class with the same static
+        parameters. An element of the chain says which `column` it is for.
+        """
+        return {}
 
     def bearings(self) -> Array | None:
         """Where each value looks [rad], `(1, k)` or `(N, k)` from the mount's heading; for range sensors."""

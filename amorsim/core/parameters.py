@@ -142,7 +142,8 @@ def _describe(cls: type) -> dict[str, Parameter]:
             continue
         default = field.default
         if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
-            default = default.factory()
+            # One that hangs on the other fields is nothing that could be told beforehand.
+            default = None if default.takes_self else default.factory()
         found[field.name] = Parameter(
             name=field.name, type=hints[field.name], default=default, **field.metadata.get(_KEY, {})
         )

@@ -25,6 +25,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.sensor("sonar", "amorsim.sensors.sonar:Sonar")
     registry.sensor("compass", "amorsim.sensors.compass:Compass")
     registry.sensor("gyro", "amorsim.sensors.gyro:Gyro")
+    registry.sensor("fiducial", "amorsim.sensors.fiducial:Fiducial")
     registry.sensor("infrared", "amorsim.sensors.infrared:Infrared")
 
     registry.noise("gaussian", "amorsim.noise.gaussian:Gaussian")

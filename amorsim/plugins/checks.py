@@ -23,7 +23,7 @@ _PLAIN = (float, int, bool, str, types.NoneType)
 RESERVED: dict[str, tuple[str, ...]] = {
     "drive": ("use",),
     "sensor": ("use", "mount", "rate", "latency", "noise"),
-    "noise": ("use", "name"),
+    "noise": ("use", "name", "column"),
     "map_loader": ("use", "map", "landmarks"),
     "motion": ("use",),
     "estimator": ("use",),

@@ -21,7 +21,7 @@ from amorsim.scenario.controller_files import (
 )
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording, column_problem
 from amorsim.scenario.values import check_values
 
 __all__ = [
@@ -67,14 +67,18 @@ def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
     if "noise" in node:
         # Without the sensor nobody knows how its fields are spelt; what else is wrong can be said.
         unit = None if sensor is None else sensor.unit
-        values["noise"] = read_chain(node.child("noise"), registry, unit)
+        values["noise"] = read_chain(node.child("noise"), registry, unit, sensor)
     if sensor is None or node.book.count > before:
         return None
     return MountedSensor(sensor=sensor, **values)
 
 
-def read_chain(node: Node, registry: Registry, unit: str | None) -> tuple[NoiseElement, ...]:
+def read_chain(
+    node: Node, registry: Registry, unit: str | None, sensor: Sensor | None = None
+) -> tuple[NoiseElement, ...]:
     """The elements of a noise chain in a list of tables; `unit` is that of the values, None if not known.
+
+    Where a `sensor` has columns, an element's ``column`` says which it is for, and so in what unit it is.
 
     An element without a name is called after its ``use``, the second of a kind ``<use>_2`` and so on.
     """
@@ -96,16 +100,32 @@ def read_chain(node: Node, registry: Registry, unit: str | None) -> tuple[NoiseE
         if unit is None:
             _class(item, "noise", registry)
             continue
-        noise = _read(item, "noise", registry, ("use", "name"), unit)
+        column = _column(item, registry, sensor)
+        its_unit = unit if not column or sensor is None else sensor.columns().get(column, unit)
+        noise = _read(item, "noise", registry, ("use", "name", "column"), its_unit)
         try:
             # A name is looked at even where the rest of the element is at fault.
-            element = NoiseElement(name=name, noise=noise)
+            element = NoiseElement(name=name, noise=noise, column=column)
         except ParameterError as error:
             item.child("name").fault(error.problem)
         else:
             if noise is not None:
                 elements.append(element)
     return tuple(elements)
+
+
+def _column(item: Node, registry: Registry, sensor: Sensor | None) -> str:
+    """The column that an element is for, empty for all; a fault where the sensor has none of that name."""
+    child = item.child("column")
+    column = child.text("the name of a column", default="") or ""
+    use = item.value.get("use")
+    if sensor is not None and isinstance(use, str) and use in registry.names("noise"):
+        problem = column_problem(sensor, registry.get("noise", use), column)
+        if problem:
+            child.fault(problem)
+    elif column and sensor is None:
+        child.fault("this chain has no columns")
+    return column
 
 
 def _free_name(use: str, taken: set[str], given: list[Any]) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import types
+from collections.abc import Mapping
 from typing import Any
 
 from amorsim.controllers.user import UserController
@@ -13,7 +15,7 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import write_shape
 from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
-from amorsim.scenario.models import FORMAT
+from amorsim.scenario.models import FORMAT, LOOKS
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 
@@ -43,6 +45,9 @@ def document_of(scenario: Scenario, *, registry: Registry | None = None, maps_in
     return document
 
 
+_ONE_QUANTITY: Mapping[str, str] = types.MappingProxyType({})
+
+
 class _Writer:
     """One method a thing; collects what cannot be written."""
 
@@ -64,6 +69,9 @@ class _Writer:
             document["obstacles"] = [
                 self._obstacle(obstacle, f"obstacles.{i}") for i, obstacle in enumerate(scenario.obstacles)
             ]
+        for key, things in (("landmarks", scenario.landmarks), ("lights", scenario.lights)):
+            if things:
+                document[key] = [write_fields(thing) for thing in things]
         return document
 
     def _fault(self, path: str, message: str) -> None:
@@ -114,6 +122,7 @@ class _Writer:
         if robot.controller is not None:
             written["controller"] = self._controller(robot.controller, f"{path}.controller")
         written["on_collision"] = robot.on_collision
+        written.update(write_fields(robot, names=LOOKS))
         if robot.ground:
             written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
         written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
@@ -130,7 +139,11 @@ class _Writer:
         if robot.knowledge.map is not None:
             knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
         if robot.knowledge.landmarks:
-            knowledge["landmarks"] = [list(point) for point in robot.knowledge.landmarks]
+            points = robot.knowledge.landmarks
+            ids = robot.knowledge.landmark_ids or (0,) * len(points)
+            knowledge["landmarks"] = [
+                {"id": number, "x": x, "y": y} if number else [x, y] for number, (x, y) in zip(ids, points, strict=True)
+            ]
         if knowledge:
             written["knowledge"] = knowledge
         return written
@@ -149,14 +162,17 @@ class _Writer:
         written["mount"] = write_fields(mounted.mount)
         written.update(write_fields(mounted, names=("rate", "latency")))
         if mounted.noise:
-            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit)
+            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
         return written
 
-    def _chain(self, chain: tuple[NoiseElement, ...], path: str, unit: str) -> list[dict[str, Any]]:
+    def _chain(
+        self, chain: tuple[NoiseElement, ...], path: str, unit: str, columns: Mapping[str, str] = _ONE_QUANTITY
+    ) -> list[dict[str, Any]]:
         written = []
         for i, element in enumerate(chain):
-            fields = self._component("noise", element.noise, f"{path}.{i}", unit)
-            written.append({"use": fields.pop("use", ""), "name": element.name, **fields})
+            fields = self._component("noise", element.noise, f"{path}.{i}", columns.get(element.column, unit))
+            column = {"column": element.column} if element.column else {}
+            written.append({"use": fields.pop("use", ""), "name": element.name, **column, **fields})
         return written
 
     def _controller(self, controller: Any, path: str, kind: str = "controller") -> dict[str, Any]:
@@ -175,6 +191,7 @@ class _Writer:
     def _obstacle(self, obstacle: Obstacle, path: str) -> dict[str, Any]:
         written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
         written["pose"] = write_fields(obstacle.pose)
+        written.update(write_fields(obstacle, names=LOOKS))
         if obstacle.motion is not None:
             written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")
         return written

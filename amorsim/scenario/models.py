@@ -12,9 +12,10 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Node, Source, shown
 
-__all__ = ["FORMAT", "MODEL_KEYS", "check_format", "drop_removed", "merge_models", "read_toml"]
+__all__ = ["FORMAT", "LOOKS", "MODEL_KEYS", "check_format", "drop_removed", "merge_models", "read_toml"]
 
 FORMAT = 1
+LOOKS = ("fiducial", "height", "colour")  # of a robot or an obstacle
 MODEL_KEYS = (
     "format",
     "description",
@@ -25,6 +26,7 @@ MODEL_KEYS = (
     "estimators",
     "controller",
     "on_collision",
+    *LOOKS,
 )
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")

@@ -21,16 +21,16 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_recording
 from amorsim.scenario.document import document_of
 from amorsim.scenario.faults import Book, Node, Source
-from amorsim.scenario.fields import file_fields, read_fields
+from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.robots import read_obstacle, read_robot
-from amorsim.scenario.spec import Robot, Scenario
+from amorsim.scenario.spec import Landmark, Light, Robot, Scenario
 from amorsim.scenario.worlds import Maps, start_of
 
 __all__ = ["load", "loads", "scenario_for_map"]
 
-_KEYS = ("format", "description", "world", "simulation", "recording", "robots", "obstacles")
+_KEYS = ("format", "description", "world", "simulation", "recording", "robots", "obstacles", "landmarks", "lights")
 _TIMES = ("dt", "duration", "seed")
 
 
@@ -137,6 +137,10 @@ def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
         values.update(read_fields(node, fields))
     if "recording" in top:
         values["recording"] = read_recording(top.child("recording"), registry)
+    for key, kind in (("landmarks", Landmark), ("lights", Light)):
+        things = top.child(key)
+        if things.value is not None and things.expect_list(f"a list of tables, [[{key}]]"):
+            values[key] = [thing for thing in (read_component(kind, item) for item in things.items()) if thing]
 
     robots = top.child("robots")
     read: list[Robot | None] = []
@@ -145,7 +149,7 @@ def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
     elif robots.expect_list("a list of tables, [[robots]]"):
         for node in robots.items():
             drop_removed(node.value)
-            read.append(read_robot(node, maps, world, registry))
+            read.append(read_robot(node, maps, world, registry, values.get("landmarks", ())))
     obstacles = top.child("obstacles")
     bodies = []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):

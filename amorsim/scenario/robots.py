@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from amorsim.core.map import Map
@@ -20,7 +21,8 @@ from amorsim.scenario.components import (
 from amorsim.scenario.deviations import read_deviations
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_fields
-from amorsim.scenario.spec import Obstacle, Pose, Robot
+from amorsim.scenario.models import LOOKS
+from amorsim.scenario.spec import Landmark, Obstacle, Pose, Robot
 from amorsim.scenario.worlds import Maps
 
 __all__ = ["read_obstacle", "read_robot"]
@@ -39,11 +41,14 @@ _ROBOT_KEYS = (
     "on_collision",
     "errors",
     "knowledge",
+    *LOOKS,
 )
-_OBSTACLE_KEYS = ("name", "shape", "pose", "motion")
+_OBSTACLE_KEYS = ("name", "shape", "pose", "motion", *LOOKS)
 
 
-def read_robot(node: Node, maps: Maps, world: Map | None, registry: Registry) -> Robot | None:
+def read_robot(
+    node: Node, maps: Maps, world: Map | None, registry: Registry, marks: Sequence[Landmark] = ()
+) -> Robot | None:
     """The robot in a table that its model was merged into, None after faults; its pose may be None."""
     if not node.expect_table("a table: name, model, pose, controller ..."):
         return None
@@ -73,8 +78,8 @@ def read_robot(node: Node, maps: Maps, world: Map | None, registry: Registry) ->
     if "pose" in node:
         values["pose"] = read_pose(node.child("pose"))
     if "knowledge" in node:
-        values["knowledge"] = maps.read_knowledge(node.child("knowledge"), world)
-    values.update(read_fields(node, file_fields(Robot, names=("on_collision",))))
+        values["knowledge"] = maps.read_knowledge(node.child("knowledge"), world, marks)
+    values.update(read_fields(node, file_fields(Robot, names=("on_collision", *LOOKS))))
     if "errors" in node:
         pose = values.get("pose", Pose())
         values["errors"] = read_deviations(node.child("errors"), {"drive": drive, "sensors": sensors, "pose": pose})
@@ -99,7 +104,14 @@ def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | Non
         values["pose"] = read_pose(node.child("pose"))
     if "motion" in node:
         values["motion"] = read_motion(node.child("motion"), registry)
-    return Obstacle(**values) if node.book.count == before else None
+    values.update(read_fields(node, file_fields(Obstacle, names=LOOKS)))
+    if node.book.count > before:
+        return None
+    try:
+        return Obstacle(**values)
+    except ParameterError as error:
+        node.child(error.name).fault(error.problem)
+        return None
 
 
 def _name(node: Node, default: str) -> str:

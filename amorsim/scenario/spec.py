@@ -16,6 +16,7 @@ import attrs
 
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
+from amorsim.core.errors import did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
@@ -25,6 +26,8 @@ __all__ = [
     "Deviation",
     "Distribution",
     "Knowledge",
+    "Landmark",
+    "Light",
     "MountedSensor",
     "NoiseElement",
     "Obstacle",
@@ -32,6 +35,7 @@ __all__ = [
     "Recording",
     "Robot",
     "Scenario",
+    "column_problem",
 ]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
@@ -94,10 +98,14 @@ class Deviation:
 
 @attrs.frozen(kw_only=True)
 class NoiseElement:
-    """An element of a noise chain, with a name that is unique in it (its draws hang on the name)."""
+    """An element of a noise chain, with a name that is unique in it (its draws hang on the name).
+
+    `column` is which of its sensor's columns it is for, where the sensor has any (`Sensor.columns`); without it, all.
+    """
 
     name: str = attrs.field(validator=_check_name)
     noise: Noise
+    column: str = ""
 
 
 def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
@@ -127,13 +135,80 @@ class MountedSensor:
     latency: float = parameter(0.0, unit="s", ge=0, le=60, live=False, help="until a reading arrives")
     noise: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
 
+    def __attrs_post_init__(self) -> None:
+        for element in self.noise:
+            problem = column_problem(self.sensor, type(element.noise), element.column)
+            if problem:
+                raise ParameterError("noise", f"{element.name}: column: {problem}")
+
+
+def column_problem(sensor: Sensor, noise: type, column: str) -> str:
+    """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
+    columns = sensor.columns()
+    if column in columns:
+        return ""
+    known = ", ".join(repr(name) for name in columns)
+    if column:
+        what = f"one of {known}" if columns else "none, for all its values are of one quantity"
+        return f"expected {what}, got {column!r}.{did_you_mean(column, columns)}"
+    if columns and any(parameter.unit == "sensor" for parameter in describe(noise).values()):
+        return f"missing; the values are of several quantities, so say which: {known}"
+    return ""
+
+
+@attrs.frozen(kw_only=True)
+class Landmark:
+    """A mark that can be recognised: a disc that nothing touches, and that hides nothing."""
+
+    id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")
+    x: float = parameter(0.0, unit="m", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", help="up in the world")
+    radius: float = parameter(
+        0.05, unit="m", ge=0, le=100, help="of the disc: it is in sight if the line of sight comes so near to its place"
+    )
+    height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
+    colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
+
+    def __attrs_post_init__(self) -> None:
+        _check_colour(self.colour)
+
+
+@attrs.frozen(kw_only=True)
+class Light:
+    """A lamp, the same in all directions; walls and bodies are in its way, itself it is in nobody's."""
+
+    x: float = parameter(0.0, unit="m", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", help="up in the world")
+    intensity: float = parameter(1.0, unit="cd", ge=0, help="how much it shines")
+
+
+def _check_colour(colour: str | None) -> None:
+    if colour is None:
+        return
+    from PIL import ImageColor
+
+    try:
+        ImageColor.getrgb(colour)
+    except ValueError:
+        raise ParameterError("colour", f"expected a colour's name in CSS, or '#rrggbb', got {colour!r}") from None
+
 
 @attrs.frozen(kw_only=True)
 class Knowledge:
-    """What a robot is told of the world; it may differ from it."""
+    """What a robot is told of the world; it may differ from it.
+
+    `landmark_ids` are those of the `landmarks`, 0 for one that it could not tell from others; none for all of them.
+    """
 
     map: Map | None = None
     landmarks: tuple[tuple[float, float], ...] = ()
+    landmark_ids: tuple[int, ...] = ()
+
+    def __attrs_post_init__(self) -> None:
+        if self.landmark_ids and len(self.landmark_ids) != len(self.landmarks):
+            raise ParameterError(
+                "landmark_ids", f"expected one for each of {len(self.landmarks)} landmarks, got {self.landmark_ids}"
+            )
 
 
 def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, MountedSensor]:
@@ -192,6 +267,12 @@ class Robot:
     errors: dict[str, Deviation] = attrs.field(factory=dict, validator=_check_errors)
     pose: Pose | None = None
     knowledge: Knowledge = attrs.field(factory=Knowledge)
+    fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
+    height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
+    colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
+
+    def __attrs_post_init__(self) -> None:
+        _check_colour(self.colour)
 
 
 def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:
@@ -215,11 +296,17 @@ class Obstacle:
     shape: Shape
     motion: Motion | None = attrs.field(default=None, converter=_motion)
     pose: Pose = attrs.field()
+    fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
+    height: float = parameter(1.0, unit="m", gt=0, help="above the ground, to its top; for cameras")
+    colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
 
     @pose.default
     def _begin(self) -> Pose:
         place = None if self.motion is None else self.motion.begins_at()
         return Pose() if place is None else Pose(x=place[0], y=place[1], heading=place[2])
+
+    def __attrs_post_init__(self) -> None:
+        _check_colour(self.colour)
 
 
 @attrs.frozen(kw_only=True)
@@ -244,6 +331,14 @@ def _obstacles(given: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
     return tuple(given)
 
 
+def _landmarks(given: Iterable[Landmark]) -> tuple[Landmark, ...]:
+    return tuple(given)
+
+
+def _lights(given: Iterable[Light]) -> tuple[Light, ...]:
+    return tuple(given)
+
+
 @attrs.frozen(kw_only=True, eq=False)
 class Scenario:
     """A world, the robots in it, and how time runs.
@@ -255,6 +350,8 @@ class Scenario:
     map: Map
     robots: tuple[Robot, ...] = attrs.field(converter=_robots)
     obstacles: tuple[Obstacle, ...] = attrs.field(default=(), converter=_obstacles)
+    landmarks: tuple[Landmark, ...] = attrs.field(default=(), converter=_landmarks)
+    lights: tuple[Light, ...] = attrs.field(default=(), converter=_lights)
     dt: float = parameter(0.1, unit="s", gt=0, le=10, help="length of a step")
     duration: float = parameter(60.0, unit="s", gt=0, help="simulated time of a run")
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")

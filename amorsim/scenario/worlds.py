@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from pathlib import Path
+
+import attrs
 
 from amorsim.core.errors import MapError, PluginError
 from amorsim.core.map import Map
+from amorsim.core.parameters import parameter
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.faults import Node
+from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.maps import MapFile, find_loader, read_map
-from amorsim.scenario.spec import Knowledge, Pose
+from amorsim.scenario.spec import Knowledge, Landmark, Pose
 
 __all__ = ["Maps", "start_of"]
 
@@ -59,29 +63,57 @@ class Maps:
                 return None
         return self._read[file]
 
-    def read_knowledge(self, node: Node, world: Map | None) -> Knowledge | None:
-        """What a robot is told: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``."""
+    def read_knowledge(self, node: Node, world: Map | None, marks: Sequence[Landmark]) -> Knowledge | None:
+        """What a robot is told: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``.
+
+        A landmark may be ``{ id, x, y }`` too; ``"world"`` for all of them is what there really is, `marks`.
+        """
         if not node.expect_table():
             return None
         before = node.book.count
         known = None
         if set(node.value) - {"landmarks"}:
             known = self.read(node, ("landmarks",), like=world)
-        landmarks = []
+        landmarks: list[tuple[int, float, float]] = []
         child = node.child("landmarks")
-        if "landmarks" in node and child.expect_list("a list of points [[x, y], ...] [m]"):
-            for point in child.items():
-                pair = point.value
-                if not (isinstance(pair, list) and len(pair) == 2 and all(_is_number(number) for number in pair)):
-                    point.fault(f"expected [x, y], two finite numbers [m], got {pair!r}")
-                    continue
-                landmarks.append((float(pair[0]), float(pair[1])))
-        return None if node.book.count > before else Knowledge(map=known, landmarks=tuple(landmarks))
+        if child.value == "world":
+            landmarks = [(mark.id, mark.x, mark.y) for mark in marks]
+        elif "landmarks" in node and child.expect_list("a list of points [[x, y], ...] [m], or 'world'"):
+            landmarks = [mark for mark in map(_read_landmark, child.items()) if mark is not None]
+        if node.book.count > before:
+            return None
+        ids = tuple(number for number, _, _ in landmarks)
+        return Knowledge(
+            map=known,
+            landmarks=tuple((x, y) for _, x, y in landmarks),
+            landmark_ids=ids if any(ids) else (),
+        )
 
     def _path(self, node: Node) -> Path | None:
         name = node.text("the path of a map file")
         # Not resolve(): where a link leads is the file system's business, what the file is called the user's.
         return None if name is None else Path(os.path.abspath(node.folder / name))  # noqa: PTH100
+
+
+def _read_landmark(node: Node) -> tuple[int, float, float] | None:
+    """A landmark that a robot is told, as [x, y] or { id, x, y }; id 0 for none."""
+    if node.is_table:
+        mark = read_component(_Known, node)
+        return None if mark is None else (mark.id, mark.x, mark.y)
+    pair = node.value
+    if not (isinstance(pair, list) and len(pair) == 2 and all(_is_number(number) for number in pair)):
+        node.fault(f"expected [x, y], two finite numbers [m], or {{ id, x, y }}, got {shown(pair)}")
+        return None
+    return 0, float(pair[0]), float(pair[1])
+
+
+@attrs.frozen(kw_only=True)
+class _Known:
+    """A landmark that a robot is told, with its id."""
+
+    id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")
+    x: float = parameter(unit="m", help="to the right in the world")
+    y: float = parameter(unit="m", help="up in the world")
 
 
 def _is_number(value: object) -> bool:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
+from amorsim.sensors.fiducial import Fiducial
 from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
 
-__all__ = ["Compass", "Encoder", "Gyro", "Infrared", "Laser", "Sonar"]
+__all__ = ["Compass", "Encoder", "Fiducial", "Gyro", "Infrared", "Laser", "Sonar"]

@@ -15,6 +15,7 @@ from amorsim.kernels import bodies as body_kernels
 from amorsim.kernels import body_hash, body_rays
 from amorsim.kernels import contact as contact_kernels
 from amorsim.kernels.body_hash import BodyHash
+from amorsim.simulation.surroundings import Surroundings
 
 __all__ = ["Emitted", "World"]
 
@@ -48,6 +49,8 @@ class World:
         replaced, never changed.
     room, room_at
         How far [m] each body can go and meet no wall `(T,)`, 0 where that is not known, and the poses it is said of.
+    surroundings
+        Marks, lamps, and how bodies look.
     emissions
         What fires at this tick, by medium; see `amorsim.simulation.emissions`.
     first
@@ -70,8 +73,10 @@ class World:
         replicas: int,
         threads: int = 1,
         robots: int | None = None,
+        surroundings: Surroundings | None = None,
     ) -> None:
         self.map = map_
+        self.surroundings = Surroundings.of(()) if surroundings is None else surroundings
         self.workers = Workers(threads)
         self.names = tuple(names)
         self.shapes = tuple(shapes)
@@ -141,11 +146,20 @@ class World:
         return a, b
 
     def cast(
-        self, own: Ints, replica: Ints, origins: Array, cos_b: Array, sin_b: Array, range_max: Array, out: Array
+        self,
+        own: Ints,
+        replica: Ints,
+        origins: Array,
+        cos_b: Array,
+        sin_b: Array,
+        range_max: Array,
+        out: Array,
+        hit: Ints | None = None,
     ) -> None:
         """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
 
-        Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams.
+        Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, as `out` and -1, gets
+        the body that was met, where somebody asks.
         """
         table = self.by_place(self.poses)
 
@@ -164,7 +178,7 @@ class World:
                 sin_b[mine],
                 range_max[a:b],
                 out[a:b],
-                _NOBODY_ASKS,
+                _NOBODY_ASKS if hit is None else hit[a:b],
             )
 
         self.workers.share(len(origins), cos_b.shape[1], part)

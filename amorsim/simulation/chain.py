@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
@@ -51,7 +52,9 @@ class Streams:
 class Chain:
     """The elements in order, with their states and draws."""
 
-    def __init__(self, elements: Sequence[NoiseElement], streams: Streams, *where: str) -> None:
+    def __init__(
+        self, elements: Sequence[NoiseElement], streams: Streams, *where: str, columns: Sequence[str] = ()
+    ) -> None:
         self.names = [element.name for element in elements]
         self.draws = [streams.draws(*where, "noise", name) for name in self.names]
         self.states: list[State] = [{} for _ in self.names]
@@ -59,6 +62,9 @@ class Chain:
         kinds = [type(element.noise) for element in elements]
         self.aims = [i for i, kind in enumerate(kinds) if kind.aim is not Noise.aim]
         self.corrupts = [i for i, kind in enumerate(kinds) if kind.corrupt is not Noise.corrupt]
+        # Of elements for one column of a table of values: where it begins; and how many columns there are.
+        self.column = [columns.index(element.column) if element.column else None for element in elements]
+        self.columns = len(columns)
         self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
@@ -67,7 +73,11 @@ class Chain:
 
     def start(self, context: Context) -> list[State]:
         """The elements' states at the start of an episode."""
-        return [dict(element.start(context)) for element in self.elements]
+        part = attrs.evolve(context, size=context.size // self.columns) if self.columns else context
+        return [
+            dict(element.start(context if column is None else part))
+            for element, column in zip(self.elements, self.column, strict=True)
+        ]
 
     def aim(self, elapsed: Array) -> Aim:
         """Where the device really looks."""
@@ -86,5 +96,28 @@ class Chain:
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
         """What the values `(N, k)` become on their way through the chain."""
         for i in self.corrupts:
-            values = self.elements[i].corrupt(values, side, elapsed, self.states[i], self.draws[i])
+            column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
+            if column is None:
+                values = element.corrupt(values, side, elapsed, state, draws)
+            else:
+                mine = slice(column, None, self.columns)
+                part = np.ascontiguousarray(values[:, mine])
+                values = values.copy()
+                values[:, mine] = element.corrupt(part, _Part(side, mine), elapsed, state, draws)
         return values
+
+
+class _Part(Mapping[str, Array]):
+    """One column of what a sensor tells beside its values, each array made when it is asked for."""
+
+    def __init__(self, side: Mapping[str, Array], columns: slice) -> None:
+        self._side, self._columns = side, columns
+
+    def __getitem__(self, name: str) -> Array:
+        return np.ascontiguousarray(self._side[name][:, self._columns])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._side)
+
+    def __len__(self) -> int:
+        return len(self._side)

@@ -18,6 +18,7 @@ from amorsim.simulation.bodies import World
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.obstacles import ObstacleGroup
+from amorsim.simulation.surroundings import Surroundings
 
 __all__ = ["Fleet"]
 
@@ -55,7 +56,8 @@ class Fleet:
         check_collisions(seed, [*streams, *((obstacle.name, "motion") for obstacle in obstacles)])
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
         names, shapes = [body.name for body in bodies], [body.shape for body in bodies]
-        self.world = World(scenario.map, names, shapes, len(replicas), threads, robots=len(robots))
+        around = Surroundings.of(bodies, scenario.landmarks, scenario.lights)
+        self.world = World(scenario.map, names, shapes, len(replicas), threads, robots=len(robots), surroundings=around)
         self.groups = [
             Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt)
             for members in _partition(robots, group_key)

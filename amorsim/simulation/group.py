@@ -49,7 +49,7 @@ def group_key(robot: Robot) -> Hashable:
         signature(robot.drive),
         robot.shape,
         tuple(
-            (name, signature(unit.sensor), tuple((e.name, signature(e.noise)) for e in unit.noise))
+            (name, signature(unit.sensor), tuple((e.name, e.column, signature(e.noise)) for e in unit.noise))
             for name, unit in robot.sensors.items()
         ),
         tuple((element.name, signature(element.noise)) for element in robot.ground),
@@ -58,6 +58,7 @@ def group_key(robot: Robot) -> Hashable:
         robot.on_collision,
         id(robot.knowledge.map) if robot.knowledge.map is not None else None,
         robot.knowledge.landmarks,
+        robot.knowledge.landmark_ids,
     )
 
 
@@ -150,6 +151,9 @@ class Group:
             channels=self.channels,
             map=knowledge.map,
             landmarks=np.array(knowledge.landmarks, dtype=float) if knowledge.landmarks else None,
+            landmark_ids=np.array(knowledge.landmark_ids or (0,) * len(knowledge.landmarks), dtype=np.int64)
+            if knowledge.landmarks
+            else None,
         )
         self._radius = np.ascontiguousarray(self.drive.rolling_radius())
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}

@@ -34,7 +34,7 @@ class SensorUnit:
     def __init__(self, name: str, specified: MountedSensor, size: int, streams: Streams) -> None:
         self.name = name
         self.size = size
-        self.chain = Chain(specified.noise, streams, "sensor", name)
+        self.chain = Chain(specified.noise, streams, "sensor", name, columns=tuple(specified.sensor.columns()))
         self.draws: Draws = streams.draws("sensor", name)
         self.sensor: Sensor = specified.sensor
         self.state: State = {}

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import BodyStates, Emissions
+from amorsim.contracts import BodyStates, Emissions, Sightings
 from amorsim.core.poses import compose
 from amorsim.kernels import bresenham, cones, poses, scans
+from amorsim.simulation.sights import find_landmarks
 
 if TYPE_CHECKING:
     from amorsim.simulation.bodies import World
@@ -112,6 +113,11 @@ class GroupView:
             own=self._bodies % world.count,
             is_robot=world.is_robot,
         )
+
+    def landmarks(self, slots: int, range_max: Array, half_angle: Array) -> Sightings:
+        """The nearest marks in sight; see `amorsim.contracts.View.landmarks`."""
+        reach, angle = self._per_row(range_max), self._per_row(half_angle)
+        return find_landmarks(self._world, self._bodies, self.pose, slots, reach, angle)
 
     def emissions(self, medium: str) -> Emissions:
         """Who fires at this tick; see `amorsim.contracts.View.emissions`."""

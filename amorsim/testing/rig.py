@@ -26,12 +26,14 @@ from amorsim.core.poses import compose, logarithm
 from amorsim.core.rows import stack, take
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
+from amorsim.scenario.spec import Landmark, Light, Obstacle
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
 from amorsim.simulation.bodies import World
+from amorsim.simulation.surroundings import Surroundings
 from amorsim.simulation.view import GroupView
 from amorsim.testing.variants import variants
 
@@ -65,6 +67,16 @@ def _sensors() -> dict[str, Sensor]:
     }
 
 
+def _surroundings(landmarks: Array) -> Surroundings:
+    """Marks of all kinds and some lamps; in colours, but for the robot."""
+    places = enumerate(landmarks.tolist(), start=1)
+    marks = [Landmark(id=i, x=x, y=y, radius=0.02 * i, colour="blue" if i % 2 else None) for i, (x, y) in places]
+    lights = [Light(x=2.0, y=2.0), Light(x=6.0, y=4.0, intensity=3.0)]
+    robot = Obstacle(name="robot", shape=_BODY)
+    post = Obstacle(name="post", shape=_POST, fiducial=9, colour="red")
+    return Surroundings.of((robot, post, Obstacle(name="box", shape=_BOX, colour="green", height=0.5)), marks, lights)
+
+
 class Rig:
     """Robots whose drives follow some commands, what their sensors read meanwhile, and what they were told.
 
@@ -92,6 +104,7 @@ class Rig:
         self.stacked = {name: stack(variants(sensor, ROWS)) for name, sensor in self.sensors.items()}
         self.mounts = stack(variants(Mount(x=0.05, y=0.01, heading=0.02), ROWS))
         self.landmarks = random.uniform(1.0, 7.0, (5, 2))
+        self.surroundings = _surroundings(self.landmarks)
         self.told = random.uniform((4.0, 3.0, -3.0), (8.0, 5.0, 3.0), (ROWS, 3))
         self.posts = random.uniform(0.5, 7.5, (ROWS, 3))
         self.boxes = random.uniform(0.5, 7.5, (ROWS, 3))
@@ -150,6 +163,7 @@ class Rig:
             channels=self.drive.channels,
             map=self.map,
             landmarks=self.landmarks.copy(),
+            landmark_ids=np.arange(1, 1 + len(self.landmarks)),
         )
 
     def robot(self, rows: Ints) -> RobotModel:
@@ -168,7 +182,9 @@ class Rig:
 
     def view(self, rows: Ints) -> GroupView:
         """A view of the world for rows; `set_view` puts it to a step."""
-        world = World(self.map, ("robot", "post", "box"), (_BODY, _POST, _BOX), len(rows))
+        world = World(
+            self.map, ("robot", "post", "box"), (_BODY, _POST, _BOX), len(rows), surroundings=self.surroundings
+        )
         return GroupView(world, np.arange(len(rows), dtype=np.int64) * 3, DT)
 
     def set_view(self, view: GroupView, rows: Ints, t: int) -> None:

@@ -135,7 +135,7 @@ def test_every_builtin_component_keeps_its_contract(kind, name):
 def test_what_the_mission_names_is_built_in():
     assert BUILTIN.problems == ()
     assert "differential" in BUILTIN.names("drive")
-    assert {"encoder", "laser", "sonar", "compass", "gyro"} <= set(BUILTIN.names("sensor"))
+    assert {"encoder", "laser", "sonar", "compass", "gyro", "infrared", "fiducial"} <= set(BUILTIN.names("sensor"))
     assert {"gaussian", "bias", "scale", "quantize", "saturate", "diffusion"} <= set(BUILTIN.names("noise"))
     assert {"wld", "bmp"} <= set(BUILTIN.names("map_loader"))
     assert "dead_reckoning" in BUILTIN.names("estimator")
