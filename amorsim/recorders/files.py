@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 from amorsim.core.errors import RunError
@@ -25,7 +26,7 @@ class LineFile:
 
     def __init__(self, path: Path, header: str) -> None:
         self.path = path
-        self._lines = [header + "\n"]
+        self._lines = [header.encode() + b"\n"]
         self._size = 0
         self._end = 0  # of what the file holds
         try:
@@ -34,8 +35,9 @@ class LineFile:
             raise self._failure(error) from None
         self.flush()
 
-    def write(self, lines: str) -> None:
-        """Append whole lines, each with its line end."""
+    def write(self, lines: str | bytes) -> None:
+        """Append whole lines, each with its line end; bytes are UTF-8."""
+        lines = lines.encode() if isinstance(lines, str) else lines
         self._lines.append(lines)
         self._size += len(lines)
         if self._size > LARGEST_BUFFER:
@@ -45,7 +47,7 @@ class LineFile:
         """Hand everything over to the system."""
         if not self._lines:
             return
-        data = "".join(self._lines).encode()
+        data = b"".join(self._lines)
         self._lines = []
         self._size = 0
         done = 0
@@ -76,14 +78,21 @@ class LineFiles:
     """The files of a run, which lines reach half a second after they were written, whatever happens meanwhile.
 
     A thread sees to that: a step may take long, and between steps that a user makes by hand any time may pass.
+
+    Parameters
+    ----------
+    hand_over
+        Called before lines are handed over to the system, by that thread or by who closes the files, to write what has
+        been held back elsewhere.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, hand_over: Callable[[], None] | None = None) -> None:
+        self._hand_over = hand_over
         self._files: dict[str, LineFile] = {}
         self._lock = threading.Lock()
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
-        self._problem: RunError | None = None
+        self._problem: Exception | None = None
 
     def add(self, name: str, path: Path, header: str) -> None:
         """Make a file, which `write` then knows by `name`."""
@@ -94,22 +103,28 @@ class LineFiles:
             self._thread = threading.Thread(target=self._keep_flushing, name="amorsim-files", daemon=True)
             self._thread.start()
 
-    def write(self, name: str, lines: str) -> None:
+    def check(self) -> None:
+        """Raise what went wrong since, if anything did."""
+        if self._problem is not None:
+            raise self._problem
+
+    def write(self, name: str, lines: str | bytes) -> None:
         """Append whole lines to a file."""
         with self._lock:
-            if self._problem is not None:
-                raise self._problem
+            self.check()
             self._files[name].write(lines)
 
     def _keep_flushing(self) -> None:
         while not self._closing.wait(LONGEST_WAIT):
-            with self._lock:
-                try:
+            try:
+                if self._hand_over is not None:
+                    self._hand_over()
+                with self._lock:
                     for file in self._files.values():
                         file.flush()
-                except RunError as error:
-                    self._problem = error  # for whoever writes next
-                    return
+            except Exception as error:
+                self._problem = error  # for whoever writes next
+                return
 
     def close(self) -> None:
         """Hand everything over and close all files, also after one of them failed."""
@@ -118,6 +133,11 @@ class LineFiles:
             self._thread.join()
         problem = self._problem
         self._problem = None
+        try:
+            if self._hand_over is not None:
+                self._hand_over()
+        except RunError as error:
+            problem = problem or error
         for file in self._files.values():
             try:
                 file.close()

@@ -174,7 +174,7 @@ class RunSession:
             recorder.write(frames, events[self._events :])
             recorder.write_obstacles(obstacles)
         self._events = len(events)
-        self._traces.keep()
+        self._traces.keep(frames)
         self.steps += 1
 
     @property

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts import Frame
 from amorsim.core.poses import compose
 from amorsim.render.picture import RobotPath
 from amorsim.simulation.simulation import Simulation
@@ -15,16 +18,11 @@ Array = npt.NDArray[np.float64]
 
 LARGEST = 2_000_000  # points kept, over all robots
 FEWEST = 1000  # of each robot, however many there are
+_NUMBERS = 1 << 14  # that wait at most, but for a step's
 
 
 class Traces:
-    """The paths of the first replica's robots; of very long ones every second, fourth ... point is kept.
-
-    Attributes
-    ----------
-    distance
-        That each robot has driven [m] `(M,)`, of every step.
-    """
+    """The paths of the first replica's robots; of very long ones every second, fourth ... point is kept."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -32,34 +30,75 @@ class Traces:
         self._most = max(FEWEST, LARGEST // (2 * self._count))
         self._every = 1
         self._seen = 0
-        self._kept: list[Array] = []  # (M, 4) each: true x and y, estimated x and y [m]
-        self.distance = np.zeros(self._count)
-        self._last = self._now()
-        self._kept.append(self._last)
+        self._distance = np.zeros(self._count)
+        frames = simulation.frames()
+        # The first replica's rows come first in every group.
+        self._rows = [int(np.count_nonzero(frame.replica == simulation.replicas[0])) for frame in frames]
+        names = [name for frame, rows in zip(frames, self._rows, strict=True) for name in frame.names[:rows]]
+        self._order = np.array([names.index(name) for name in simulation.names])
+        # Steps as they come, and how many: each step's poses, estimated poses and twists of one group after the other.
+        self._steps = np.empty((max(1, _NUMBERS // (9 * self._count)), 9 * self._count))
+        self._waiting = 0
+        self._take(frames)
+        points, _ = self._sorted()
+        self._kept = [points[0]]  # (M, 4) each: true x and y, estimated x and y [m]
+        self._last = points[0]
+        self._waiting = 0
 
-    def _now(self) -> Array:
-        count = self._count
-        return np.concatenate(
-            (self._simulation.true_pose[:count, :2], self._simulation.estimated_pose[:count, :2]), axis=1
-        )
-
-    def keep(self) -> None:
+    def keep(self, frames: Sequence[Frame]) -> None:
         """Take the present step."""
-        now = self._now()
-        # Of the velocity, not of the places: somebody may have put the robot elsewhere.
-        twist = self._simulation._gather(lambda group: group.true_twist)[: self._count]
-        self.distance += np.hypot(twist[:, 0], twist[:, 1]) * self._simulation.dt
-        self._last = now
-        self._seen += 1
-        if self._seen % self._every == 0:
-            self._kept.append(now)
-        if len(self._kept) > self._most:
-            self._kept = self._kept[::2]
-            self._every *= 2
+        self._take(frames)
+        if self._waiting == len(self._steps):
+            self._settle()
+
+    def _take(self, frames: Sequence[Frame]) -> None:
+        parts: list[Array] = []
+        for frame, rows in zip(frames, self._rows, strict=True):
+            estimate = next(iter(frame.estimates.values()))
+            parts += (frame.true_pose[:rows], estimate.pose[:rows], frame.true_twist[:rows])
+        np.concatenate(parts, axis=None, out=self._steps[self._waiting])
+        self._waiting += 1
+
+    def _sorted(self) -> tuple[Array, Array]:
+        """Of the steps that wait, points `(S, M, 4)` and speeds `(S, M)` [m/s], in the order of the robots' names."""
+        points, speeds = [], []
+        first = 0
+        for rows in self._rows:
+            part = self._steps[: self._waiting, first : first + 9 * rows].reshape(self._waiting, 3, rows, 3)
+            points.append(np.concatenate((part[:, 0, :, :2], part[:, 1, :, :2]), axis=2))
+            # Of the velocity, not of the places: somebody may have put the robot elsewhere.
+            speeds.append(np.hypot(part[:, 2, :, 0], part[:, 2, :, 1]))
+            first += 9 * rows
+        return np.concatenate(points, axis=1)[:, self._order], np.concatenate(speeds, axis=1)[:, self._order]
+
+    def _settle(self) -> None:
+        """Make of the steps that wait what is kept."""
+        if not self._waiting:
+            return
+        points, speeds = self._sorted()
+        self._waiting = 0
+        driven = np.concatenate((self._distance[None], speeds * self._simulation.dt))
+        self._distance = np.add.accumulate(driven, axis=0)[-1]  # one step after the other, however many wait
+        self._last = points[-1]
+        for now in points:
+            self._seen += 1
+            if self._seen % self._every == 0:
+                self._kept.append(now)
+            if len(self._kept) > self._most:
+                self._kept = self._kept[::2]
+                self._every *= 2
+
+    @property
+    def distance(self) -> Array:
+        """That each robot has driven [m] `(M,)`, of every step."""
+        self._settle()
+        return self._distance
 
     def errors(self) -> Array:
         """How far true and estimated positions are apart at the end [m] `(M,)`."""
-        return np.hypot(self._last[:, 0] - self._last[:, 2], self._last[:, 1] - self._last[:, 3])
+        self._settle()
+        apart: Array = np.hypot(self._last[:, 0] - self._last[:, 2], self._last[:, 1] - self._last[:, 3])
+        return apart
 
     def collisions(self, name: str) -> Array:
         """Where a robot of the first replica met something [m] `(K, 2)`."""
@@ -73,6 +112,7 @@ class Traces:
 
     def paths(self) -> list[RobotPath]:
         """The paths as pictures want them, in order of the robots' names."""
+        self._settle()
         points = np.array([*self._kept, self._last])
         shapes = {robot.name: robot.shape for robot in self._simulation.scenario.robots}
         found = []

@@ -31,6 +31,7 @@ from amorsim.simulation.simulation import Simulation
 __all__ = ["compile_beside", "main"]
 
 LONGEST = 120.0  # [s]
+_beside: list[subprocess.Popen[bytes]] = []
 
 # What a free entry says of each quadrant: a free square of one entry's side, and no more (see `amorsim.kernels.grid`).
 ROOM_FOR_ONE = 1 | 1 << 7 | 1 << 14 | 1 << 21
@@ -41,11 +42,14 @@ def compile_beside() -> None:
     if (os.cpu_count() or 1) < 2:
         return
     with contextlib.suppress(OSError):  # it only saves time
-        subprocess.Popen(
-            [sys.executable, "-c", f"from {__name__} import main; main()"],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+        # Held, for nobody waits for it, and one that is let go while it runs is warned about.
+        _beside.append(
+            subprocess.Popen(
+                [sys.executable, "-c", f"from {__name__} import main; main()"],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
         )
 
 

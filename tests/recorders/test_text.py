@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -14,8 +15,10 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import RunInfo
+from amorsim.recorders.files import LONGEST_WAIT
 from amorsim.recorders.text import Text
 from tests import building
+from tests.recorders.plain_text import PlainText
 
 
 class State(NamedTuple):
@@ -133,12 +136,7 @@ def test_estimates_carry_their_covariance(written: Written) -> None:
 
 
 def test_robots_of_several_kinds_share_the_files(tmp_path: Path) -> None:
-    blind = building.robot(name="blind", pose=am.Pose(x=4.5, y=3.5), controller=building.Roam())
-    seeing = building.robot(sensors=building.all_sensors(), controller=building.Roam())
-    scout = attrs.evolve(seeing, name="scout", pose=am.Pose(x=1.0, y=4.0))
-    short = am.MountedSensor(sensor=am.sensors.Laser(beams=2, range_max=8.0))
-    scout = attrs.evolve(scout, sensors={**scout.sensors, "laser": short})
-    held = Written(building.scenario(blind, seeing, scout), tmp_path / "run", replicas=2)
+    held = Written(several_kinds(), tmp_path / "run", replicas=2)
     held.step(3)
     poses = held.rows("poses")
     assert next(iter(poses[0])) == "replica"
@@ -170,3 +168,61 @@ def test_events_are_written_with_their_values_as_json(tmp_path: Path) -> None:
     assert events[0].kind == rows[0]["kind"] == "parameter_set"
     assert (rows[0]["path"], rows[0]["value"], rows[0]["tick"]) == ("drive.track", "0.25", "0")
     assert (rows[1]["kind"], rows[1]["value"]) == ("pose_set", "[3.0, 1.3333333333333333, 0.0]")
+
+
+def several_kinds() -> am.Scenario:
+    blind = building.robot(name="blind", pose=am.Pose(x=4.5, y=3.5), controller=building.Roam())
+    seeing = building.robot(sensors=building.all_sensors(), controller=building.Roam())
+    short = am.MountedSensor(sensor=am.sensors.Laser(beams=2, range_max=8.0))
+    scout = attrs.evolve(seeing, name="scout", pose=am.Pose(x=1.0, y=4.0), sensors={**seeing.sensors, "laser": short})
+    return building.scenario(blind, seeing, scout)
+
+
+@pytest.mark.parametrize("replicas", [1, 3])
+@pytest.mark.parametrize("kinds", ["one", "several", "and obstacles"])
+def test_every_byte_is_that_of_plain_formatting(tmp_path: Path, kinds: str, replicas: int) -> None:
+    robot = building.robot(sensors=building.all_sensors(), controller=building.Roam())
+    scenario = building.scenario(robot) if kinds == "one" else several_kinds()
+    if kinds == "and obstacles":
+        still = am.Obstacle(name="box", shape=am.Shape.circle(0.1), pose=am.Pose(x=5.5, y=0.5))
+        guard = attrs.evolve(still, name="guard", pose=am.Pose(x=5.5, y=4.5), motion=am.motions.Wander(speed=0.3))
+        scenario = attrs.evolve(scenario, obstacles=[still, guard])
+    simulation = am.Simulation(scenario, replicas=replicas)
+    text = Text()
+    text.open(RunInfo(tmp_path, simulation.dt, simulation.replicas, with_sensors=True), simulation.frames())
+    text.write_obstacles(simulation.obstacle_frames())
+    plain = PlainText(simulation.frames(), simulation.obstacle_frames(), simulation.dt, replicas > 1)
+    for step in range(250):
+        simulation.step()
+        text.write(simulation.frames(), [])
+        text.write_obstacles(simulation.obstacle_frames())
+        plain.write(simulation.frames(), simulation.obstacle_frames())
+        if step == 100:
+            text._hand_over()  # as the thread does, at any time
+    text.close()
+    assert len(plain.lines) >= 9
+    for name, lines in plain.lines.items():
+        written = (tmp_path / f"{name}.csv").read_text(encoding="utf-8")
+        assert written.split("\n", 1)[1] == "\n".join(lines) + "\n", name
+
+
+def test_steps_that_wait_reach_the_files_in_time(tmp_path: Path) -> None:
+    held = Written(building.scenario(), tmp_path / "run")
+    held.step(3)
+    deadline = time.monotonic() + LONGEST_WAIT + 1.0
+    while (tmp_path / "run" / "poses.csv").read_text().count("\n") < 5:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    held._text.close()
+
+
+def test_what_a_recorder_is_given_may_change_afterwards(tmp_path: Path) -> None:
+    simulation = am.Simulation(building.scenario())
+    text = Text()
+    text.open(RunInfo(tmp_path, simulation.dt, simulation.replicas, with_sensors=True), simulation.frames())
+    (frame,) = simulation.frames()
+    pose = frame.true_pose.copy()
+    text.write([frame._replace(true_pose=pose)], [])
+    pose[:] = 99.0
+    text.close()
+    assert "99.0" not in (tmp_path / "poses.csv").read_text()
