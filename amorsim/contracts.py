@@ -262,6 +262,7 @@ class Drive(Component, abc.ABC):
     `displacement` with the nominal ones and what the encoders said.
     """
 
+    # Both may be properties, where static fields decide what is there.
     joints: ClassVar[tuple[Joint, ...]]
     channels: ClassVar[tuple[str, ...]]  # of a command, in order; joint rates [rad/s] or positions [rad]
 
@@ -305,6 +306,24 @@ class Drive(Component, abc.ABC):
     def follow(self, joints: Array, displacement: Array) -> Array:
         """The joints `(N, j)` once passive ones have followed what the body really did, after contact."""
         return joints
+
+    def course(self, joints: Array) -> Array | None:
+        """Which way is ahead `(N, 1)` [rad], in the body's frame, for whoever drives it; None: the way it looks.
+
+        Told by a drive whose wheels steer apart from the body; the turn of a twist is then that of the course.
+        """
+        return None
+
+    def curvature_max(self) -> Array | None:
+        """The sharpest curve that it can drive `(N, 1)` [1/m]; None for a drive that turns in place."""
+        return None
+
+    def top_speeds(self) -> Array | None:
+        """Fastest speed [m/s] and turn [rad/s], and how fast each may change [m/s^2, rad/s^2], `(N, 4)`.
+
+        inf for no limit; None where a drive does not say.
+        """
+        return None
 
 
 class Sensor(Component, abc.ABC):

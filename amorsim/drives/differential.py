@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Drive, Joint, State, parameter
+from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.drives.motors import Motors, own_first
 from amorsim.kernels import odometry
 
 __all__ = ["Differential"]
@@ -22,15 +22,8 @@ _FORWARD = np.array([[0.5, 0.5], [0.0, 0.0], [0.0, 0.0]])
 _TURN = np.array([[0.0, 0.0], [0.0, 0.0], [-1.0, 1.0]])
 
 
-@functools.cache
-def _no_limit(rows: int) -> Array:
-    unlimited = np.full((rows, 1), np.inf)
-    unlimited.flags.writeable = False  # as the fields are, or the kernel would be compiled twice
-    return unlimited
-
-
-@attrs.frozen(kw_only=True)
-class Differential(Drive):
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class Differential(Motors):
     """Two driven wheels on one axle, and castors that follow; the base point is the middle of the axle.
 
     With the wheels' travels l and r [m] over a step, the body goes (l + r) / 2 forward and turns by (r - l) /
@@ -45,9 +38,8 @@ class Differential(Drive):
     rate_max
         Fastest that a wheel turns [rad/s]. A faster command is scaled down for both wheels alike, so that the
         curvature of the path is kept.
-    acceleration_max
-        Most that a wheel's rate changes in a second [rad/s^2]; none for no limit. Each wheel is limited by
-        itself.
+    lag, acceleration_max
+        How each wheel follows its command by itself; see `Motors`.
     """
 
     joints: ClassVar[tuple[Joint, ...]] = (Joint(name="left_wheel"), Joint(name="right_wheel"))
@@ -57,19 +49,13 @@ class Differential(Drive):
     wheel_radius_right: float = parameter(unit="m", gt=0, help="radius of the right wheel")
     track: float = parameter(unit="m", gt=0, help="distance between the wheels' points of contact")
     rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that a wheel turns")
-    acceleration_max: float | None = parameter(
-        None, unit="rad/s^2", gt=0, help="most that a wheel's rate changes in a second; none for no limit"
-    )
 
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
         """Wheel angles `(N, 2)` [rad] and rates [rad/s] a step later; the command is wheel rates [rad/s]."""
-        limit = self.acceleration_max
         out = np.empty((2, *joints.shape))
-        odometry.drive_wheels(
-            joints, rates, command, self.rate_max, _no_limit(len(joints)) if limit is None else limit, dt, out
-        )
+        odometry.drive_wheels(joints, rates, command, self.rate_max, self._acceleration(len(joints)), self.lag, dt, out)
         return out[0], out[1]
 
     def twist(self, before: Array, after: Array) -> Array:

@@ -16,6 +16,7 @@ from amorsim.contracts import (
     Drive,
     Estimate,
     Estimator,
+    Joint,
     Measurement,
     RobotModel,
     State,
@@ -33,8 +34,8 @@ _NUDGE = 1e-5  # [rad] by which a joint is turned to see where the body goes: th
 
 
 @functools.cache
-def _rolling(drive: type[Drive]) -> npt.NDArray[np.int64]:
-    return np.array([i for i, joint in enumerate(drive.joints) if joint.rolls], dtype=np.int64)
+def _rolling(joints: tuple[Joint, ...]) -> npt.NDArray[np.int64]:
+    return np.array([i for i, joint in enumerate(joints) if joint.rolls], dtype=np.int64)
 
 
 @functools.cache
@@ -131,7 +132,7 @@ class DeadReckoning(Estimator):
         rows = len(after)
         displacement = drive.displacement(before, after, _whole(rows))
 
-        rolling = _rolling(type(drive))
+        rolling = _rolling(drive.joints)
         radius = drive.rolling_radius()
         grown = np.empty((rows, 3, 3))
         odometry.grow_covariance(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.kernels.actuation import respond
 from amorsim.kernels.compile import kernel
 
 __all__ = ["drive_wheels", "grow_covariance", "wheel_rates", "wheel_twists"]
@@ -33,14 +34,15 @@ def drive_wheels(
     command: Floats,
     rate_max: Column,
     acceleration_max: Column,
+    lag: Column,
     dt: float,
     out: Floats,
 ) -> None:
     """Wheels a step later, into `out` (2, N, w): angles [rad] and rates [rad/s].
 
     A command `(N, w)` [rad/s] beyond `rate_max` (N, 1) is scaled down as a whole, which keeps the path's
-    curvature; then each wheel's rate changes by `acceleration_max` (N, 1) [rad/s^2] times `dt` [s] at most
-    (inf for no limit).
+    curvature; then each wheel follows by itself (`amorsim.kernels.actuation.respond`), its rate changing by
+    `acceleration_max` (N, 1) [rad/s^2] at most (inf for no limit), and with a `lag` (N, 1) [s].
     """
     for i in range(joints.shape[0]):
         most = rate_max[i, 0]
@@ -48,11 +50,10 @@ def drive_wheels(
         for j in range(joints.shape[1]):
             fastest = max(fastest, abs(command[i, j]))
         scale = most / fastest if fastest > most else 1.0
-        change = acceleration_max[i, 0] * dt
         for j in range(joints.shape[1]):
-            rate = min(max(command[i, j] * scale, -most), most)
-            rate = min(max(rate, rates[i, j] - change), rates[i, j] + change)
-            out[0, i, j] = joints[i, j] + rate * dt
+            target = min(max(command[i, j] * scale, -most), most)
+            rate, turned = respond(rates[i, j], target, acceleration_max[i, 0], lag[i, 0], dt)
+            out[0, i, j] = joints[i, j] + turned
             out[1, i, j] = rate
 
 

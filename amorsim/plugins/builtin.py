@@ -19,6 +19,11 @@ _PACKAGE = Path(__file__).parents[1]
 def amorsim_register(registry: Registry) -> None:
     """Register the built-in components, robots and scenarios."""
     registry.drive("differential", "amorsim.drives.differential:Differential")
+    registry.drive("ackermann", "amorsim.drives.ackermann:Ackermann")
+    registry.drive("synchro", "amorsim.drives.synchro:Synchro")
+    registry.drive("tricycle", "amorsim.drives.tricycle:Tricycle")
+    registry.drive("mecanum", "amorsim.drives.mecanum:Mecanum")
+    registry.drive("tractor", "amorsim.drives.tractor:Tractor")
 
     registry.sensor("encoder", "amorsim.sensors.encoder:Encoder")
     registry.sensor("laser", "amorsim.sensors.laser:Laser")

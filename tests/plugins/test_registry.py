@@ -134,7 +134,7 @@ def test_every_builtin_component_keeps_its_contract(kind, name):
 
 def test_what_the_mission_names_is_built_in():
     assert BUILTIN.problems == ()
-    assert "differential" in BUILTIN.names("drive")
+    assert {"ackermann", "differential", "mecanum", "synchro", "tractor", "tricycle"} <= set(BUILTIN.names("drive"))
     assert {"encoder", "laser", "sonar", "compass", "gyro", "infrared", "fiducial"} <= set(BUILTIN.names("sensor"))
     assert {"gaussian", "bias", "scale", "quantize", "saturate", "diffusion"} <= set(BUILTIN.names("noise"))
     assert {"wld", "bmp"} <= set(BUILTIN.names("map_loader"))

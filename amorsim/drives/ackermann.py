@@ -1,0 +1,163 @@
+"""A car: two front wheels that steer about one point, and a rear axle that rolls."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.core.poses import logarithm
+from amorsim.drives.motors import Motors, own_first
+from amorsim.kernels import poses, steering
+
+__all__ = ["Ackermann"]
+
+Array = npt.NDArray[np.float64]
+
+_PLACES = {"centre": steering.CENTRE, "rear": steering.REAR, "front": steering.FRONT}
+_STEERING = Joint(name="steering", rolls=False)
+_JOINTS = {
+    "centre": (_STEERING, Joint(name="shaft")),
+    "rear": (_STEERING, Joint(name="rear_left"), Joint(name="rear_right")),
+    "front": (_STEERING, Joint(name="front_left"), Joint(name="front_right")),
+}
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class Ackermann(Motors):
+    """A car; the base point is the middle of the rear axle.
+
+    The steering angle s is that of one wheel in the middle of the front axle, which would do the same. A metre that the
+    rear axle's middle rolls turns the body by tan(s) / wheelbase: an arc of radius wheelbase / tan(s). The front wheels
+    point along circles about one centre: the outer one's cotangent less the inner one's is track / wheelbase
+    (`front_wheel_angles`). While the steering moves, so evenly within a step, the heading is still elementary; the
+    place is summed up to the last digits.
+
+    The car turns nowhere in place, and so a twist with a turn but no speed is not met.
+
+    Parameters
+    ----------
+    wheel_radius
+        Radius of the wheels that are counted [m].
+    wheelbase
+        From the rear axle to the front one [m].
+    track
+        Distance between left and right wheels, on both axles [m].
+    steering_max
+        Largest steering angle to either side [rad].
+    steering_rate
+        How fast the steering moves at most [rad/s].
+    steering_lag
+        Time constant with which the steering follows its command [s]; 0 for none.
+    rate_max
+        Fastest that the shaft, the mean of the rear wheels, turns [rad/s].
+    counted
+        Which wheels are joints, and so have encoders: the ``"rear"`` ones, the ``"front"`` ones, or the shaft,
+        ``"centre"``. The steering is one in any case.
+    lag, acceleration_max
+        How the shaft follows its command; see `Motors`.
+    """
+
+    channels: ClassVar[tuple[str, ...]] = ("steering", "wheels")  # an angle [rad], a rate [rad/s]
+
+    wheel_radius: float = parameter(unit="m", gt=0, help="radius of the wheels that are counted")
+    wheelbase: float = parameter(unit="m", gt=0, help="from the rear axle to the front one")
+    track: float = parameter(unit="m", gt=0, help="distance between left and right wheels")
+    steering_max: float = parameter(unit="rad", gt=0, le=1.4, help="largest steering angle to either side")
+    steering_rate: float = parameter(unit="rad/s", gt=0, help="how fast the steering moves at most")
+    steering_lag: float = parameter(
+        0.0, unit="s", ge=0, help="time constant with which the steering follows its command"
+    )
+    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the shaft turns, the mean of the rear wheels")
+    counted: str = parameter(
+        "rear", choices=("rear", "front", "centre"), static=True, help="which wheels are joints, and have encoders"
+    )
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:  # type: ignore[override]
+        """The steering, and the wheels that are counted."""
+        return _JOINTS[self.counted]
+
+    @property
+    def _place(self) -> int:
+        return _PLACES[self.counted]
+
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        """Joints `(N, j)` [rad] and rates [rad/s] a step later; the command is steering [rad] and shaft [rad/s]."""
+        out = np.empty((2, *joints.shape))
+        steering.ackermann_advance(
+            joints,
+            rates,
+            command,
+            self.wheelbase,
+            self.track,
+            self._place,
+            self.steering_max,
+            self.steering_rate,
+            self.steering_lag,
+            self.rate_max,
+            self._acceleration(len(joints)),
+            self.lag,
+            dt,
+            out,
+        )
+        return out[0], out[1]
+
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The body's displacement `(N, 3)` at a fraction `(N, 1)` of the step."""
+        out = np.empty((len(before), 3))
+        steering.ackermann_paths(
+            before, after, fraction, self.wheel_radius, self.wheelbase, self.track, self._place, out
+        )
+        return out
+
+    def twist(self, before: Array, after: Array) -> Array:
+        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
+        return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
+
+    def between(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The joints `(N, j)` after a stop at `fraction`."""
+        out = np.empty(before.shape)
+        steering.ackermann_stops(before, after, fraction, self.wheelbase, self.track, self._place, out)
+        return out
+
+    def travel(self, before: Array, after: Array) -> Array:
+        """Bounds on the path `(N, 2)`: it turns fastest where the steering stands most askew."""
+        out = np.empty((len(before), 2))
+        steering.ackermann_travel(before, after, self.wheel_radius, self.wheelbase, self.track, self._place, out)
+        return out
+
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        """Steering and shaft `(N, 2)` [rad, rad/s] for `twist` `(N, 3)`; at rest it steers to the side of the turn."""
+        out = np.empty((len(twist), 2))
+        steering.ackermann_commands(twist, joints, self.wheel_radius, self.wheelbase, self.steering_max, out)
+        return out
+
+    def rolling_radius(self) -> Array:
+        """Radii of the wheels that are counted `(N, r)` [m]."""
+        radius: Any = self.wheel_radius
+        return np.array(radius) if self.counted == "centre" else np.concatenate((radius, radius), axis=1)
+
+    def curvature_max(self) -> Array:
+        """The sharpest curve `(N, 1)` [1/m]: that of the steering at its end."""
+        angle = np.array(self.steering_max)
+        cos, sin = np.empty_like(angle), np.empty_like(angle)
+        poses.directions(angle, cos, sin)
+        return np.asarray(sin / cos / self.wheelbase)
+
+    def top_speeds(self) -> Array:
+        """Fastest speed and turn, and how fast each changes, `(N, 4)`."""
+        fastest: Any = self.rate_max * self.wheel_radius
+        change = self._acceleration(len(fastest)) * self.wheel_radius
+        return np.concatenate((fastest, fastest * self.curvature_max(), change, np.full_like(fastest, np.inf)), axis=1)
+
+    def front_wheel_angles(self, steering_angle: Array) -> Array:
+        """Angles `(N, 2)` [rad] of the left and the right front wheel when the steering is at `(N, 1)` [rad]."""
+        out = np.empty((len(steering_angle), 2))
+        steering.ackermann_wheels(np.array(steering_angle), self.wheelbase, self.track, out)
+        return out

@@ -1,0 +1,126 @@
+"""Three wheels, of which the front one is steered and driven."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.core.poses import logarithm
+from amorsim.drives.motors import Motors, own_first
+from amorsim.kernels import poses, steering
+
+__all__ = ["Tricycle"]
+
+Array = npt.NDArray[np.float64]
+
+_RIGHT = np.pi / 2.0
+_NEARLY_RIGHT = _RIGHT - 1e-9  # [rad] steering that goes so far turns the base in place
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class Tricycle(Motors):
+    """A front wheel that is steered and driven, and two rear wheels that follow, as under many a fork lift.
+
+    The base point is the middle of the rear axle. With the steering at an angle s, a metre that the front wheel rolls
+    takes the base cos(s) metres forward and turns it by sin(s) / wheelbase: an arc of radius wheelbase / tan(s); at a
+    right angle it turns in place. While the steering moves, so evenly within a step, the heading is still elementary;
+    the place is summed up to the last digits.
+
+    While the steering is on its way to where it is told to be, the wheel rolls only with the part of its speed that
+    lies in that direction.
+
+    Parameters
+    ----------
+    wheel_radius
+        Radius of the front wheel [m].
+    wheelbase
+        From the rear axle to the front wheel [m].
+    steering_max
+        Largest steering angle to either side [rad].
+    steering_rate
+        How fast the steering moves at most [rad/s].
+    steering_lag
+        Time constant with which the steering follows its command [s]; 0 for none.
+    rate_max
+        Fastest that the front wheel turns [rad/s].
+    lag, acceleration_max
+        How the front wheel follows its command; see `Motors`.
+    """
+
+    joints: ClassVar[tuple[Joint, ...]] = (Joint(name="steering", rolls=False), Joint(name="front_wheel"))
+    channels: ClassVar[tuple[str, ...]] = ("steering", "front_wheel")  # an angle [rad], a rate [rad/s]
+
+    wheel_radius: float = parameter(unit="m", gt=0, help="radius of the front wheel")
+    wheelbase: float = parameter(unit="m", gt=0, help="from the rear axle to the front wheel")
+    steering_max: float = parameter(_RIGHT, unit="rad", gt=0, le=_RIGHT, help="largest steering angle to either side")
+    steering_rate: float = parameter(unit="rad/s", gt=0, help="how fast the steering moves at most")
+    steering_lag: float = parameter(
+        0.0, unit="s", ge=0, help="time constant with which the steering follows its command"
+    )
+    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the front wheel turns")
+
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        """Joints `(N, 2)` [rad] and rates [rad/s] a step later; the command is steering [rad] and wheel [rad/s]."""
+        out = np.empty((2, *joints.shape))
+        steering.tricycle_advance(
+            joints,
+            rates,
+            command,
+            self.steering_max,
+            self.steering_rate,
+            self.steering_lag,
+            self.rate_max,
+            self._acceleration(len(joints)),
+            self.lag,
+            dt,
+            out,
+        )
+        return out[0], out[1]
+
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The body's displacement `(N, 3)` at a fraction `(N, 1)` of the step."""
+        out = np.empty((len(before), 3))
+        steering.tricycle_paths(before, after, fraction, self.wheel_radius, self.wheelbase, out)
+        return out
+
+    def twist(self, before: Array, after: Array) -> Array:
+        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
+        return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
+
+    def travel(self, before: Array, after: Array) -> Array:
+        """Bounds on the path `(N, 2)`: the way of the front wheel, and the turn if it stood athwart."""
+        way = np.abs(after[:, 1:2] - before[:, 1:2]) * self.wheel_radius
+        return np.concatenate((way, way / self.wheelbase), axis=1)
+
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        """Steering and front wheel `(N, 2)` [rad, rad/s] for `twist` `(N, 3)`, less its part to the left."""
+        out = np.empty((len(twist), 2))
+        steering.tricycle_commands(twist, joints, self.wheel_radius, self.wheelbase, self.steering_max, out)
+        return out
+
+    def rolling_radius(self) -> Array:
+        """Radius of the front wheel `(N, 1)` [m]."""
+        return np.array(self.wheel_radius)
+
+    def curvature_max(self) -> Array:
+        """The sharpest curve `(N, 1)` [1/m]; inf where the steering goes athwart."""
+        angle = np.array(self.steering_max)
+        cos, sin = np.empty_like(angle), np.empty_like(angle)
+        poses.directions(angle, cos, sin)
+        return np.where(angle >= _NEARLY_RIGHT, np.inf, sin / np.maximum(cos, 1e-9) / self.wheelbase)
+
+    def top_speeds(self) -> Array:
+        """Fastest speed and turn, and how fast each changes, `(N, 4)`."""
+        angle = np.array(self.steering_max)
+        cos, sin = np.empty_like(angle), np.empty_like(angle)
+        poses.directions(angle, cos, sin)
+        fastest: Any = self.rate_max * self.wheel_radius
+        change = self._acceleration(len(angle)) * self.wheel_radius
+        lever = sin / self.wheelbase
+        return np.concatenate((fastest, fastest * lever, change, change * lever), axis=1)

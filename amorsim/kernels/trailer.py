@@ -1,0 +1,52 @@
+"""A trailer that is drawn: how its hitch turns as the tractor moves."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+
+__all__ = ["follow_hitch"]
+
+Floats = npt.NDArray[np.float64]
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
+
+
+@kernel
+def follow_hitch(hitch: Floats, twists: Floats, trailer_length: Column, hitch_offset: Column, out: Floats) -> None:
+    """Hitch angles [rad] after constant twists (N, 3), into `out` (N, 1).
+
+    The angle b is the tractor's heading less the trailer's. With v forward, w the turn, l the trailer's length and c
+    how far behind the axle the hitch is, b' = w - (v / l) sin b + (c w / l) cos b. For (sin b/2, cos b/2), up to its
+    length, that is linear, with a matrix whose square is a number times the identity: so its exponential is at hand.
+    """
+    for i in range(hitch.shape[0]):
+        length = trailer_length[i, 0]
+        v = twists[i, 0]
+        w = twists[i, 2]
+        pull = -0.5 * v / length
+        swing = 0.5 * hitch_offset[i, 0] * w / length
+        turn = 0.5 * w
+        square = pull * pull - turn * turn + swing * swing
+        root = math.sqrt(abs(square))
+        if root == 0.0:
+            even = 1.0
+            odd = 1.0
+        elif square > 0.0:
+            even = math.cosh(root)
+            odd = math.sinh(root) / root
+        else:
+            even = math.cos(root)
+            odd = math.sin(root) / root
+        s = math.sin(0.5 * hitch[i, 0])
+        c = math.cos(0.5 * hitch[i, 0])
+        above = even * s + odd * (pull * s + (turn + swing) * c)
+        below = even * c + odd * ((swing - turn) * s - pull * c)
+        out[i, 0] = 2.0 * math.atan2(above, below)
+        # The same turn of the trailer around the tractor: no jump as it folds under.
+        out[i, 0] += 4.0 * math.pi * math.floor((hitch[i, 0] - out[i, 0]) / (4.0 * math.pi) + 0.5)
