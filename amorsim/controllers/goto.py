@@ -19,7 +19,13 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.limits import at_rest, twist_limits
+from amorsim.controllers.driving import (
+    command_along,
+    heading_poses,
+    joints_of,
+    needs_turning_in_place,
+    twist_limits,
+)
 from amorsim.kernels.heading_for import head_for
 
 __all__ = ["GoTo"]
@@ -52,7 +58,14 @@ class GoTo(Controller):
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns")
 
     def start(self, context: Context) -> State:
-        """The limits of the drive `(N, 4)`, and the speed `(N, 1)` [m/s] that the robot has come to."""
+        """The limits of the drive `(N, 4)`, and the speed `(N, 1)` [m/s] that the robot has come to.
+
+        Raises
+        ------
+        ComponentError
+            For a robot that cannot turn in place.
+        """
+        needs_turning_in_place(context.robot, "goto")
         return {"limits": twist_limits(context.robot), "moving": np.zeros((context.rows, 1))}
 
     def command(
@@ -65,6 +78,7 @@ class GoTo(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; 0 from the place on."""
+        joints = joints_of(robot, readings)
         goal = np.full((robot.rows, 3), np.nan)
         goal[:, 0:1] = self.x
         goal[:, 1:2] = self.y
@@ -73,7 +87,7 @@ class GoTo(Controller):
         tolerance[:, 1:] = _TURN_FIRST
         out = np.empty((robot.rows, 4))
         head_for(
-            estimate.pose,
+            heading_poses(robot, estimate.pose, joints),
             goal,
             self.speed,
             self.turn_rate,
@@ -83,4 +97,4 @@ class GoTo(Controller):
             state["moving"],
             out,
         )
-        return robot.drive.command_for(np.ascontiguousarray(out[:, :3]), at_rest(robot))
+        return command_along(robot, np.ascontiguousarray(out[:, :3]), joints)

@@ -8,9 +8,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State
+from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State, parameter
 
-__all__ = ["Manual"]
+__all__ = ["Manual", "limited"]
 
 Array = npt.NDArray[np.float64]
 
@@ -20,8 +20,18 @@ class Manual(Controller):
     """Gives the command that was last set from outside, 0 before the first.
 
     The engine writes it into the state, ``state["command"]`` `(N, c)`: for users there is
-    ``sim.robot(name).command(...)`` and ``.drive(...)``.
+    ``sim.robot(name).command(...)``, channel by channel as the drive has them, and ``.drive(forward, turn, left)`` for
+    any drive.
+
+    Parameters
+    ----------
+    speed, turn_rate
+        Most that ``drive`` asks for [m/s, rad/s]: a faster velocity is scaled down as a whole, which keeps the curve.
+        None for no limit; the drive's own hold in any case.
     """
+
+    speed: float | None = parameter(None, unit="m/s", gt=0, help="most that drive() asks for; none for no limit")
+    turn_rate: float | None = parameter(None, unit="rad/s", gt=0, help="fastest turn that drive() asks for, or none")
 
     def start(self, context: Context) -> State:
         """A command of zeros."""
@@ -38,3 +48,15 @@ class Manual(Controller):
     ) -> Array:
         """The command `(N, c)` as it was last set."""
         return state["command"].copy()
+
+
+def limited(controller: Controller | None, twists: Array) -> Array:
+    """Velocities `(N, 3)` as a `Manual` controller lets them be, each scaled down as a whole."""
+    if not isinstance(controller, Manual):
+        return twists
+    over = np.ones((len(twists), 1))
+    way = np.sqrt(twists[:, 0:1] * twists[:, 0:1] + twists[:, 1:2] * twists[:, 1:2])
+    for limit, size in ((controller.speed, way), (controller.turn_rate, np.abs(twists[:, 2:3]))):
+        if limit is not None:
+            over = np.maximum(over, size / limit)
+    return twists / over

@@ -20,7 +20,13 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.limits import at_rest, twist_limits
+from amorsim.controllers.driving import (
+    command_along,
+    heading_poses,
+    joints_of,
+    needs_turning_in_place,
+    twist_limits,
+)
 from amorsim.core.poses import compose
 from amorsim.kernels.heading_for import head_for
 
@@ -71,7 +77,14 @@ class Square(Controller):
     )
 
     def start(self, context: Context) -> State:
-        """The corners, as poses with which they are left, and how many were reached."""
+        """The corners, as poses with which they are left, and how many were reached.
+
+        Raises
+        ------
+        ComponentError
+            For a robot that cannot turn in place.
+        """
+        needs_turning_in_place(context.robot, "square")
         rows = context.rows
         turn = math.pi / 2.0 if self.direction == "anticlockwise" else -math.pi / 2.0
         leg = np.zeros((rows, 3))
@@ -100,6 +113,7 @@ class Square(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; 0 from the end on."""
+        joints = joints_of(robot, readings)
         reached = state["reached"]
         goal = np.take_along_axis(state["corners"], reached[:, :, None] % 4, axis=1)[:, 0]
         tolerance = np.empty((robot.rows, 3))
@@ -108,7 +122,7 @@ class Square(Controller):
         tolerance[:, 2] = _TURN_FIRST
         out = np.empty((robot.rows, 4))
         head_for(
-            estimate.pose,
+            heading_poses(robot, estimate.pose, joints),
             np.ascontiguousarray(goal),
             self.speed,
             self.turn_rate,
@@ -121,4 +135,4 @@ class Square(Controller):
         is_on_way = reached < 4 * self.laps
         state["reached"] = reached + (is_on_way & (out[:, 3:] > 0.0))
         twist = np.where(is_on_way, out[:, :3], 0.0)
-        return robot.drive.command_for(twist, at_rest(robot))
+        return command_along(robot, twist, joints)

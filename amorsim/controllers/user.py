@@ -22,7 +22,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.limits import at_rest
+from amorsim.controllers.driving import command_along, joints_of
 from amorsim.core.errors import ControllerError
 
 __all__ = [
@@ -40,10 +40,14 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen
 class Twist:
-    """A velocity: forward [m/s] and turning anticlockwise [rad/s]."""
+    """A velocity: forward [m/s], turning anticlockwise [rad/s], and to the left [m/s] for a drive that can.
+
+    Forward is where the drive goes when it goes ahead: of a synchro drive, where its wheels point.
+    """
 
     forward: float = 0.0
     turn: float = 0.0
+    left: float = 0.0
 
 
 @attrs.frozen
@@ -192,7 +196,7 @@ class UserController(Controller):
         rows = robot.rows
         options = dict(self.options)
         objects = state.get("objects")
-        answers = _Answers(robot, self.source)
+        answers = _Answers(robot, self.source, joints_of(robot, readings))
         for row in range(rows):
             call: Callable[..., Any] = self.function if objects is None else objects[row].command
             arguments = (
@@ -227,8 +231,9 @@ def _row_of_readings(readings: Mapping[str, Measurement], row: int) -> dict[str,
 class _Answers:
     """What the rows' controllers returned, made into one command."""
 
-    def __init__(self, robot: RobotModel, source: str) -> None:
+    def __init__(self, robot: RobotModel, source: str, joints: Array) -> None:
         self._robot = robot
+        self._joints = joints
         self._source = source
         self._rates = np.zeros((robot.rows, len(robot.channels)))
         self._twists = np.zeros((robot.rows, 3))
@@ -242,7 +247,7 @@ class _Answers:
         if answer is None:
             return
         if isinstance(answer, Twist):
-            self._twists[row, ::2] = self._numbers(row, answer, (answer.forward, answer.turn))
+            self._twists[row] = self._numbers(row, answer, (answer.forward, answer.left, answer.turn))
             self._gave_twist[row] = True
         elif isinstance(answer, WheelSpeeds):
             if not hasattr(self._robot.drive, "speeds_to_rates"):
@@ -267,7 +272,7 @@ class _Answers:
         whole = self._rates
         command = whole[:, : len(drive.channels)]
         if self._gave_twist.any():
-            command = np.where(self._gave_twist, drive.command_for(self._twists, at_rest(self._robot)), command)
+            command = np.where(self._gave_twist, command_along(self._robot, self._twists, self._joints), command)
         if self._gave_speeds.any():
             command = np.where(self._gave_speeds, drive.speeds_to_rates(self._speeds), command)
         whole[:, : len(drive.channels)] = command

@@ -17,15 +17,21 @@ from amorsim.contracts import (
     Draws,
     Estimate,
     Measurement,
-    Mount,
     RobotModel,
-    SensorModel,
     State,
     parameter,
 )
-from amorsim.controllers.limits import at_rest, twist_limits
-from amorsim.core.errors import ComponentError, did_you_mean
-from amorsim.core.poses import compose
+from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
+from amorsim.controllers.driving import (
+    at_rest,
+    command_along,
+    heading_poses,
+    joints_of,
+    needs_turning_in_place,
+    twist_limits,
+)
+from amorsim.core.errors import ComponentError
+from amorsim.core.poses import wrap_angle
 from amorsim.kernels import wandering
 
 __all__ = ["Wander"]
@@ -34,6 +40,7 @@ Array = npt.NDArray[np.float64]
 
 _PLACES = 32  # that the robot remembers, 0.7 m apart
 _SWAY_MAX = math.radians(2.0)
+_GAP_MAX = math.radians(30.0)  # a blind angle that a robot may have which sees all around
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 
 
@@ -48,7 +55,8 @@ class Wander(Controller):
     little, so that it finds its way through doors, and out of rooms again. It also turns aside where a door seems to
     come abeam.
 
-    For drives that turn in place, and range sensors that see half the circle ahead, or all of it.
+    For drives that turn in place, and range sensors that see half the circle ahead, or all of it. A drive whose body
+    does not turn with its wheels needs the latter.
 
     Parameters
     ----------
@@ -73,11 +81,13 @@ class Wander(Controller):
         Raises
         ------
         ComponentError
-            If the robot has no such sensor, or one that does not say where its values look.
+            If the robot has no such sensor, or one that does not say where its values look, or cannot turn in place; if
+            its body does not turn with its wheels, and the sensor does not see all around.
         """
         robot = context.robot
-        model = _range_sensor(robot, self.sensor)
-        beams = _beams(model, context.rows)
+        needs_turning_in_place(robot, "wander")
+        model = range_sensor(robot, self.sensor, "wander")
+        beams = beams_of(model, context.rows)
         half_angle: Any = getattr(model.sensor, "half_angle", 0.0)
         body = np.zeros((context.rows, wandering.BODY_COLUMNS))
         body[:, 0] = robot.shape.reach
@@ -85,7 +95,10 @@ class Wander(Controller):
         body[:, 2:6] = twist_limits(robot)
         body[:, 6] = np.maximum(beams[:, :, 2].min(axis=1), -math.pi)
         body[:, 7] = np.minimum(beams[:, :, 2].max(axis=1), math.pi)
-        if not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
+        if robot.drive.course(at_rest(robot)) is not None:
+            _check_all_round(robot, self.sensor, beams, float(np.max(half_angle)))
+            body[:, 6], body[:, 7] = -math.pi, math.pi
+        elif not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
             body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[1] - 1), _SWAY_MAX)
         return {
             "beams": beams,
@@ -106,13 +119,14 @@ class Wander(Controller):
     ) -> Array:
         """The command `(N, c)` of this step."""
         reading = readings[self.sensor]
+        joints = joints_of(robot, readings)
         is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
         twist = np.empty((robot.rows, 3))
         wandering.wander(
             reading.measured,
             reading.age,
-            estimate.pose,
-            state["beams"],
+            heading_poses(robot, estimate.pose, joints),
+            turned_beams(robot, state["beams"], joints),
             state["half_angle"],
             _ARC_SAMPLES if is_cone else 1,
             state["body"],
@@ -125,38 +139,15 @@ class Wander(Controller):
             state["trail"],
             twist,
         )
-        return robot.drive.command_for(twist, at_rest(robot))
+        return command_along(robot, twist, joints)
 
 
-def _range_sensor(robot: RobotModel, name: str) -> SensorModel:
-    seeing = [other for other, model in robot.sensors.items() if model.sensor.bearings() is not None]
-    known = ", ".join(repr(other) for other in seeing) or "none"
-    if name not in robot.sensors:
+def _check_all_round(robot: RobotModel, name: str, beams: Array, half_angle: float) -> None:
+    headings = np.sort(wrap_angle(beams[0, :, 2]))
+    gaps = np.diff(np.append(headings, headings[0] + 2.0 * math.pi)) - 2.0 * half_angle
+    if gaps.max() > _GAP_MAX:
         raise ComponentError(
-            f"wander goes by the sensor {name!r}, which the robot does not have; its range sensors: {known}."
-            f"{did_you_mean(name, seeing)} Name one of them in the field 'sensor'."
+            f"wander: the body of {robot.who(0)} does not turn with its wheels, so it drives any way it looks, and the "
+            f"sensor {name!r} does not see all around: it leaves out {math.degrees(gaps.max()):.0f} degrees. Name one "
+            "that does in the field 'sensor'"
         )
-    if name not in seeing:
-        kind = type(robot.sensors[name].sensor).__name__
-        raise ComponentError(
-            f"wander goes by the sensor {name!r}, but a {kind} has no bearings; the robot's range sensors: "
-            f"{known}. Name one of them in the field 'sensor'."
-        )
-    return robot.sensors[name]
-
-
-def _beams(model: SensorModel, rows: int) -> Array:
-    """Where each value is seen from and which way: poses `(N, k, 3)` in the robot's frame."""
-    bearings = model.sensor.bearings()
-    assert bearings is not None
-    k = bearings.shape[1]
-    on_mount = np.zeros((rows, k, 3))
-    on_mount[:, :, 2] = bearings
-    elements: Any = getattr(model.sensor, "elements", None)
-    if isinstance(elements, Mount):  # a ring: a table of arrays (N, k)
-        on_mount[:, :, 0] = elements.x
-        on_mount[:, :, 1] = elements.y
-    mount = np.empty((rows, k, 3))
-    for column, value in enumerate((model.mount.x, model.mount.y, model.mount.heading)):
-        mount[:, :, column] = value
-    return compose(mount.reshape(-1, 3), on_mount.reshape(-1, 3)).reshape(rows, k, 3)

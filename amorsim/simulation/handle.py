@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.controllers.driving import command_along, joints_of
+from amorsim.controllers.manual import limited
 from amorsim.core.errors import AmorsimError, did_you_mean
 
 if TYPE_CHECKING:
@@ -139,12 +141,16 @@ class RobotHandle:
     def command_for(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> list[float]:
         """The command that makes it go forward [m/s], turn [rad/s] and go left [m/s], or nearest to it.
 
-        The robot's own software makes the joints' rates of it, with nominal parameters; devices keep their commands.
+        The robot's own software makes it, with nominal parameters and within the limits of a `manual` controller; devices
+        keep their commands. Forward is where the drive goes when it goes ahead: of a synchro drive, where its wheels
+        point.
         """
         group, row = self._group, self._row
         twists = np.zeros((group.rows, 3))
         twists[row] = forward, left, turn
-        wheels: list[float] = group.robot.drive.command_for(twists, group.joints)[row].tolist()
+        joints = joints_of(group.robot, group.readings)
+        along = command_along(group.robot, limited(group.controller, twists), joints)
+        wheels: list[float] = along[row].tolist()
         devices: list[float] = group.command[row, len(wheels) :].tolist()
         return [*wheels, *devices]
 

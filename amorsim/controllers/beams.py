@@ -1,0 +1,68 @@
+"""Where the values of range sensors are seen from, in the robot's frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Mount, RobotModel, SensorModel
+from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.core.poses import compose
+
+__all__ = ["beams_of", "range_sensor", "turned_beams"]
+
+Array = npt.NDArray[np.float64]
+
+
+def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
+    """A robot's range sensor by name, on behalf of the controller `who`; `ComponentError` if it has none such."""
+    seeing = [
+        other
+        for other, model in robot.sensors.items()
+        if model.sensor.unit == "m" and model.sensor.bearings() is not None
+    ]
+    known = ", ".join(repr(other) for other in seeing) or "none"
+    if name not in robot.sensors:
+        raise ComponentError(
+            f"{who} goes by the sensor {name!r}, which the robot does not have; its range sensors: {known}."
+            f"{did_you_mean(name, seeing)} Name one of them in the field 'sensor'."
+        )
+    model = robot.sensors[name]
+    if name not in seeing:
+        kind = type(model.sensor).__name__
+        lacks = "has no bearings" if model.sensor.bearings() is None else f"tells {model.sensor.unit!r}, no ranges"
+        raise ComponentError(
+            f"{who} goes by the sensor {name!r}, but a {kind} {lacks}; the robot's range sensors: "
+            f"{known}. Name one of them in the field 'sensor'."
+        )
+    return model
+
+
+def beams_of(model: SensorModel, rows: int) -> Array:
+    """Where each value is seen from and which way: poses `(N, k, 3)` in the robot's frame."""
+    bearings = model.sensor.bearings()
+    assert bearings is not None
+    k = bearings.shape[1]
+    on_mount = np.zeros((rows, k, 3))
+    on_mount[:, :, 2] = bearings
+    elements: Any = getattr(model.sensor, "elements", None)
+    if isinstance(elements, Mount):  # a ring: a table of arrays (N, k)
+        on_mount[:, :, 0] = elements.x
+        on_mount[:, :, 1] = elements.y
+    mount = np.empty((rows, k, 3))
+    for column, value in enumerate((model.mount.x, model.mount.y, model.mount.heading)):
+        mount[:, :, column] = value
+    return compose(mount.reshape(-1, 3), on_mount.reshape(-1, 3)).reshape(rows, k, 3)
+
+
+def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
+    """The same beams in a frame that heads where the drive goes when it goes ahead."""
+    course = robot.drive.course(joints)
+    if course is None:
+        return beams
+    rows, k, _ = beams.shape
+    back = np.zeros((rows, k, 3))
+    back[:, :, 2] = -course
+    return compose(back.reshape(-1, 3), beams.reshape(-1, 3)).reshape(rows, k, 3)

@@ -1,0 +1,101 @@
+"""What controllers know of the drive that they drive: what it can do, and what ahead means for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Measurement, RobotModel
+from amorsim.core.errors import ComponentError
+from amorsim.core.poses import compose
+
+__all__ = [
+    "at_rest",
+    "command_along",
+    "curvature_max",
+    "heading_poses",
+    "joints_of",
+    "needs_turning_in_place",
+    "twist_limits",
+]
+
+Array = npt.NDArray[np.float64]
+
+
+def at_rest(robot: RobotModel) -> Array:
+    """Joints `(N, j)` of a drive that points straight ahead: all at 0."""
+    return np.zeros((robot.rows, len(robot.drive.joints)))
+
+
+def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
+    """The drive's joints `(N, j)` [rad] as the first sensor that counts them says; all 0 where none does."""
+    rest = at_rest(robot)
+    for name, model in robot.sensors.items():
+        angles: Any = getattr(model.sensor, "angles", None)
+        if callable(angles):
+            found = np.asarray(angles(readings[name].measured))
+            if found.shape == rest.shape:
+                return np.where(np.isfinite(found), found, 0.0)
+    return rest
+
+
+def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:
+    """The same poses `(N, 3)`, heading where the drive goes when it goes ahead (`Drive.course`)."""
+    course = robot.drive.course(joints)
+    if course is None:
+        return poses
+    turned = np.zeros((robot.rows, 3))
+    turned[:, 2:3] = course
+    return compose(poses, turned)
+
+
+def command_along(robot: RobotModel, twists: Array, joints: Array) -> Array:
+    """The command `(N, c)` for `twists` `(N, 3)` that are told along the drive's course."""
+    course = robot.drive.course(joints)
+    if course is not None:
+        turned, way = np.zeros((robot.rows, 3)), twists.copy()
+        turned[:, 2:3] = course
+        way[:, 2] = 0.0
+        twists = np.concatenate((compose(turned, way)[:, :2], twists[:, 2:]), axis=1)
+    return robot.drive.command_for(np.ascontiguousarray(twists), joints)
+
+
+def curvature_max(robot: RobotModel) -> Array:
+    """The sharpest curve that the drive can drive `(N, 1)` [1/m]; inf where it turns in place."""
+    sharpest = robot.drive.curvature_max()
+    return np.full((robot.rows, 1), np.inf) if sharpest is None else sharpest
+
+
+def needs_turning_in_place(robot: RobotModel, name: str) -> None:
+    """Raise `ComponentError` for robots that cannot turn in place, on behalf of the controller `name`."""
+    stiff = np.flatnonzero(np.isfinite(curvature_max(robot)[:, 0]))
+    if len(stiff):
+        raise ComponentError(
+            f"{name} turns in place, which {robot.who(int(stiff[0]))} cannot: its drive, "
+            f"{type(robot.drive).__name__}, has a smallest radius of "
+            f"{1.0 / float(curvature_max(robot)[stiff[0], 0]):.3g} m. Take 'pursuit' along waypoints"
+        )
+
+
+def twist_limits(robot: RobotModel) -> Array:
+    """Fastest speed [m/s] and turn [rad/s], and how fast each may change [m/s^2, rad/s^2], `(N, 4)`.
+
+    As the drive says, or from its `rate_max` and `acceleration_max`; inf where it has none.
+    """
+    told = robot.drive.top_speeds()
+    if told is not None:
+        return np.array(told)
+    joints = at_rest(robot)
+    out = np.full((robot.rows, 4), np.inf)
+    for column, axis in ((0, 0), (1, 2)):
+        twist = np.zeros((robot.rows, 3))
+        twist[:, axis] = 1.0
+        rates = np.abs(robot.drive.command_for(twist, joints)).max(axis=1)
+        for offset, name in ((0, "rate_max"), (2, "acceleration_max")):
+            limit = getattr(robot.drive, name, None)
+            if limit is not None:
+                out[:, column + offset] = limit[:, 0] / rates
+    return out
