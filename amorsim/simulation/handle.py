@@ -141,9 +141,9 @@ class RobotHandle:
     def command_for(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> list[float]:
         """The command that makes it go forward [m/s], turn [rad/s] and go left [m/s], or nearest to it.
 
-        The robot's own software makes it, with nominal parameters and within the limits of a `manual` controller; devices
-        keep their commands. Forward is where the drive goes when it goes ahead: of a synchro drive, where its wheels
-        point.
+        The robot's own software makes it, with nominal parameters and within the limits of a `manual` controller;
+        devices keep their commands. Forward is where the drive goes when it goes ahead: of a synchro drive, where its
+        wheels point.
         """
         group, row = self._group, self._row
         twists = np.zeros((group.rows, 3))
