@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli import calibrate, check, explain, new, plot, plugins, reproduce, run, umbmark
+from amorsim.cli import calibrate, check, explain, new, plot, plugins, reproduce, run, umbmark, view
 from amorsim.cli.console import complain
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain as in_words
@@ -27,6 +27,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command("run", short_help="Simulate a scenario, or a map alone.")(run.command)
+app.command("view", short_help="Open the Simulator in the browser.")(view.command)
+app.command("runsim", short_help="The same as view.", hidden=True)(view.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)

@@ -25,6 +25,7 @@ from typing import IO, Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
+from amorsim.kernels.compile import mark_warm
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.pipes import JSON, Writer, read_message
@@ -71,6 +72,8 @@ class Child:
         self._changed = True
         self._last_frame = 0.0
         self._tick = 0
+        self._folder = ""
+        self._is_first = True
         self._told: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
 
     # ---------------------------------------------------------------------------------------------- the reading thread
@@ -141,12 +144,11 @@ class Child:
         self._busy_since = None
         builder = SceneBuilder(simulation)
         self._player, self._does = player, Commands(player, builder)
+        self._folder = str(player.folder or "")
         remarks = [
             f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
         ]
-        self._writer.send(
-            {"push": "ready", "scene": builder.scene, "remarks": remarks, "folder": str(player.folder or "")}
-        )
+        self._writer.send({"push": "ready", "scene": builder.scene, "remarks": remarks, "folder": self._folder})
         try:
             while not self._is_ending.is_set():
                 with contextlib.suppress(Interrupted):  # it came late: what it was meant for has returned
@@ -217,6 +219,9 @@ class Child:
             if player.fault is not None:
                 sys.stderr.write(player.fault.stack + "\n")
             return
+        if self._is_first:
+            mark_warm()
+            self._is_first = False
         does.pace.stepped(time.monotonic(), player.simulation.dt)
         if player.newest == player.last:
             does.is_running, does.has_ended = False, True
@@ -242,6 +247,10 @@ class Child:
 
     def _tell_inputs(self) -> None:
         """Let the session know what was given, for a child after this one."""
+        folder = str(self._player.folder or "")
+        if folder != self._folder:
+            self._folder = folder
+            self._writer.send({"push": "folder", "folder": folder})
         inputs = self._player.inputs
         first, news = inputs.news()
         known, count = self._told

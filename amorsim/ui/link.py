@@ -46,6 +46,8 @@ class Link:
         What was given to it, as far as it told.
     tick
         The last that it told of.
+    folder
+        What it writes the run into.
     end, last_words
         How it ended, and what it wrote into its log before.
     """
@@ -56,6 +58,7 @@ class Link:
         self.ready: concurrent.futures.Future[Answer] = concurrent.futures.Future()
         self.inputs: list[dict[str, Any]] = list(order["inputs"])
         self.tick: int = order["tick"]
+        self.folder = ""
         self.end = ""
         self._log: collections.deque[str] = collections.deque(maxlen=LAST_WORDS)
         self._on_frame, self._on_end = on_frame, on_end
@@ -138,11 +141,14 @@ class Link:
     def _pushed(self, table: Answer) -> None:
         kind = table["push"]
         if kind == "ready":
+            self.folder = table["folder"]
             self.ready.set_result(table)
         elif kind == "failed":
             self.ready.set_exception(AmorsimError(table["error"]))
         elif kind == "inputs":
             self.inputs[table["first"] :] = table["inputs"]
+        elif kind == "folder":
+            self.folder = table["folder"]
 
     def _finish(self) -> None:
         code = self._process.wait()

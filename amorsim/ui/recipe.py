@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import attrs
@@ -21,7 +21,7 @@ class Recipe:
 
     name: str
     resolution: float | None = None
-    changes: tuple[str, ...] = attrs.field(default=(), converter=tuple)
+    changes: Sequence[str] = ()
     seed: int | None = None
     duration: float | None = None
 

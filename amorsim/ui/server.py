@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import socket
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from types import FrameType
 from typing import Any
 
 import nicegui
@@ -84,8 +86,30 @@ def listen(host: str, port: int) -> socket.socket:
     return bound
 
 
-def serve(session: Simulated, *, host: str = "127.0.0.1", port: int = 0, ready: Callable[[str], None]) -> None:
-    """Serve a session's window until the process is told to end; `ready` is given the address, token included."""
+class _Server(uvicorn.Server):
+    """Ends what it serves at once when a signal comes, not after its windows have gone."""
+
+    def __init__(self, config: uvicorn.Config, ending: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._ending = ending
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        threading.Thread(target=self._ending, name="amorsim-ending").start()
+        super().handle_exit(sig, frame)
+
+
+def serve(
+    session: Simulated,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    ready: Callable[[str], None],
+    ending: Callable[[], None] = lambda: None,
+) -> None:
+    """Serve a session's window until the process is told to end.
+
+    `ready` is given the address, token included; `ending` is called in a thread as soon as the process is told.
+    """
     with listen(host, port) as bound:
         door = Door(host=host, port=bound.getsockname()[1])
         app = build(session, door, lambda: ready(door.address))
@@ -98,4 +122,4 @@ def serve(session: Simulated, *, host: str = "127.0.0.1", port: int = 0, ready: 
             ws_max_size=LONGEST_MESSAGE,
             ws_per_message_deflate=False,  # frames are floats: it would cost more than it saves
         )
-        uvicorn.Server(config).run(sockets=[bound])
+        _Server(config, ending).run(sockets=[bound])

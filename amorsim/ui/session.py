@@ -76,6 +76,7 @@ class Session:
         self._hang: dict[str, Any] | None = None  # what the child, or its end, tells of a controller that hangs
         self._state: Answer = {}
         self._is_closed = threading.Event()
+        self._closing = threading.Lock()
 
     # ----------------------------------------------------------------------------------------------- beginning and end
 
@@ -115,11 +116,17 @@ class Session:
                 self._want_frame()
 
     def close(self) -> None:
-        """End the simulation, with whole files, within two seconds."""
+        """End the simulation, with whole files, within two seconds; in any thread, and again if one likes."""
         self._is_closed.set()
-        link = self._link
-        if link is not None:
-            link.close()
+        with self._closing:
+            if self._link is not None:
+                self._link.close()
+
+    @property
+    def folder(self) -> str:
+        """The folder that the run is written into, or was until the end; nothing where there is none."""
+        folder = self._link.folder if self._link is not None else ""
+        return folder if folder and Path(folder, "run.json").is_file() else ""
 
     def __enter__(self) -> Session:
         self.start()

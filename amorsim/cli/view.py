@@ -1,0 +1,96 @@
+"""``amorsim view``: the Simulator's window, in the browser."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import threading
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from amorsim.cli.console import complain, say
+
+__all__ = ["command"]
+
+
+def command(
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file (.toml), the name of a bundled scenario (such as demo), or a map alone (such as "
+            "lab.wld or plan.bmp), in which a Pioneer 2DX then wanders.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder that the run is written into as it goes, new or empty."),
+    ] = None,
+    port: Annotated[int, typer.Option(metavar="N", help="Port to serve the window on; 0 takes one that is free.")] = 0,
+    host: Annotated[
+        str,
+        typer.Option(
+            metavar="ADDRESS", help="Address to serve the window on; only this machine can reach the default."
+        ),
+    ] = "127.0.0.1",
+    open_: Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")] = True,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Seed of all random draws, in place of the scenario's.")
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Simulated time, in place of the scenario's.")
+    ] = None,
+    resolution: Annotated[
+        float | None,
+        typer.Option(metavar="METRES", help="For a map alone: the side of a cell (of a picture: of a pixel)."),
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change a value of the scenario, as in robots.0.errors.drive.track.scale=1.02; may be given again.",
+        ),
+    ] = None,
+) -> None:
+    """Open the Simulator in the browser: what is true beside what the robot knows.
+
+    Its address is printed on a line of its own; whoever has it, token included, can drive. Ctrl-C ends it, with the
+    files of --out whole. What is saved in the window goes into the present folder.
+    """
+    from amorsim.core.errors import AmorsimError
+
+    if importlib.util.find_spec("nicegui") is None:
+        raise AmorsimError('the window needs the extra "ui"; install it with: pip install "amorsim[ui]"')
+    if not 0 <= port < 65536:
+        raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
+
+    from amorsim.kernels.compile import is_cold
+    from amorsim.ui.recipe import Recipe
+    from amorsim.ui.server import serve
+    from amorsim.ui.session import Session
+
+    if is_cold():
+        say("compiling the kernels, once after installing (some ten seconds) ...")
+    recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
+    session = Session(recipe, out=out)
+    try:
+        session.start()
+        for remark in session.remarks:
+            complain(remark)
+
+        def ready(address: str) -> None:
+            say(address)
+            if open_:
+                # Some browsers hold up whoever opens them.
+                threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+
+        with contextlib.suppress(KeyboardInterrupt):
+            serve(session, host=host, port=port, ready=ready, ending=session.close)
+    finally:
+        session.close()
+    if session.folder:
+        say(f"results: {session.folder}")
