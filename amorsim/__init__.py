@@ -75,6 +75,7 @@ if TYPE_CHECKING:
         Recording,
         Robot,
         Scenario,
+        Zone,
     )
     from amorsim.simulation.events import Event
     from amorsim.simulation.phases import PHASES
@@ -100,7 +101,7 @@ _MODULES = {
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
         "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose Recording Robot "
-        "Scenario"
+        "Scenario Zone"
     ),
     "amorsim.simulation.events": "Event",
     "amorsim.runs.reproduce": "reproduce",
@@ -169,6 +170,7 @@ __all__ = [
     "Twist",
     "View",
     "WheelSpeeds",
+    "Zone",
     "compose",
     "controllers",
     "drives",

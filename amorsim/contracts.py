@@ -303,6 +303,13 @@ class Drive(Component, abc.ABC):
         twist = self.twist(before, after)
         return np.stack((np.sqrt(twist[:, 0] ** 2 + twist[:, 1] ** 2), np.abs(twist[:, 2])), axis=1)
 
+    def contacts(self, joints: Array) -> Array:
+        """Where each joint that rolls touches the ground `(N, r, 2)` [m], in the body's frame.
+
+        There it feels zones of the floor. By default all touch it at the base point.
+        """
+        return np.zeros((len(joints), sum(joint.rolls for joint in self.joints), 2))
+
     def follow(self, joints: Array, displacement: Array) -> Array:
         """The joints `(N, j)` once passive ones have followed what the body really did, after contact."""
         return joints

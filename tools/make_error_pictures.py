@@ -55,6 +55,7 @@ def _simulate(
     replicas: int = 1,
     forward: float = 0.0,
     turn: float = 0.0,
+    zones: Sequence[am.Zone] = (),
     **mounted: float,
 ) -> am.Simulation:
     """A robot with one noisy sensor, under way with the given speed [m/s] and turning rate [rad/s]."""
@@ -71,7 +72,9 @@ def _simulate(
         ground=_named(ground),
         pose=am.Pose(x=pose[0], y=pose[1], heading=pose[2]),
     )
-    sim = am.Simulation(am.Scenario(map=field or _room(), robots=[robot], dt=dt, seed=1), replicas=replicas)
+    sim = am.Simulation(
+        am.Scenario(map=field or _room(), robots=[robot], zones=zones, dt=dt, seed=1), replicas=replicas
+    )
     for replica in sim.replicas:
         sim.robot("rover", replica).drive(forward=forward, turn=turn)
     return sim
@@ -300,6 +303,52 @@ def _cross_talk() -> Figure:
     return figure
 
 
+def _rough() -> Figure:
+    empty = am.Map.from_segments(np.empty((0, 4)), resolution=0.5, extent=(-50.0, -50.0, 50.0, 50.0))
+    bump = noise.Bump(height=0.01, rate=0.5)
+    sim = _simulate(None, ground=[bump], pose=(0, 0, 0), field=empty, replicas=40, forward=0.5)
+    ways = [sim.true_pose[:, :2]]
+    for _ in range(160):
+        sim.step()
+        ways.append(sim.true_pose[:, :2])
+    figure, (axis,) = _figure()
+    axis.plot(*np.array(ways).transpose(2, 0, 1), color=TRUE, linewidth=0.7)
+    axis.plot((0.0, 8.0), (0.0, 0.0), "--", color=OTHER, linewidth=2.0, label="estimated, by all")
+    axis.set(xlabel="x [m]", ylabel="y [m]")
+    axis.legend(frameon=False, loc="upper left")
+    return figure
+
+
+def _zones() -> Figure:
+    ice = am.Zone(
+        name="ice",
+        shape=am.Shape.circle(0.6),
+        pose=am.Pose(x=2.3, y=1.7),
+        ground=(noise.Scale(factor=0.9),),
+    )
+    sill = am.Zone(
+        name="sill",
+        shape=am.Shape.rectangle(0.04, 2.0),
+        pose=am.Pose(x=4.0, y=2.8, heading=0.2),
+        ground=(noise.Bump(height=0.03),),
+    )
+    sim = _simulate(None, pose=(1.0, 1.2, 0.0), forward=0.5, zones=(ice, sill))
+    rows = []
+    for _ in range(90):
+        rows.append((*sim.true_pose[0, :2], *sim.estimated_pose[0, :2]))
+        sim.step()
+    path = np.array(rows)
+    figure, (axis,) = _figure()
+    for zone in (ice, sill):
+        axis.fill(*zone.outline.T, facecolor="#f3d9a4", edgecolor="#c98a1b", hatch="//", linewidth=0.8, alpha=0.6)
+        axis.text(*(zone.outline.max(axis=0) - (0.0, 0.02)), zone.name, fontsize=9, color="#8a5a00")
+    axis.plot(path[:, 0], path[:, 1], color=TRUE, linewidth=2.2, label="true")
+    axis.plot(path[:, 2], path[:, 3], "--", color=OTHER, label="estimated")
+    axis.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", ylim=(0.8, 4.0))
+    axis.legend(frameon=False, loc="upper left")
+    return figure
+
+
 def _ages() -> Figure:
     figure, (axis,) = _figure()
     dt, latency = 0.02, 0.12
@@ -350,6 +399,8 @@ DRAWN: dict[str, Callable[[], Figure]] = {
         noise.OdometryModel(a1=0.05, a2=0.6, a3=0.05, interval=0.1), forward=0.5, turns=(-0.5, 0.0, 0.5)
     ),
     "slip": _slips,
+    "bump": _rough,
+    "zones": _zones,
     "latency-jitter": _ages,
     "cross-talk": _cross_talk,
 }

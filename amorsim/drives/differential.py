@@ -79,6 +79,13 @@ class Differential(Motors):
         radii: Any = (self.wheel_radius_left, self.wheel_radius_right)
         return np.concatenate(radii, axis=1)
 
+    def contacts(self, joints: Array) -> Array:
+        """Half the track to the left and to the right of the base point `(N, 2, 2)` [m]."""
+        found = np.zeros((len(joints), 2, 2))
+        half = 0.5 * np.asarray(self.track)
+        found[:, 0, 1], found[:, 1, 1] = half[:, 0], -half[:, 0]
+        return found
+
     def speeds_to_rates(self, speeds: Array) -> Array:
         """Wheel rates `(N, 2)` [rad/s] for speeds of the rims `(N, 2)` [m/s], by the drive's own radii."""
         return speeds / self.rolling_radius()

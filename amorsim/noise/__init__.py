@@ -8,6 +8,7 @@ from amorsim.noise.beam_model import BeamModel
 from amorsim.noise.bias import Bias
 from amorsim.noise.bias_instability import BiasInstability
 from amorsim.noise.bias_random_walk import BiasRandomWalk
+from amorsim.noise.bump import Bump
 from amorsim.noise.compass_deviation import CompassDeviation
 from amorsim.noise.cross_talk import CrossTalk
 from amorsim.noise.diffusion import Diffusion
@@ -32,6 +33,7 @@ __all__ = [
     "Bias",
     "BiasInstability",
     "BiasRandomWalk",
+    "Bump",
     "CompassDeviation",
     "CrossTalk",
     "Diffusion",

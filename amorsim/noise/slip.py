@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.noise.joints import chosen
 
 __all__ = ["Slip"]
 
@@ -43,16 +43,8 @@ class Slip(Noise):
 
     def start(self, context: Context) -> State:
         """How many steps were made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""
-        slips = np.ones((context.rows, context.size))
-        if self.joint:
-            rolling = [joint.name for joint in context.robot.drive.joints if joint.rolls]
-            if self.joint not in rolling:
-                raise ComponentError(
-                    f"Slip: joint: expected one of {', '.join(rolling)} or nothing, got {self.joint!r}."
-                    f"{did_you_mean(self.joint, rolling)}"
-                )
-            slips[:] = [float(name == self.joint) for name in rolling]
-        return {"steps": np.zeros((context.rows, 1), dtype=np.int64), "slips": slips}
+        steps = np.zeros((context.rows, 1), dtype=np.int64)
+        return {"steps": steps, "slips": chosen("Slip", self.joint, context)}
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The travels `(N, r)` [m] over the ground."""

@@ -55,6 +55,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.noise("velocity_model", "amorsim.noise.velocity_model:VelocityModel")
     registry.noise("odometry_model", "amorsim.noise.odometry_model:OdometryModel")
     registry.noise("slip", "amorsim.noise.slip:Slip")
+    registry.noise("bump", "amorsim.noise.bump:Bump")
 
     registry.map_loader("wld", "amorsim.maps.wld:Wld")
     registry.map_loader("bmp", "amorsim.maps.bmp:Bitmap")

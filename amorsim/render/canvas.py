@@ -61,6 +61,22 @@ class Canvas:
         ImageDraw.Draw(stencil).polygon(inside, fill=round(255 * opacity))
         self._image.paste(colour, (int(left), int(top)), stencil)
 
+    def hatch(self, corners: Points, colour: str, spacing: float, width: float) -> None:
+        """Slanting lines of a width, so far apart, within a closed outline, corners (V, 2)."""
+        x0, y0, x1, y1 = (edge * FINENESS for edge in self.frame)
+        fine = corners * FINENESS
+        left, top = np.floor(np.maximum(fine.min(axis=0), (x0, y0))).astype(int).tolist()
+        right, bottom = np.ceil(np.minimum(fine.max(axis=0), (x1, y1))).astype(int).tolist()
+        if right <= left or bottom <= top:
+            return
+        stencil = Image.new("1", (right - left, bottom - top))
+        ImageDraw.Draw(stencil).polygon([(float(x - left), float(y - top)) for x, y in fine], fill=1)
+        rows, columns = np.ogrid[top:bottom, left:right]
+        is_line = (rows + columns) % max(round(spacing * FINENESS * math.sqrt(2.0)), 2) < width * FINENESS * math.sqrt(
+            2.0
+        )
+        self.mask(np.asarray(stencil) & is_line, (left / FINENESS, top / FINENESS), colour)
+
     def line(self, points: Points, colour: str, width: float, *, dash: tuple[float, float] | None = None) -> None:
         """A line of round ends and corners through points (T, 2), whole or in dashes and gaps of two lengths.
 

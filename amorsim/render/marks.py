@@ -18,6 +18,7 @@ __all__ = [
     "draw_start",
     "draw_true_end",
     "draw_true_path",
+    "draw_zone",
 ]
 
 COLOURS = MappingProxyType(
@@ -27,6 +28,7 @@ COLOURS = MappingProxyType(
         "true": "#1b7f5c",
         "estimated": "#2f6fde",
         "collision": "#d1242f",
+        "zone": "#c98a1b",
         "text": "#1f2328",
         "faint": "#8b949e",
     }
@@ -71,6 +73,13 @@ def draw_collision(canvas: Canvas, place: Points, unit: float) -> None:
     for width, colour in ((8.0, "white"), (4.2, COLOURS["collision"])):
         for slope in (-1, 1):
             canvas.line(place + np.array([(-9, -9 * slope), (9, 9 * slope)]) * unit, colour, width * unit)
+
+
+def draw_zone(canvas: Canvas, outline: Points, unit: float) -> None:
+    """A tinted and hatched part of the floor."""
+    canvas.polygon(outline, "#f3d9a4", opacity=0.45)
+    canvas.hatch(outline, COLOURS["zone"], 14 * unit, 1.6 * unit)
+    canvas.line(np.concatenate((outline, outline[:1])), COLOURS["zone"], 2 * unit)
 
 
 def draw_body(canvas: Canvas, outline: Points, unit: float) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from amorsim.core.map import Map
@@ -72,13 +72,15 @@ def draw_run(
     map: Map,  # noqa: A002 - the field's word
     paths: Sequence[RobotPath],
     *,
+    zones: Sequence[ArrayLike] = (),
     size: int = 1600,
     title: str = "",
 ) -> Image.Image:
     """A picture of a map and of robots' paths on it, RGB, `size` pixels along its longer side.
 
     The picture's edges are parallel to the map's, whatever its yaw. Walls are dark, true paths a solid line,
-    estimated ones a dashed line, collisions crosses; a ring marks where a robot started, a disc (within its
+    estimated ones a dashed line, collisions crosses; zones of the floor, whose outlines (V, 2) [m] in the world are
+    given, are hatched; a ring marks where a robot started, a disc (within its
     outline, if given) where it ended, a diamond where it believed it ended. Paths that leave the map make the
     picture grow by up to a quarter of the map's longer side, and are cut off beyond.
 
@@ -89,7 +91,7 @@ def draw_run(
     """
     if size < _SMALLEST:
         raise ParameterError("size", f"expected at least {_SMALLEST} pixels, got {size}")
-    page = _Page(map, paths, size, title)
+    page = _Page(map, paths, [_points(zone) for zone in zones], size, title)
     page.draw_walls()
     for path in paths:
         page.draw_lines(path)
@@ -101,9 +103,10 @@ def draw_run(
 class _Page:
     """The sheet: a title above, the plot, a legend and a scale bar below."""
 
-    def __init__(self, map: Map, paths: Sequence[RobotPath], size: int, title: str) -> None:  # noqa: A002
-        self._map = map
+    def __init__(self, map_: Map, paths: Sequence[RobotPath], zones: Sequence[Points], size: int, title: str) -> None:
+        self._map = map_
         self._paths = paths
+        self._zones = zones
         self._title = title
         self._unit = size / 1600  # [px] a line 1 px wide in a picture of 1600 px
         self._margin = round(34 * self._unit) + 2
@@ -153,6 +156,8 @@ class _Page:
         # Rows begin at the lower edge; the last, on top, may stick out by a part of a pixel.
         top = bottom - (len(pixels) + lacking) / FINENESS
         pixels = _thickened(np.pad(pixels, lacking), lacking)
+        for zone in self._zones:
+            marks.draw_zone(canvas, self._on_page(zone), self._unit)
         canvas.mask(pixels, (left - lacking / FINENESS, top), COLOURS["wall"])
 
     def draw_lines(self, path: RobotPath) -> None:
@@ -250,6 +255,7 @@ class _Page:
             (true, _Item("start", marks.draw_start)),
             (true, _Item("end", marks.draw_true_end)),
             (estimated, _Item("estimated end", marks.draw_estimated_end)),
+            (bool(self._zones), _Item("zone" if len(self._zones) == 1 else "zones", _zone_sample)),
             (hits > 0, _Item(f"{hits} collision{'s' if hits > 1 else ''}", marks.draw_collision)),
         ]
         return [item for shown, item in found if shown]
@@ -359,6 +365,11 @@ def _line_sample(draw: Callable[[Canvas, Points, float], None]) -> Callable[[Can
         draw(canvas, place + np.array([(-34.0, 0.0), (34.0, 0.0)]) * unit, unit)
 
     return sample
+
+
+def _zone_sample(canvas: Canvas, place: Points, unit: float) -> None:
+    """A small zone about a place."""
+    marks.draw_zone(canvas, place + np.array([(-13.0, -11.0), (13.0, -11.0), (13.0, 11.0), (-13.0, 11.0)]) * unit, unit)
 
 
 def _finite(points: Points) -> Points:

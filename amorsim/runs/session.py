@@ -201,7 +201,12 @@ class RunSession:
             raise
         self._end(status)
         if self._scenario.recording.picture:
-            picture = draw_run(self._scenario.map, self._traces.paths(), title=self._title())
+            picture = draw_run(
+                self._scenario.map,
+                self._traces.paths(),
+                zones=[zone.outline for zone in self._scenario.zones],
+                title=self._title(),
+            )
             try:
                 picture.save(self.folder / "picture.png")
             except OSError as error:

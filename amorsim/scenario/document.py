@@ -16,7 +16,7 @@ from amorsim.scenario.bodies import write_shape
 from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
 from amorsim.scenario.models import FORMAT, LOOKS
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario, Zone
 from amorsim.scenario.worlds import start_of
 
 __all__ = ["document_of", "resolved"]
@@ -72,6 +72,8 @@ class _Writer:
         for key, things in (("landmarks", scenario.landmarks), ("lights", scenario.lights)):
             if things:
                 document[key] = [write_fields(thing) for thing in things]
+        if scenario.zones:
+            document["zones"] = [self._zone(zone, f"zones.{i}") for i, zone in enumerate(scenario.zones)]
         return document
 
     def _fault(self, path: str, message: str) -> None:
@@ -194,6 +196,13 @@ class _Writer:
         written.update(write_fields(obstacle, names=LOOKS))
         if obstacle.motion is not None:
             written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")
+        return written
+
+    def _zone(self, zone: Zone, path: str) -> dict[str, Any]:
+        written: dict[str, Any] = {"name": zone.name, "shape": self._shape(zone.shape, path)}
+        written["pose"] = write_fields(zone.pose)
+        if zone.ground:
+            written["ground"] = self._chain(zone.ground, f"{path}.ground", "m")
         return written
 
     def _shape(self, shape: Any, path: str) -> dict[str, Any]:

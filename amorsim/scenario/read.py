@@ -24,13 +24,16 @@ from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
-from amorsim.scenario.robots import read_obstacle, read_robot
+from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
 from amorsim.scenario.spec import Landmark, Light, Robot, Scenario
 from amorsim.scenario.worlds import Maps, start_of
 
 __all__ = ["load", "loads", "scenario_for_map"]
 
-_KEYS = ("format", "description", "world", "simulation", "recording", "robots", "obstacles", "landmarks", "lights")
+_KEYS = (
+    *("format", "description", "world", "simulation", "recording"),
+    *("robots", "obstacles", "landmarks", "lights", "zones"),
+)
 _TIMES = ("dt", "duration", "seed")
 
 
@@ -154,15 +157,20 @@ def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
     bodies = []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
         bodies = [read_obstacle(node, number, registry) for number, node in enumerate(obstacles.items(), start=1)]
+    zones = top.child("zones")
+    if zones.value is not None and zones.expect_list("a list of tables, [[zones]]"):
+        read_zones = [read_zone(node, number, registry) for number, node in enumerate(zones.items(), start=1)]
+        values["zones"] = [zone for zone in read_zones if zone]
     _check_names(robots, obstacles)
+    _check_names(zones)
     values.update(map=world, robots=_placed(robots, read, world), obstacles=[body for body in bodies if body])
     return values
 
 
-def _check_names(robots: Node, obstacles: Node) -> None:
-    """A fault for every body that is called as one before it."""
+def _check_names(*lists: Node) -> None:
+    """A fault for everything in these lists that is called as something before it."""
     seen: dict[str, str] = {}
-    for group in (robots, obstacles):
+    for group in lists:
         for node in group.items() if isinstance(group.value, list) else ():
             name = node.value.get("name") if node.is_table else None
             if not isinstance(name, str):

@@ -22,10 +22,10 @@ from amorsim.scenario.deviations import read_deviations
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_fields
 from amorsim.scenario.models import LOOKS
-from amorsim.scenario.spec import Landmark, Obstacle, Pose, Robot
+from amorsim.scenario.spec import Landmark, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
 
-__all__ = ["read_obstacle", "read_robot"]
+__all__ = ["read_obstacle", "read_robot", "read_zone"]
 
 _ROBOT_KEYS = (
     "name",
@@ -44,6 +44,7 @@ _ROBOT_KEYS = (
     *LOOKS,
 )
 _OBSTACLE_KEYS = ("name", "shape", "pose", "motion", *LOOKS)
+_ZONE_KEYS = ("name", "shape", "pose", "ground")
 
 
 def read_robot(
@@ -109,6 +110,27 @@ def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | Non
         return None
     try:
         return Obstacle(**values)
+    except ParameterError as error:
+        node.child(error.name).fault(error.problem)
+        return None
+
+
+def read_zone(node: Node, number: int, registry: Registry) -> Zone | None:
+    """The zone in a table, called ``zone<number>`` if it has no name; None after faults."""
+    if not node.expect_table("a table: name, shape, pose, ground"):
+        return None
+    before = node.book.count
+    node.refuse_unknown(_ZONE_KEYS)
+    values: dict[str, Any] = {"name": _name(node.child("name"), f"zone{number}")}
+    values["shape"] = read_shape(node.child("shape"))
+    if "pose" in node:
+        values["pose"] = read_pose(node.child("pose"))
+    if "ground" in node:
+        values["ground"] = read_chain(node.child("ground"), registry, "m")
+    if node.book.count > before:
+        return None
+    try:
+        return Zone(**values)
     except ParameterError as error:
         node.child(error.name).fault(error.problem)
         return None

@@ -7,12 +7,15 @@ a simulation is made of it.
 from __future__ import annotations
 
 import collections
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
+import numpy.typing as npt
 
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
@@ -35,6 +38,7 @@ __all__ = [
     "Recording",
     "Robot",
     "Scenario",
+    "Zone",
     "column_problem",
 ]
 
@@ -309,6 +313,38 @@ class Obstacle:
         _check_colour(self.colour)
 
 
+def _check_zone_shape(_: Any, attribute: Any, value: Any) -> None:
+    is_circle = len(value.vertices) == 1 and len(value.vertices[0]) == 1
+    if value.radius and not is_circle:
+        raise ParameterError(attribute.name, "expected a circle, a rectangle or a polygon without rounding")
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Zone:
+    """A part of the floor, which does something of its own to the wheels that roll over it.
+
+    Parameters
+    ----------
+    shape
+        A circle or a polygon, in the frame of `pose`.
+    ground
+        A chain as of `Robot.ground`, through which goes what each rolling joint travels within the zone, after the
+        robot's own.
+    """
+
+    name: str = attrs.field(validator=_check_name)
+    shape: Shape = attrs.field(validator=_check_zone_shape)
+    pose: Pose = attrs.field(factory=Pose)
+    ground: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
+
+    @property
+    def outline(self) -> npt.NDArray[np.float64]:
+        """Vertices [m] of its border in the world `(V, 2)`, anticlockwise."""
+        c, s = math.cos(self.pose.heading), math.sin(self.pose.heading)
+        x, y = self.shape.outline.T
+        return np.stack((self.pose.x + c * x - s * y, self.pose.y + s * x + c * y), axis=1)
+
+
 @attrs.frozen(kw_only=True)
 class Recording:
     """What a run writes down; `also` are recorders beside that of the text files, which a run always has."""
@@ -339,6 +375,10 @@ def _lights(given: Iterable[Light]) -> tuple[Light, ...]:
     return tuple(given)
 
 
+def _zones(given: Iterable[Zone]) -> tuple[Zone, ...]:
+    return tuple(given)
+
+
 @attrs.frozen(kw_only=True, eq=False)
 class Scenario:
     """A world, the robots in it, and how time runs.
@@ -352,6 +392,7 @@ class Scenario:
     obstacles: tuple[Obstacle, ...] = attrs.field(default=(), converter=_obstacles)
     landmarks: tuple[Landmark, ...] = attrs.field(default=(), converter=_landmarks)
     lights: tuple[Light, ...] = attrs.field(default=(), converter=_lights)
+    zones: tuple[Zone, ...] = attrs.field(default=(), converter=_zones)
     dt: float = parameter(0.1, unit="s", gt=0, le=10, help="length of a step")
     duration: float = parameter(60.0, unit="s", gt=0, help="simulated time of a run")
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")
@@ -366,3 +407,6 @@ class Scenario:
         for name, count in collections.Counter(names).items():
             if count > 1:
                 raise ParameterError("robots", f"two robots or obstacles are called {name!r}; names must differ")
+        for name, count in collections.Counter(zone.name for zone in self.zones).items():
+            if count > 1:
+                raise ParameterError("zones", f"two zones are called {name!r}; names must differ")

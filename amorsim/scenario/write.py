@@ -57,7 +57,7 @@ def document_text(document: Mapping[str, Any]) -> str:
     """A document as TOML: a table a thing, mounts, poses and noise on a line each."""
     root = tomlkit.document()
     for key, value in document.items():
-        if key in ("robots", "obstacles", "landmarks", "lights"):
+        if key in ("robots", "obstacles", "landmarks", "lights", "zones"):
             array = tomlkit.aot()
             for item in value:
                 array.append(_table(item, (key,)))

@@ -19,6 +19,7 @@ from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.surroundings import Surroundings
+from amorsim.simulation.zones import zone_streams
 
 __all__ = ["Fleet"]
 
@@ -52,14 +53,15 @@ class Fleet:
         robots = [_placed(robot, scenario) for robot in sorted(scenario.robots, key=lambda robot: robot.name)]
         obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
         self.names = tuple(robot.name for robot in robots)
-        streams = [(robot.name, *stream) for robot in robots for stream in _stream_names(robot)]
+        zones = zone_streams(scenario.zones)
+        streams = [(robot.name, *stream) for robot in robots for stream in (*_stream_names(robot), *zones)]
         check_collisions(seed, [*streams, *((obstacle.name, "motion") for obstacle in obstacles)])
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
         names, shapes = [body.name for body in bodies], [body.shape for body in bodies]
         around = Surroundings.of(bodies, scenario.landmarks, scenario.lights)
         self.world = World(scenario.map, names, shapes, len(replicas), threads, robots=len(robots), surroundings=around)
         self.groups = [
-            Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt)
+            Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
             for members in _partition(robots, group_key)
         ]
         self.obstacles = [

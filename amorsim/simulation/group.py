@@ -27,7 +27,7 @@ from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import signature, stack, take
 from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
-from amorsim.scenario.spec import Knowledge, Robot
+from amorsim.scenario.spec import Knowledge, Robot, Zone
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.driving import ask_some
@@ -35,6 +35,7 @@ from amorsim.simulation.moment import Moment
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.truth import true_robot
 from amorsim.simulation.view import GroupView
+from amorsim.simulation.zones import Zones
 
 __all__ = ["Group", "group_key"]
 
@@ -69,7 +70,14 @@ class Group:
     """
 
     def __init__(
-        self, robots: Sequence[Robot], bodies: Ints, replica: Ints, world: World, seed: int, dt: float
+        self,
+        robots: Sequence[Robot],
+        bodies: Ints,
+        replica: Ints,
+        world: World,
+        seed: int,
+        dt: float,
+        zones: Sequence[Zone] = (),
     ) -> None:
         self.specified = list(robots)
         self.names = [robot.name for robot in robots]
@@ -84,6 +92,7 @@ class Group:
         self.streams = Streams(seed, self.names, self.moment.counter, world.workers)
         self.drive_draws = self.streams.draws("drive")
         self.ground = Chain(first.ground, self.streams, "ground")
+        self.zones = Zones(zones, self.rows, self.streams)
         self.sensors = {
             name: SensorUnit(name, unit, unit.sensor.size(first.drive), self.streams)
             for name, unit in first.sensors.items()
@@ -179,6 +188,7 @@ class Group:
         self.some_by_hand = False
         self.drive_state: State = dict(self.drive.start(context))
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
+        self.zones.start(attrs.evolve(context, size=len(self.rolling)))
         for unit in self.sensors.values():
             unit.start(attrs.evolve(context, size=unit.size))
         self.estimator_states: dict[str, State] = {
@@ -262,14 +272,17 @@ class Group:
             self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
         )
         self._ground_after = self._after
+        elapsed = np.full((self.rows, 1), self.dt)
         if self.ground.elements:
-            rolling = self.rolling
-            before = self._before[:, rolling]
-            travel = (self._after[:, rolling] - before) * self._radius
-            elapsed = np.full((self.rows, 1), self.dt)
-            slipped = self.ground.corrupt(travel, {}, elapsed)
+            before = self._before[:, self.rolling]
+            travel = (self._after[:, self.rolling] - before) * self._radius
             self._ground_after = self._after.copy()
-            self._ground_after[:, rolling] = before + slipped / self._radius
+            slipped = self.ground.corrupt(travel, {}, elapsed)
+            self._ground_after[:, self.rolling] = before + slipped / self._radius
+        if self.zones:
+            self._ground_after = self.zones.passed(
+                self.drive, self._before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
+            )
 
     # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
 
@@ -383,6 +396,7 @@ class Group:
         found = {"drive": self.drive_state, "controller": self.controller_state}
         found |= {f"estimator {name}": state for name, state in self.estimator_states.items()}
         found |= {f"ground {name}": s for name, s in zip(self.ground.names, self.ground.states, strict=True)}
+        found |= self.zones.states()
         for name, unit in self.sensors.items():
             found[f"sensor {name}"] = unit.state
             for element, state in zip(unit.chain.names, unit.chain.states, strict=True):

@@ -109,4 +109,4 @@ def alone(scenario: Scenario, robot: Robot, world: Map | None = None) -> Scenari
     if world is None:
         return attrs.evolve(scenario, robots=[robot], source=None, document=None)
     placed = attrs.evolve(robot, pose=Pose())
-    return attrs.evolve(scenario, map=world, robots=[placed], obstacles=[], source=None, document=None)
+    return attrs.evolve(scenario, map=world, robots=[placed], obstacles=[], zones=[], source=None, document=None)

@@ -124,7 +124,14 @@ def test_every_column_is_described(page: Page) -> None:
 
 def test_every_key_of_a_scenario_is_described() -> None:
     text = (DOCS / "reference" / "scenario.md").read_text(encoding="utf-8")
-    keys = {*read._KEYS, *read._TIMES, *robots._ROBOT_KEYS, *robots._OBSTACLE_KEYS, *models.MODEL_KEYS}
+    keys = {
+        *read._KEYS,
+        *read._TIMES,
+        *robots._ROBOT_KEYS,
+        *robots._OBSTACLE_KEYS,
+        *robots._ZONE_KEYS,
+        *models.MODEL_KEYS,
+    }
     for key in keys:
         assert re.search(rf"`(\[+)?(robots\.)?{key}(\]+)?`", text), f"nothing is said of {key}"
 

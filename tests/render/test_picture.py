@@ -148,6 +148,27 @@ def test_estimated_path_is_dashed(room: Map) -> None:
     assert green.all()
 
 
+def test_zones_are_hatched_below_the_paths(room: Map) -> None:
+    square = [(2.0, 2.0), (4.0, 2.0), (4.0, 4.0), (2.0, 4.0)]
+    path = RobotPath(name="rover", true=[(1, 3), (5, 3)])
+    image = draw_run(room, [path], zones=[square])
+    plain = draw_run(room, [path])
+    at = Places(image, room.size)
+    assert image.size == plain.size
+    changed = np.any(np.asarray(image) != np.asarray(plain), axis=2)
+    (left, top), (right, bottom) = at(2, 4), at(4, 2)
+    inside = changed[top + 5 : bottom - 5, left + 5 : right - 5]
+    assert inside.mean() > 0.9  # all of it is tinted, but for the path
+    lines = has(image, COLOURS["zone"])[top + 5 : bottom - 5, left + 5 : right - 5]
+    assert 0.02 < lines.mean() < 0.3
+    legend = round(at(0, 0)[1] + 0.5 * (image.size[1] - at(0, 0)[1]))
+    outside = changed.copy()
+    outside[top - 5 : bottom + 5, left - 5 : right + 5] = False
+    assert not outside[: at(0, 0)[1]].any()
+    assert outside[legend - 60 :].any()  # it says what that is
+    assert around(has(image, COLOURS["true"]), at(3, 3), 1).any()
+
+
 def test_marks_of_start_and_end(room: Map) -> None:
     path = RobotPath(name="rover", true=[(1, 1), (5, 1)], estimated=[(1, 1), (5, 2)])
     image = draw_run(room, [path])

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from amorsim.motions import Loop, Oscillate, SlidingDoor, SwingDoor, Track, Waypoints
+from amorsim.noise import Bump
 from amorsim.plugins.manager import make_registry
 from amorsim.sensors.sonar import Sonar
 from amorsim.testing import check_component
@@ -21,6 +22,7 @@ CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 _WHEELS: dict[str, Any] = {"inf": "absent", "values_of": "encoder"}
 SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
     ("noise", "beam_model"): {"inf": "changed"},
+    ("noise", "bump"): _WHEELS,
     ("noise", "cross_talk"): {"inf": "changed", "side": {"heard": 1.0}},
     ("noise", "diffusion"): {"inf": "absent"},
     ("noise", "odometry_model"): _WHEELS,
@@ -36,6 +38,7 @@ _ROUTE: dict[str, Any] = {"waypoints": ((4.0, 4.0), (4.1, 4.0), (4.1, 4.3)), "pa
 _DOOR: dict[str, Any] = {"timetable": ((0.1, 0.3),), "period": 0.4}
 EXAMPLES: dict[type, Any] = {
     Sonar: Sonar(half_angle=0.03),
+    Bump: Bump(height=0.01, rate=3.0),  # no higher than a wheel, and somewhere
     Waypoints: Waypoints(**_ROUTE),
     Loop: Loop(**_ROUTE, blocked="skip"),
     Oscillate: Oscillate(**_ROUTE),

@@ -1,0 +1,66 @@
+"""How much of a straight way lies within a shape."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.shapes import Shape
+
+__all__ = ["contains", "share_within"]
+
+Array = npt.NDArray[np.float64]
+
+
+def contains(shape: Shape, points: Array) -> npt.NDArray[np.bool_]:
+    """Whether points `(M, 2)` [m] of its frame lie in a circle or a polygon without rounding, its border included."""
+    inside = np.zeros(len(points), dtype=bool)
+    for part in shape.parts:
+        if len(part) == 1:
+            inside |= _beyond(part[0], shape.radius, points) <= 0.0
+        else:
+            inside |= np.all([left >= 0.0 for left in _left_of(part, points)], axis=0)
+    return inside
+
+
+def share_within(shape: Shape, start: Array, end: Array) -> Array:
+    """The share `(M,)` of each straight way from `start` to `end` `(M, 2)` [m] that lies in the shape.
+
+    A circle, or a polygon without rounding, whose convex parts do not overlap; the points are in its frame. Of a way
+    of no length all, if it lies there.
+    """
+    share = np.zeros(len(start))
+    for part in shape.parts:
+        enters, leaves = np.zeros(len(start)), np.ones(len(start))
+        if len(part) == 1:
+            ahead, off = end - start, start - part[0]
+            a = ahead[:, 0] ** 2 + ahead[:, 1] ** 2
+            b = ahead[:, 0] * off[:, 0] + ahead[:, 1] * off[:, 1]
+            c = _beyond(part[0], shape.radius, start)
+            moves, meets = a > 0.0, b * b - a * c
+            root = np.sqrt(np.maximum(meets, 0.0))
+            over = np.where(moves, a, 1.0)
+            enters = np.where(moves, np.maximum((-b - root) / over, 0.0), enters)
+            leaves = np.where(moves, np.minimum((-b + root) / over, 1.0), leaves)
+            leaves = np.where(moves & (meets > 0.0) | ~moves & (c <= 0.0), leaves, -1.0)
+        else:
+            for before, after in zip(_left_of(part, start), _left_of(part, end), strict=True):
+                crossed = before / np.where(before == after, 1.0, before - after)
+                enters = np.where((before < 0.0) & (after >= 0.0), np.maximum(enters, crossed), enters)
+                leaves = np.where((before >= 0.0) & (after < 0.0), np.minimum(leaves, crossed), leaves)
+                leaves = np.where((before < 0.0) & (after < 0.0), -1.0, leaves)
+        share = share + np.maximum(leaves - enters, 0.0)
+    return np.minimum(share, 1.0)  # a way along the cut between two parts lies in both
+
+
+def _beyond(centre: Array, radius: float, points: Array) -> Array:
+    """By how much squared distances from the centre exceed the squared radius [m^2]."""
+    return np.asarray((points[:, 0] - centre[0]) ** 2 + (points[:, 1] - centre[1]) ** 2 - radius**2)
+
+
+def _left_of(corners: Array, points: Array) -> list[Array]:
+    """For each side of a convex polygon, on which side of it points lie: above 0 inside."""
+    found = []
+    for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        found.append((x1 - x0) * (points[:, 1] - y0) - (y1 - y0) * (points[:, 0] - x0))
+    return found

@@ -1,0 +1,109 @@
+"""Bumps of the floor that wheels roll over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.core.errors import ComponentError
+from amorsim.core.parameters import ParameterError
+from amorsim.noise.joints import chosen
+
+__all__ = ["Bump"]
+
+Array = npt.NDArray[np.float64]
+
+_MOST = 64  # bumps under one wheel in one step
+
+
+@attrs.frozen(kw_only=True)
+class Bump(Noise):
+    """Lets wheels roll over bumps: each costs some way over the ground, at once, that the encoder counts as gone.
+
+    A wheel of radius R that climbs over an edge of height h turns about it by 2 phi, with cos phi = 1 - h / R. It rolls
+    2 R phi and comes 2 R sin phi ahead, so the way lacks 2 R (phi - sin phi): 3.3 mm for 10 mm under a wheel of 165 mm.
+    A bump under one wheel alone turns the robot. For the `ground` of any drive, or of a zone of the floor.
+
+    Where there are bumps: in a zone, one under each wheel that comes into it; else under every wheel at a time, `at`;
+    or anywhere, on average `rate` of them on each metre, a Poisson process in the way.
+
+    Parameters
+    ----------
+    height
+        Of the bump [m], below the wheel's radius.
+    at
+        When wheels meet it [s], counted from the start of the episode.
+    rate
+        Bumps on a metre of way [1/m].
+    joint
+        The name of the joint whose wheel meets bumps; without one, all that roll.
+    """
+
+    height: float = parameter(unit="m", ge=0, help="height of a bump, below the wheel's radius")
+    at: float | None = parameter(None, unit="s", ge=0, help="when wheels meet one, from the start of the episode")
+    rate: float | None = parameter(None, unit="1/m", ge=0, help="bumps on a metre of way")
+    joint: str = parameter("", static=True, help="name of the joint that meets bumps; empty for all that roll")
+
+    def __attrs_post_init__(self) -> None:
+        if self.at is not None and self.rate is not None:
+            raise ParameterError("at", "expected either at or rate, or none of them in a zone, got both")
+
+    def start(self, context: Context) -> State:
+        """How many steps were made `(N, 1)`, nominal radii `(N, r)` [m], and which joints meet bumps `(N, r)`."""
+        radius = np.asarray(context.robot.drive.rolling_radius())
+        if radius.shape != (context.rows, context.size):
+            raise ComponentError(
+                f"Bump: expected the ground of a robot or a zone, with {radius.shape[-1]} joints that roll, got "
+                f"{context.size} values"
+            )
+        return {
+            "steps": np.zeros((context.rows, 1), dtype=np.int64),
+            "radius": radius.copy(),
+            "meets": chosen("Bump", self.joint, context),
+        }
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The travels `(N, r)` [m] over the ground; `ComponentError` for a bump that is nowhere, or too high."""
+        climb = self.height / state["radius"]
+        if (climb >= 1.0).any():
+            raise ComponentError(
+                f"Bump: height: expected less than the wheel's radius, {float(state['radius'].min()):g} m, got "
+                f"{float(np.max(self.height)):g} m"
+            )
+        # sin(phi) from cos(phi) = 1 - climb, without the cancellation.
+        lacks = 2.0 * state["radius"] * (np.arccos(1.0 - climb) - np.sqrt(climb * (2.0 - climb)))
+        count = self._met(values, side, elapsed, state, draws) * state["meets"]
+        return np.where(count > 0.0, values - np.sign(values) * count * lacks, values)
+
+    def _met(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """How many bumps each wheel meets in this step `(N, r)`."""
+        if self.at is not None:
+            # By multiplication, never by adding up: a billion steps later the time is still right.
+            # A step ends at the very instant at which the next begins, so that none misses it.
+            begin = state["steps"] * elapsed
+            state["steps"] = state["steps"] + 1
+            is_now = (begin <= self.at) & (self.at < state["steps"] * elapsed)
+            return np.where(is_now, np.ones_like(values), 0.0)
+        if self.rate is not None:
+            return _poisson(draws.uniform(values.shape[1]), self.rate * np.abs(values))
+        if "entered" not in side:
+            raise ComponentError("Bump: expected at or rate, or to be in the ground of a zone; got none of them")
+        return np.asarray(side["entered"])
+
+
+def _poisson(chance: Array, mean: Array) -> Array:
+    """Numbers of a Poisson distribution, by turning round its distribution function at `chance` in (0, 1)."""
+    term = np.exp(-mean)
+    below, count = term, np.zeros_like(mean)
+    for i in range(1, _MOST + 1):
+        more = chance > below
+        if not more.any():
+            break
+        count = count + more
+        term = term * mean / i
+        below = below + term
+    return count

@@ -1,0 +1,31 @@
+"""Which of a drive's rolling joints an element of its ground acts on."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context
+from amorsim.core.errors import ComponentError, did_you_mean
+
+__all__ = ["chosen"]
+
+
+def chosen(element: str, joint: str, context: Context) -> npt.NDArray[np.float64]:
+    """1 for each rolling joint `(N, r)` that is meant, 0 for others; an empty name means all.
+
+    Raises
+    ------
+    ComponentError
+        If no joint that rolls is called so.
+    """
+    found = np.ones((context.rows, context.size))
+    if joint:
+        rolling = [other.name for other in context.robot.drive.joints if other.rolls]
+        if joint not in rolling:
+            raise ComponentError(
+                f"{element}: joint: expected one of {', '.join(rolling)} or nothing, got {joint!r}."
+                f"{did_you_mean(joint, rolling)}"
+            )
+        found[:] = [float(name == joint) for name in rolling]
+    return found

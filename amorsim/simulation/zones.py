@@ -1,0 +1,102 @@
+"""Zones of the floor, as the wheels of a group of robots feel them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Drive, State
+from amorsim.core.crossings import contains, share_within
+from amorsim.core.poses import compose
+from amorsim.scenario.spec import Zone
+from amorsim.simulation.chain import Chain, Streams
+
+__all__ = ["Zones", "contact_points", "zone_streams"]
+
+Array = npt.NDArray[np.float64]
+
+
+def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
+    """The names of the streams that a robot draws from where it rolls over zones."""
+    return [("zone", zone.name, "noise", element.name) for zone in zones for element in zone.ground]
+
+
+class Zones:
+    """The zones of a scenario, in order, with the states and draws of a group's rows in each."""
+
+    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams) -> None:
+        self._zones = [zone for zone in zones if zone.ground]
+        self._chains = [Chain(zone.ground, streams, "zone", zone.name) for zone in self._zones]
+        for zone, chain in zip(self._zones, self._chains, strict=True):
+            chain.set_parameters([zone.ground] * rows)
+
+    def __bool__(self) -> bool:
+        return bool(self._zones)
+
+    def start(self, context: Context) -> None:
+        """Begin an episode; `context` has as its size the number of joints that roll."""
+        for chain in self._chains:
+            chain.states = chain.start(context)
+
+    def passed(
+        self,
+        drive: Drive,
+        before: Array,
+        after: Array,
+        rolling: npt.NDArray[np.intp],
+        radius: Array,
+        pose: Array,
+        elapsed: Array,
+    ) -> Array:
+        """The joints `(N, j)` as the ground takes them, of drives at `pose` whose joints go from `before` to `after`.
+
+        `rolling` are the joints that roll, `radius` `(N, r)` [m] their way over the ground per radian. Each zone has
+        its way with the part of a joint's travel that lies within it, by the share of the straight line between where
+        it touches the ground first and last. So what comes of a way over the floor does not depend on the steps it is
+        made in, but for how bent the way is within one, and how much farther a wheel comes that does not slip.
+        """
+        begin = contact_points(drive, before, pose)
+        end = contact_points(drive, after, compose(pose, drive.displacement(before, after, np.ones((len(pose), 1)))))
+        travel = (after[:, rolling] - before[:, rolling]) * radius
+        slipped = self._corrupt(travel, begin, end, elapsed)
+        found = after.copy()
+        # Who meets no zone keeps its bits.
+        found[:, rolling] = np.where(slipped == travel, after[:, rolling], before[:, rolling] + slipped / radius)
+        return found
+
+    def _corrupt(self, travel: Array, begin: Array, end: Array, elapsed: Array) -> Array:
+        start, stop = begin.reshape(-1, 2), end.reshape(-1, 2)
+        for zone, chain in zip(self._zones, self._chains, strict=True):
+            a, b = _in_frame(zone, start), _in_frame(zone, stop)
+            share = share_within(zone.shape, a, b).reshape(travel.shape)
+            entered = (share > 0.0) & ~contains(zone.shape, a).reshape(travel.shape)
+            within = travel * share
+            passed = chain.corrupt(within, {"entered": entered.astype(np.float64)}, elapsed)
+            travel = np.where(share > 0.0, (travel - within) + passed, travel)
+        return travel
+
+    def states(self) -> dict[str, State]:
+        """The states of all elements, by where they are; the dicts themselves."""
+        return {
+            f"zone {zone.name} {name}": state
+            for zone, chain in zip(self._zones, self._chains, strict=True)
+            for name, state in zip(chain.names, chain.states, strict=True)
+        }
+
+
+def contact_points(drive: Drive, joints: Array, pose: Array) -> Array:
+    """Where the rolling joints of bodies at `pose` `(N, 3)` touch the ground, in the world `(N, r, 2)` [m]."""
+    offsets = drive.contacts(joints)
+    rows, r = offsets.shape[:2]
+    at = np.concatenate((offsets.reshape(-1, 2), np.zeros((rows * r, 1))), axis=1)
+    return compose(np.repeat(pose, r, axis=0), at)[:, :2].reshape(rows, r, 2)
+
+
+def _in_frame(zone: Zone, points: Array) -> Array:
+    """Points of the world `(M, 2)` [m] in the frame of a zone."""
+    c, s = math.cos(zone.pose.heading), math.sin(zone.pose.heading)
+    x, y = points[:, 0] - zone.pose.x, points[:, 1] - zone.pose.y
+    return np.stack((c * x + s * y, c * y - s * x), axis=1)
