@@ -41,9 +41,11 @@ def signature(component: Any) -> Hashable:
     """What must be equal for two components to be rows of one group: class, static fields, lengths of rings."""
     kind: Any = type(component)
     parts: list[Hashable] = [kind]
-    for name, parameter in describe(type(component)).items():
+    for name, parameter in describe(kind).items():
         value = getattr(component, name)
-        if not _varies(parameter, value):
+        if type(value) is float and not parameter.static:
+            parts.append(name)  # as the rules below say; nearly all are such, and a fleet has very many
+        elif not _varies(parameter, value):
             parts.append((name, value))
         elif isinstance(value, tuple):
             inner: Any = signature(value[0]) if attrs.has(type(value[0])) else type(None)
@@ -86,7 +88,9 @@ def _stack_column(column: list[Any], parameter: Parameter) -> Any:
         return stack(column)
     # As annotated, not as given: a whole number given for a float is a float in every row.
     dtype = np.float64 if "float" in str(parameter.type) else np.int64
-    return _frozen(column if isinstance(first, tuple) else [[value] for value in column], dtype)
+    if isinstance(first, tuple):
+        return _frozen(column, dtype)
+    return _frozen(np.array(column, dtype=dtype)[:, None], dtype)
 
 
 def _frozen(rows: Any, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
