@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -32,10 +33,10 @@ class Simulated(Protocol):
     def close_window(self, window: str) -> None:
         """A window has gone; what it drove by hand stops."""
 
-    async def newest_frame(self, after: int) -> bytes:
-        """The newest frame, once there is one of another number than `after`."""
+    async def newest_frame(self, after: int = 0) -> bytes:
+        """The newest frame, once there is one whose number is above `after`; nothing where there will be none."""
 
-    async def ask(self, window: str, command: Table) -> Table:
+    async def ask(self, window: str, command: Mapping[str, Any]) -> Table:
         """The answer to a command."""
 
 
@@ -103,11 +104,13 @@ class Talk:
         await self._send({"answer": number, "said": await self.session.ask(self.window, message)})
 
     async def _show(self) -> None:
-        after = -1
+        after = 0
         clock = asyncio.get_running_loop().time
         while True:
             began = clock()
             frame = await self.session.newest_frame(after)
+            if not frame:
+                return
             after = int.from_bytes(frame[8:12], "little")
             self.drawn.clear()
             async with self.sending:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from typing import Any
 
 from amorsim.ui.server import serve
@@ -13,7 +14,7 @@ class StubSession:
 
     def __init__(self) -> None:
         self.windows: set[str] = set()
-        self.number = 0
+        self.number = 1
         self.asked: list[dict[str, Any]] = []
 
     def open_window(self) -> str:
@@ -24,13 +25,13 @@ class StubSession:
     def close_window(self, window: str) -> None:
         self.windows.discard(window)
 
-    async def newest_frame(self, after: int) -> bytes:
-        while self.number == after:
+    async def newest_frame(self, after: int = 0) -> bytes:
+        while self.number <= after:
             await asyncio.sleep(0.001)
         return b"amf1" + bytes(4) + self.number.to_bytes(4, "little") + bytes(68)
 
-    async def ask(self, window: str, command: dict[str, Any]) -> dict[str, Any]:
-        self.asked.append(command)
+    async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
+        self.asked.append(dict(command))
         if command.get("do") == "wait":
             await asyncio.sleep(command["seconds"])
         return {"ok": True, "window": window, "said": command.get("do")}

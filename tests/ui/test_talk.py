@@ -69,13 +69,13 @@ def hold(conversation: Any) -> None:
 def test_no_frame_goes_out_before_the_last_is_drawn() -> None:
     async def conversation(line: Line, session: StubSession) -> None:
         assert line.texts[0] == {"window": "window-1"}
-        for number in range(1, 40):
+        for number in range(2, 40):
             session.number = number
             await asyncio.sleep(0.002)
-        assert line.frames == [0]  # a window that draws nothing is sent nothing
+        assert line.frames == [1]  # a window that draws nothing is sent nothing
         line.say(drawn=0)
         await asyncio.sleep(0.1)
-        assert line.frames == [0, 39]  # then the newest, not what it missed
+        assert line.frames == [1, 39]  # then the newest, not what it missed
 
     hold(conversation)
 
@@ -84,7 +84,7 @@ def test_frames_keep_to_their_rate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(talk, "FRAME_RATE", 20.0)
 
     async def conversation(line: Line, session: StubSession) -> None:
-        for number in range(100):
+        for number in range(2, 100):
             session.number = number
             line.say(drawn=0)
             await asyncio.sleep(0.005)

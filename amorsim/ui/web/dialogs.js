@@ -20,15 +20,20 @@ export function askName(title, label, name, note, save) {
   const problem = h("p", { class: "error", role: "alert" });
   const input = h("input", { type: "text", value: name, id: "asked-name", autocomplete: "off", spellcheck: "false" });
   const go = async () => {
+    saves.disabled = true;
+    saves.textContent = "saving …";
     const said = await save(input.value.trim());
+    saves.disabled = false;
+    saves.textContent = "save";
     if (said.ok) dialog.close();
     else problem.textContent = said.error;
   };
   input.addEventListener("keydown", (event) => event.key === "Enter" && go());
+  const saves = h("button", { class: "main", onclick: go }, "save");
   const dialog = open(
     title,
     h("div", {}, h("label", { for: "asked-name" }, label), input, h("p", { class: "help" }, note), problem),
-    [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: go }, "save")],
+    [h("button", { onclick: () => dialog.close() }, "cancel"), saves],
   );
   input.select();
 }

@@ -12,10 +12,12 @@ const KINDS = {
   estimator: "Estimator",
 };
 
+const pretty = (unit) => unit.replace("^2", "²").replace("^3", "³");
+
 /** A unit as it is shown, and the factor to it: angles in degrees. */
 export function shown(unit) {
-  if (/^rad(?![a-z])/.test(unit)) return [unit.replace(/^rad/, "°"), DEGREES];
-  return [unit, 1];
+  if (/^rad(?![a-z])/.test(unit)) return [pretty(unit.replace(/^rad/, "°")), DEGREES];
+  return [pretty(unit), 1];
 }
 
 export class Form {
@@ -81,6 +83,7 @@ class Field {
       inputmode: "decimal",
       autocomplete: "off",
       "aria-describedby": `${id}-help ${id}-error`,
+      oninput: () => (this.isTyped = true),
       onchange: () => this.commit(this.number.value),
       onkeydown: (event) => event.key === "Escape" && this.put(this.parameter),
     });
@@ -103,8 +106,8 @@ class Field {
     this.element = h(
       "div",
       { class: "field", "data-path": parameter.path },
-      h("div", { class: "line" }, h("label", { for: id, title: parameter.help }, parameter.label), this.back, this.number, h("span", { class: "unit" }, unit)),
-      h("div", { class: "track" }, this.slider, this.tick),
+      h("div", { class: "line" }, h("label", { for: id, title: parameter.help }, parameter.label), this.number, h("span", { class: "unit" }, unit)),
+      h("div", { class: "line" }, h("div", { class: "track" }, this.slider, this.tick), this.back),
       this.help,
       this.error,
     );
@@ -120,9 +123,9 @@ class Field {
     this.tick.style.setProperty("--at", share);
     const changed = parameter.value !== parameter.scenario && !(parameter.value === null && parameter.drawn);
     this.element.classList.toggle("changed", changed);
-    this.back.hidden = !changed;
+    this.back.disabled = !changed;
     say(this.help, this.words(parameter));
-    if (!this.element.contains(document.activeElement) || document.activeElement === this.back) this.put(parameter);
+    if (!this.isTyped && !this.slide) this.put(parameter);
   }
 
   words(parameter) {
@@ -141,6 +144,7 @@ class Field {
   }
 
   put(parameter) {
+    this.isTyped = false;
     const value = parameter.value ?? parameter.scenario;
     this.number.value = parameter.value === null ? "" : brief(parameter.value * this.factor);
     this.number.placeholder = parameter.drawn ? "drawn" : "";
@@ -174,6 +178,7 @@ class Field {
     }
     const exact = this.isWhole ? Math.round(value) : value / this.factor;
     const said = await this.on.set(this.path, exact);
+    this.isTyped = !said.ok;
     this.fail(said.ok ? "" : said.error);
   }
 
@@ -184,7 +189,8 @@ class Field {
   }
 
   fail(problem) {
-    say(this.error, problem);
+    // The form says already whose parameter it is.
+    say(this.error, problem.replace(/^(robot '[^']*', )?([\w.[\]]+: )+/, ""));
     this.number.setAttribute("aria-invalid", problem ? "true" : "false");
   }
 }

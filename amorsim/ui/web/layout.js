@@ -6,6 +6,8 @@ const swatch = (kind) => h("span", { class: `swatch ${kind}`, "aria-hidden": "tr
 const panel = (name, ...children) => h("section", { class: `panel ${name}`, "aria-labelledby": `${name}-title` }, children);
 const head = (name, ...children) => h("div", { class: "head" }, h("h2", { id: `${name}-title` }, children));
 
+const scroll = (name, child) => h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": name }, child);
+
 export const TOOLS = [
   ["overlay", "overlay", "both panes in one (O)"],
   ["follow", "follow", "keep the robot in the middle (F)"],
@@ -71,18 +73,17 @@ export function build({ stage, timebar, driving, form }) {
     h(
       "div",
       { class: "head" },
-      make("errorsTitle", h("h2", { id: "errors-title" }, "Errors and noise")),
+      make("errorsTitle", h("h2", { id: "errors-title" }, "Errors")),
       make("asInFile", h("button", { class: "tool", title: "all parameters as in the scenario" }, "as in file")),
     ),
-    h("div", { class: "scroll", tabindex: "0", role: "region", "aria-labelledby": "errors-title" }, form.element),
+    scroll("parameters", form.element),
     driving.element,
   );
   const column = (kind) => h("th", { scope: "col", class: kind }, swatch(kind), kind);
   const numbers = panel(
     "numbers",
-    h(
-      "div",
-      { class: "scroll", tabindex: "0", role: "region", "aria-labelledby": "numbers-title" },
+    scroll(
+      "quantities",
       h(
         "table",
         {},
@@ -103,14 +104,15 @@ export function build({ stage, timebar, driving, form }) {
   const events = panel(
     "events",
     head("events", "Events"),
-    h("div", { class: "scroll", tabindex: "0", role: "region", "aria-labelledby": "events-title" }, make("events", h("ol", { class: "events-list" }))),
+    scroll("events", make("events", h("ol", { class: "events-list" }))),
   );
   parts.element = h(
     "div",
     { class: "window" },
     header,
     make("banner", h("div", { class: "banner", role: "alert", hidden: true })),
-    h("main", {}, robot, control, side, numbers, plot, events),
+    h("div", { class: "panels" }, robot, control, side, numbers, plot, events),
+    timebar.past,
     make("hint", h("div", { class: "hint", role: "status", "aria-live": "polite" })),
     make("card", h("div", { class: "card", role: "status", hidden: true })),
   );

@@ -69,7 +69,7 @@ export function drawGrid(context, camera, step, colour) {
 }
 
 /** Add a footprint at a pose to the current path. */
-function trace(context, footprint, x, y, heading) {
+export function trace(context, footprint, x, y, heading) {
   if (footprint.circle) {
     context.moveTo(x + footprint.circle, y);
     context.arc(x, y, footprint.circle, 0, 2 * Math.PI);
@@ -90,34 +90,6 @@ function trace(context, footprint, x, y, heading) {
 
 export const reach = (footprint) =>
   footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
-
-/** All robots but the selected one, in one path: a thousand cost little more than ten. */
-export function drawCrowd(context, camera, robots, poses, skip, kind, theme) {
-  const [x0, y0, x1, y1] = camera.bounds();
-  context.beginPath();
-  for (let i = 0; i < robots.length; i++) {
-    if (i === skip) continue;
-    const x = poses[3 * i];
-    const y = poses[3 * i + 1];
-    const size = robots[i].reach;
-    if (!(x > x0 - size && x < x1 + size && y > y0 - size && y < y1 + size)) continue;
-    const heading = poses[3 * i + 2];
-    if (size * camera.scale < 3) {
-      context.rect(x - size, y - size, 2 * size, 2 * size);
-      continue;
-    }
-    trace(context, robots[i].footprint, x, y, heading);
-    context.moveTo(x, y);
-    context.lineTo(x + 0.8 * size * Math.cos(heading), y + 0.8 * size * Math.sin(heading));
-  }
-  context.fillStyle = theme[`${kind}-fill`];
-  context.fill();
-  context.strokeStyle = theme[kind];
-  context.lineWidth = px(camera, 1);
-  context.setLineDash(DASHES[kind].map((d) => px(camera, d / 2)));
-  context.stroke();
-  context.setLineDash([]);
-}
 
 /** The selected robot: its footprint, wheels, and an arrow ahead. */
 export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) {

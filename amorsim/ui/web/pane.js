@@ -1,7 +1,8 @@
 // A pane: one canvas with its layers, its scale bar, and the pointer and keys on it. The Editor draws on the same one.
 
 import { fixed, h, niceStep, say } from "./dom.js";
-import { drawCrowd, drawEllipse, drawGrid, drawMap, drawObstacles, drawRobot, drawTrail } from "./marks.js";
+import { drawCrowd } from "./crowd.js";
+import { drawEllipse, drawGrid, drawMap, drawObstacles, drawRobot, drawTrail } from "./marks.js";
 import { drawReadings, isRange } from "./readings.js";
 
 /** What a pane shows of the world (`true`) or of what the robot knows (`estimated`). */
@@ -19,20 +20,26 @@ export class Layer {
     return this.kind === "true" ? frame.truePoses : frame.estimatedPoses;
   }
 
-  draw(context, camera, state) {
-    const { scene, frame, theme, options } = state;
-    const isTrue = this.kind === "true";
-    const i = frame.selected;
-    const robot = scene.robots[i];
-    if (isTrue) {
+  /** What stands still, and obstacles. */
+  drawGround(context, camera, state) {
+    const { scene, frame, theme } = state;
+    const robot = scene.robots[frame.selected];
+    if (this.kind === "true") {
       drawMap(context, camera, scene.map, state.pathOf(scene.map), state.picture(scene.map, theme.wall), theme.wall);
       drawObstacles(context, camera, scene.obstacles, frame.obstacles, theme);
     } else if (robot?.knowledge) {
       const [map, shade] = [robot.knowledge, theme["known-wall"]];
       drawMap(context, camera, map, state.pathOf(map), state.picture(map, shade), shade);
     }
+  }
+
+  draw(context, camera, state, ratio) {
+    const { scene, frame, theme, options } = state;
+    const isTrue = this.kind === "true";
+    const i = frame.selected;
+    const robot = scene.robots[i];
     const poses = this.poses(frame);
-    drawCrowd(context, camera, scene.robots, poses, i, this.kind, theme);
+    drawCrowd(context, camera, ratio, scene.robots, poses, i, this.kind, theme);
     if (!robot) return;
     const pose = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
     if (options.trails) drawTrail(context, camera, isTrue ? state.trueTrail : state.estimatedTrail, this.kind, theme);
@@ -89,7 +96,9 @@ export class Pane {
     camera.apply(context, this.ratio);
     if (state.options.grid) drawGrid(context, camera, niceStep(40 / camera.scale), state.theme.grid);
     if (state.scene && state.frame) {
-      for (const layer of this.layers) layer.draw(context, camera, state);
+      // What is known lies under what is true, so that an overlay shows both.
+      for (const layer of [...this.layers].reverse()) layer.drawGround(context, camera, state);
+      for (const layer of this.layers) layer.draw(context, camera, state, this.ratio);
       if (state.mark) this.drawMark(state);
     }
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);

@@ -59,6 +59,7 @@ export class Plot {
     context.rect(box.left, box.top - 2, box.right - box.left + 2, box.bottom - box.top + 4);
     context.clip();
     series.curves.forEach((kind, c) => this.curve(series.times, series.values[c], kind, across, up, theme));
+    if (now < last) this.cursor(across(now), box, theme);
     context.restore();
   }
 
@@ -90,6 +91,17 @@ export class Plot {
     }
     context.textAlign = "left";
     context.fillText(unit ? `[${unit}]` : "", 6, box.bottom + 14);
+  }
+
+  /** Where in the past the panes are. */
+  cursor(x, box, { danger }) {
+    const { context } = this;
+    context.strokeStyle = danger;
+    context.lineWidth = 1;
+    context.beginPath();
+    context.moveTo(x, box.top);
+    context.lineTo(x, box.bottom);
+    context.stroke();
   }
 
   curve(times, values, kind, across, up, theme) {

@@ -102,7 +102,7 @@ export class Simulator {
     this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
     this.unacknowledged = frame.number;
     if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
-    if (frame.states !== this.states || performance.now() - (this.stateAt ?? 0) > STATE_EVERY) this.askState();
+    if (frame.states !== this.states) this.askState();
     this.states = frame.states;
   }
 
@@ -123,7 +123,7 @@ export class Simulator {
 
   showRobot() {
     this.parts.robot.value = String(this.selected);
-    say(this.parts.errorsTitle, `Errors and noise of ${this.robot.name}`);
+    say(this.parts.errorsTitle, `Errors of ${this.robot.name}`);
     say(this.parts.numbersTitle, this.robot.name);
     this.numbers.setRobot(this.robot);
     this.driving.setRobot(this.robot);
@@ -170,7 +170,6 @@ export class Simulator {
   }
 
   async askState() {
-    this.stateAt = performance.now();
     const state = await this.connection.ask({ do: "state" });
     if (!state.ok) return;
     this.state = state;
@@ -181,8 +180,6 @@ export class Simulator {
 
   newsCame(message) {
     if (message.window) this.window = message.window;
-    if (message.hint) this.hint(message.hint);
-    if (message.state) this.askState();
   }
 
   // ------------------------------------------------------------------------------------------------ what goes out
@@ -265,12 +262,14 @@ export class Simulator {
   }
 
   showControls() {
-    const { holder } = this.state;
-    const isMine = !holder || holder === this.window;
-    this.isMine = isMine;
-    this.root.classList.toggle("watching", !isMine);
-    this.parts.controls.hidden = isMine && !this.state.asking;
-    say(this.parts.controls, isMine ? "give the controls" : "you watch: ask for the controls");
+    const { holder, asking = [] } = this.state;
+    this.isMine = holder === this.window;
+    this.root.classList.toggle("watching", !this.isMine);
+    this.parts.controls.hidden = this.isMine && !asking.length;
+    let words = "another window asks: give it the controls";
+    if (!this.isMine) words = holder ? "you watch: ask for the controls" : "take the controls";
+    if (asking.includes(this.window)) words = "you watch: asked for the controls";
+    say(this.parts.controls, words);
   }
 
   hint(text) {
@@ -297,6 +296,7 @@ export class Simulator {
     parts.picture.addEventListener("click", () => savePicture(stage.canvases, stage.theme, this.fileName()));
     parts.film.addEventListener("click", () => this.toggleFilm());
     listenToKeys(this);
+    setInterval(() => !document.hidden && this.connection.isOpen && this.askState(), STATE_EVERY);
   }
 
   fileName() {
@@ -304,13 +304,13 @@ export class Simulator {
   }
 
   askControls() {
-    return this.ask({ do: "controls", want: this.isMine ? "give" : "ask" }).then(() => this.askState());
+    return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
   }
 
   saveRun() {
     askName("Save the run", "folder", "run", "In the project's folder, as `amorsim run` leaves it.", async (name) => {
-      const said = await this.connection.ask({ do: "save_run", name });
-      if (said.ok) this.hint(`Saved as ${said.folder}.`);
+      const said = await this.connection.ask({ do: "save_run", name: name || null });
+      if (said.ok) this.hint(`Saved as ${said.folder}.${said.same === false ? " It does not run the same again." : ""}`);
       return said;
     });
   }

@@ -56,8 +56,8 @@ export class TimeBar {
       oninput: () => this.scrub(),
     });
     this.now = h("output", { class: "now", for: "timeline" });
-    this.carryOn = h("button", { id: "continue", hidden: true, onclick: () => this.doContinue() }, "continue here");
-    this.toEnd = h("button", { id: "newest", hidden: true, onclick: () => this.ask({ do: "scrub", tick: null }) }, "newest");
+    this.carryOn = h("button", { id: "continue", class: "main", onclick: () => this.doContinue() }, "continue here");
+    this.toEnd = h("button", { id: "newest", onclick: () => this.ask({ do: "scrub", tick: null }) }, "back to the newest");
     this.element = h(
       "div",
       { class: "timebar", role: "group", "aria-label": "time" },
@@ -69,6 +69,11 @@ export class TimeBar {
       this.achieved,
       h("div", { class: "timeline" }, this.line),
       this.now,
+    );
+    this.past = h(
+      "div",
+      { class: "past", role: "group", "aria-label": "the past is shown", hidden: true },
+      (this.pastSaid = h("span", {})),
       this.carryOn,
       this.toEnd,
     );
@@ -127,8 +132,9 @@ export class TimeBar {
     const total = `${clock(frame.time)} / ${clock(Math.max(scene.duration, frame.newest * scene.dt))}`;
     say(this.now, total);
     this.line.setAttribute("aria-valuetext", `${fixed(frame.time, 1)} s`);
-    this.carryOn.hidden = !isPast;
-    this.toEnd.hidden = !isPast;
+    this.past.hidden = !isPast;
+    const left = frame.states & FLAG.posesOnly ? " (of this moment only poses are kept)" : "";
+    say(this.pastSaid, `This is the past, ${fixed(frame.time, 1)} s${left}.`);
   }
 
   /** Whether one can go on from the past moment that is shown, and why not. */
