@@ -67,7 +67,7 @@ class _Scripts(StaticFiles):
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A socket that is bound; `port` 0 takes any that is free.
+    """A socket that listens; `port` 0 takes any that is free.
 
     Raises
     ------
@@ -79,6 +79,7 @@ def listen(host: str, port: int) -> socket.socket:
     bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         bound.bind((host, port))
+        bound.listen()  # who asks as soon as the address is printed waits, and is not refused
     except (OSError, OverflowError) as error:
         bound.close()
         reason = getattr(error, "strerror", None) or str(error)

@@ -257,7 +257,6 @@ def test_doors_differ_and_do_not_show_their_secrets() -> None:
 
 def test_a_taken_port_is_an_error_of_ours() -> None:
     with listen("127.0.0.1", 0) as first:
-        first.listen()
         port = first.getsockname()[1]
         with pytest.raises(AmorsimError, match=f"port {port}.*--port"):
             listen("127.0.0.1", port)
