@@ -65,6 +65,11 @@ class Draws:
         self._workers = workers
         self._block = 0
 
+    @property
+    def keys(self) -> npt.NDArray[np.uint64]:
+        """The keys of the rows `(N,)`; not to be changed."""
+        return self._keys
+
     def rewind(self) -> None:
         """Start the tick's numbers anew; for the engine, before it calls the component."""
         self._block = 0

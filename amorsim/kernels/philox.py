@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["fill_normal", "fill_uniform", "philox"]
+__all__ = ["fill_normal", "fill_uniform", "pair", "philox"]
 
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
 _MULTIPLIER_1 = np.uint64(0xCD9E8D57)
@@ -48,9 +48,8 @@ def _unit(high: np.uint64, low: np.uint64) -> float:
 
 
 @kernel
-def _pair(
-    key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int
-) -> tuple[float, float]:  # two uniforms from one block
+def pair(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int) -> tuple[float, float]:
+    """Two uniform draws in (0, 1) from a row's block number `block` of the tick."""
     w0, w1, w2, w3 = philox(
         np.uint64(block),
         np.uint64(counter[row, 2]),
@@ -69,7 +68,7 @@ def fill_uniform(
     """Uniform draws in (0, 1) into `out` (N, k): row i from key i and its counter (replica, episode, tick)."""
     for i in range(out.shape[0]):
         for j in range(0, out.shape[1], 2):
-            first, second = _pair(keys[i], counter, i, block + j // 2)
+            first, second = pair(keys[i], counter, i, block + j // 2)
             out[i, j] = first
             if j + 1 < out.shape[1]:
                 out[i, j + 1] = second
@@ -82,7 +81,7 @@ def fill_normal(
     """Standard normal draws into `out` (N, k) by Box and Muller's transform, two from each block."""
     for i in range(out.shape[0]):
         for j in range(0, out.shape[1], 2):
-            first, second = _pair(keys[i], counter, i, block + j // 2)
+            first, second = pair(keys[i], counter, i, block + j // 2)
             radius = math.sqrt(-2.0 * math.log(first))
             angle = 2.0 * math.pi * second
             out[i, j] = radius * math.cos(angle)

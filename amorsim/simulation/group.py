@@ -32,6 +32,7 @@ from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.driving import ask_some
 from amorsim.simulation.moment import Moment
+from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.truth import true_robot
 from amorsim.simulation.view import GroupView
@@ -139,6 +140,7 @@ class Group:
         self.ground.set_parameters([robot.ground for robot in true])
         for name, unit in self.sensors.items():
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
+        self._sensing = SensePlan(list(self.sensors.values()), self.rows)
         nominal = self.specified
         knowledge: Knowledge = nominal[0].knowledge
         self.robot = RobotModel(
@@ -339,8 +341,8 @@ class Group:
 
     def sense(self) -> None:
         """Read all sensors."""
+        self._sensing.sense(self.view, self.moment)
         for name, unit in self.sensors.items():
-            unit.sample(self.view, self.moment)
             self.readings[name] = unit.reading
 
     def estimate_pose(self) -> None:

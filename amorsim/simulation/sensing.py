@@ -85,6 +85,16 @@ class SensorUnit:
                 self._pending["arrival"] = np.zeros((rows, self._slots), dtype=np.int64)
                 self._pending["latest"] = np.zeros((rows, 1), dtype=np.int64)  # arrival of the last sample
 
+    @property
+    def is_prompt(self) -> bool:
+        """Whether it reads in every step, and every reading arrives at once."""
+        return self._rate is None and self._delay is None
+
+    def deliver(self, true: Array, measured: Array, moment: Moment) -> None:
+        """Take what was read for it at this tick; for units that are prompt."""
+        self._last = moment.tick
+        self._deliver(None, true, measured, moment)
+
     def sample(self, view: GroupView, moment: Moment) -> None:
         """Read where a reading is due, take delivery of what arrives, and hold the rest."""
         due = self.due(moment)

@@ -11,17 +11,19 @@ import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Emissions, Sightings
 from amorsim.core.poses import compose
+from amorsim.core.workers import Workers
 from amorsim.kernels import bresenham, cones, poses, scans
 from amorsim.simulation.sights import find_landmarks
 
 if TYPE_CHECKING:
     from amorsim.simulation.bodies import World
 
-__all__ = ["GroupView", "cone_bearings"]
+__all__ = ["GroupView", "cone_bearings", "directions_of"]
 
 Array = npt.NDArray[np.float64]
+Table = tuple[Array, Array]  # cosines and sines of beams, (1, k) or one row for each origin
 
-CONE_WORK = 40  # rays that a cone costs as much as
+CONE_WORK = 16  # rays that a cone costs as much as
 CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
 
 
@@ -33,7 +35,7 @@ class GroupView:
         self.dt = dt
         self._world = world
         self._bodies = rows  # the global body of each row
-        self._bearings: dict[bytes, tuple[Array, Array]] = {}
+        self._bearings: dict[bytes, Table] = {}
         # The body that carries each ray's origin and its replica, by how many origins a row has.
         self._carriers: dict[int, tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]] = {}
         self.tick: npt.NDArray[np.int64] = np.zeros((self.rows, 1), dtype=np.int64)
@@ -45,6 +47,11 @@ class GroupView:
         self.sensor = ""  # the name of the one that looks
         self._pose: Array | None = None
         self._mount: Array = np.zeros((self.rows, 3))
+
+    @property
+    def workers(self) -> Workers:
+        """The threads that share the rows of long work."""
+        return self._world.workers
 
     @property
     def mount(self) -> Array:
@@ -67,13 +74,27 @@ class GroupView:
         self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
     ) -> Array:
         """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
-        cos_b, sin_b = self._table(bearings)
+        table = self._table(bearings)
         out = np.empty((len(origins), bearings.shape[1]))
-        world = self._world
         per_row = len(origins) // self.rows
         limits = self._per_row(range_max)
         if per_row > 1:
             limits = np.repeat(limits, per_row)
+        self.scan(origins, table, limits, out, traversal, bodies)
+        return out
+
+    def scan(
+        self,
+        origins: Array,
+        table: Table,
+        limits: Array,
+        out: Array,
+        traversal: str = "exact",
+        bodies: bool = True,
+    ) -> None:
+        """Write what `cast` gives into `out`, by the directions of all beams and the longest range from each origin."""
+        cos_b, sin_b = table
+        world = self._world
         grid, lines, origin = world.map.grid, world.map.lines, world.map.origin
 
         def part(a: int, b: int) -> None:
@@ -86,20 +107,19 @@ class GroupView:
         world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:
             self._cast_bodies(origins, cos_b, sin_b, limits, out)
-        return out
 
-    def _table(self, bearings: Array) -> tuple[Array, Array]:
+    def _table(self, bearings: Array) -> Table:
         """Cosines and sines of the bearings; those of one scan, the same for all rows, are kept while asked for."""
         if len(bearings) > 1:
             if not (bearings == bearings[0]).all():
-                return _cosines(bearings)
+                return directions_of(bearings)
             bearings = bearings[:1]
         key = bearings.tobytes()
         table = self._bearings.get(key)
         if table is None:
             if len(self._bearings) > 64:
                 self._bearings.clear()
-            table = self._bearings[key] = _cosines(bearings)
+            table = self._bearings[key] = directions_of(bearings)
         return table
 
     def bodies(self) -> BodyStates:
@@ -159,19 +179,21 @@ class GroupView:
         if traversal == "bresenham":
             reach = limits.reshape(self.rows, -1)[:, :1]
             return np.asarray(self.cast(origins, bearings, reach, traversal).min(axis=1))
-        cos_b, sin_b = self._table(bearings)
-        world = self._world
         least = np.empty(len(origins))
+        self.hear(origins, half_angle, self._table(bearings), limits, least)
+        return least
+
+    def hear(self, origins: Array, half_angle: float, table: Table, limits: Array, out: Array) -> None:
+        """Write what `cone` gives into `out` `(N * m,)`, by the directions of a cone's rays."""
+        world = self._world
         grid, lines, origin = world.map.grid, world.map.lines, world.map.origin
 
         def part(a: int, b: int) -> None:
-            cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, cos_b, sin_b, limits[a:b], least[a:b])
+            cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
 
         world.workers.share(len(origins), CONE_WORK, part)
-        if not world.has_company:
-            return least
-        self._cast_bodies(origins, cos_b, sin_b, limits, least[:, None])
-        return least
+        if world.has_company:
+            self._cast_bodies(origins, *table, limits, out[:, None])
 
     def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""
@@ -190,7 +212,8 @@ def cone_bearings(half_angle: float) -> Array:
     return np.linspace(-half_angle, half_angle, count)[None, :]
 
 
-def _cosines(bearings: Array) -> tuple[Array, Array]:
+def directions_of(bearings: Array) -> Table:
+    """Cosines and sines of bearings [rad]."""
     cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
     poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
     return cos_b, sin_b

@@ -1,0 +1,147 @@
+"""What is done together by a plan has the bits of what every component does by itself."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Robot
+from tests import building
+
+
+def itself(thing: Any) -> Any:
+    """The same component as one of a subclass, which may do anything, and so is asked by itself."""
+    kind = type(thing)
+    return own(kind)(**{field.name: getattr(thing, field.name) for field in attrs.fields(kind)})
+
+
+@functools.cache
+def own(kind: type) -> Any:
+    return attrs.frozen(kw_only=True)(type(f"Own{kind.__name__}", (kind,), {}))
+
+
+def own_sensors(robot: Robot) -> Robot:
+    return attrs.evolve(
+        robot,
+        sensors={name: attrs.evolve(unit, sensor=itself(unit.sensor)) for name, unit in robot.sensors.items()},
+    )
+
+
+def own_noise(robot: Robot) -> Robot:
+    def changed(unit: MountedSensor) -> MountedSensor:
+        chain = tuple(attrs.evolve(element, noise=itself(element.noise)) for element in unit.noise)
+        return attrs.evolve(unit, noise=chain)
+
+    return attrs.evolve(robot, sensors={name: changed(unit) for name, unit in robot.sensors.items()})
+
+
+def chain(*noise: Any) -> tuple[NoiseElement, ...]:
+    return tuple(
+        NoiseElement(name=f"{type(element).__name__.lower()}{n}", noise=element) for n, element in enumerate(noise)
+    )
+
+
+def sensors() -> dict[str, MountedSensor]:
+    """All kinds that have a twin, with chains of all elements that have one, two of a kind among them."""
+    mount = am.Mount(x=0.05, y=-0.02, heading=0.4)
+    white = am.noise.Gaussian(std=0.005, proportional=0.01)
+    return {
+        "encoder": MountedSensor(sensor=building.encoder(), noise=chain(am.noise.Quantize(step=1.0, rounding="floor"))),
+        "laser": MountedSensor(
+            sensor=am.sensors.Laser(beams=20, range_max=3.0),
+            mount=mount,
+            noise=chain(white, am.noise.Quantize(step=0.01)),
+        ),
+        "rear": MountedSensor(
+            sensor=am.sensors.Laser(beams=7, fov=6.28),
+            mount=am.Mount(heading=3.0),
+            noise=chain(am.noise.Scale(factor=1.1)),
+        ),
+        "sonar": MountedSensor(sensor=building.ring(5), mount=mount, noise=chain(am.noise.Bias(value=-0.0), white)),
+        "compass": MountedSensor(
+            sensor=am.sensors.Compass(), mount=mount, noise=chain(white, white, am.noise.Quantize(step=0.03))
+        ),
+        "gyro": MountedSensor(sensor=am.sensors.Gyro(), noise=chain(am.noise.Scale(factor=0.9), white)),
+        "bare": MountedSensor(sensor=am.sensors.Gyro()),
+    }
+
+
+def scenario(robots: int) -> am.Scenario:
+    errors = {
+        "drive.track": am.Deviation(scale=am.Distribution(kind="normal", values=(1.0, 0.02))),
+        "sensors.laser.mount.heading": am.Deviation(add=am.Distribution(kind="uniform", values=(-0.1, 0.1))),
+        "sensors.sonar.range_max": am.Deviation(scale=am.Distribution(kind="uniform", values=(0.3, 1.0))),
+    }
+    return building.scenario(
+        *(
+            building.robot(
+                name=f"r{n}",
+                sensors=sensors(),
+                controller=building.Roam(),
+                on_collision="continue",
+                errors=errors,
+                pose=am.Pose(x=1.5 + 1.5 * n, y=2.0 + 0.4 * n, heading=0.5 * n),
+            )
+            for n in range(robots)
+        ),
+        dt=0.1,
+        seed=5,
+    )
+
+
+def changed(made: am.Scenario, change: Callable[[Robot], Robot]) -> am.Scenario:
+    return attrs.evolve(made, robots=[change(robot) for robot in made.robots])
+
+
+def run(made: am.Scenario, **settings: Any) -> am.Simulation:
+    sim = am.Simulation(made, **settings)
+    for _ in range(40):
+        sim.step()
+    return sim
+
+
+@pytest.mark.parametrize("change", [own_sensors, own_noise])
+@pytest.mark.parametrize(("robots", "replicas", "threads"), [(1, 1, 1), (1, 5, 1), (3, 2, 2)])
+def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: int, threads: int) -> None:
+    made = scenario(robots)
+    together = run(made, replicas=replicas, threads=threads)
+    alone = run(changed(made, change), replicas=replicas)
+    for sim, others in ((together, 0), (alone, len(sensors()) - (change is own_noise))):
+        assert len(sim._fleet.groups[0]._sensing.others) == others
+    for name, reading in together.readings.items():
+        np.testing.assert_array_equal(reading.true, alone.readings[name].true, err_msg=name)
+        np.testing.assert_array_equal(reading.measured, alone.readings[name].measured, err_msg=name)
+    assert together.digest() == alone.digest()
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        MountedSensor(sensor=building.ring(), rate=4.0),
+        MountedSensor(sensor=building.ring(), latency=0.25),
+        MountedSensor(sensor=building.ring(), noise=chain(am.noise.Gaussian(std=0.1, per="increment"))),
+        MountedSensor(sensor=building.ring(), noise=chain(am.noise.AimGaussian(std=0.1))),
+        MountedSensor(sensor=am.sensors.Laser(traversal="bresenham")),
+    ],
+)
+def test_what_has_no_twin_is_read_by_itself(unit: MountedSensor) -> None:
+    robot = building.robot(sensors={"encoder": building.encoder(), "other": unit})
+    group = am.Simulation(building.scenario(robot))._fleet.groups[0]
+    assert [other.name for other in group._sensing.others] == ["other"]
+
+
+def test_a_parameter_that_is_set_is_in_the_plan_from_the_next_step_on() -> None:
+    sim = run(scenario(1))
+    sim.set("r0", "sensors.gyro.noise.scale0.factor", 2.0)
+    sim.set("r0", "sensors.gyro.noise.gaussian1.std", 0.0)
+    sim.set("r0", "sensors.gyro.noise.gaussian1.proportional", 0.0)
+    sim.step()
+    gyro = sim.readings["gyro"]
+    assert gyro.true[0, 0] != 0.0
+    assert gyro.measured[0, 0] == 2.0 * gyro.true[0, 0]
