@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         Estimator,
         Frame,
         Joint,
+        Lights,
         MapLoader,
         Measurement,
         Motion,
@@ -83,8 +84,8 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint MapLoader Measurement Motion "
-        "Mount Noise ObstacleFrame Recorder RobotModel RunInfo Sensor SensorModel Sightings State View parameter"
+        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint Lights MapLoader Measurement "
+        "Motion Mount Noise ObstacleFrame Recorder RobotModel RunInfo Sensor SensorModel Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -135,6 +136,7 @@ __all__ = [
     "Knowledge",
     "Landmark",
     "Light",
+    "Lights",
     "Map",
     "MapError",
     "MapLoader",

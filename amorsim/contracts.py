@@ -45,6 +45,7 @@ __all__ = [
     "Estimator",
     "Frame",
     "Joint",
+    "Lights",
     "MapLoader",
     "Measurement",
     "Motion",
@@ -179,6 +180,13 @@ class BodyStates(NamedTuple):
     is_robot: npt.NDArray[np.bool_]  # (B,) the others are obstacles
 
 
+class Lights(NamedTuple):
+    """The lamps of the world, the same in all replicas; M of them."""
+
+    places: Array  # (M, 2) [m] in the world
+    intensity: Array  # (M,) [cd]
+
+
 class Sightings(NamedTuple):
     """Marks in sight of each row, the nearest first, in a fixed number of slots m; and slots that are empty."""
 
@@ -200,6 +208,8 @@ class View(Protocol):
     free: (
         Array  # (N, 1) of a motion: what part of the last displacement was free; 1 at first, and where none was wanted
     )
+
+    mount: Array  # (N, 3) true pose of the sensor's mount on the body
 
     @property
     def pose(self) -> Array:
@@ -231,6 +241,9 @@ class View(Protocol):
         Within `range_max` [m] and `half_angle` [rad] to either side of the mount's heading, both `(N, 1)`. One is in
         sight if the line to it meets nothing before: no wall, no body but the row's own and the one that carries it.
         """
+
+    def lights(self) -> Lights:
+        """All lamps, whether they are in sight or not: `cast` tells."""
 
     def emissions(self, medium: str) -> Emissions:
         """Who fires at this tick, of all sensors whose `medium` it is; for sensors, not for motions."""

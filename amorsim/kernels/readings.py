@@ -11,9 +11,10 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.poses import wrap
 
-__all__ = ["place_ring", "scatter", "wrap_headings"]
+__all__ = ["place_ring", "scatter", "specific_force", "wrap_headings"]
 
 Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -57,3 +58,48 @@ def scatter(values: Floats, amounts: Floats, std: Column, proportional: Column, 
                 noise[i, j] = value + deviation * noise[i, j] if deviation > 0.0 else value
             else:
                 noise[i, j] = value
+
+
+@kernel
+def specific_force(
+    twists: Floats,
+    mounts: Floats,
+    before: Floats,
+    tick_before: Ints,
+    tick: Ints,
+    dt: float,
+    velocity: Floats,
+    out: Floats,
+) -> None:
+    """Acceleration of points on bodies, in the points' own frames, and rates of turn, into `out` (N, 3).
+
+    Parameters
+    ----------
+    twists
+        Mean velocities over the last step in the bodies' frames, (N, 3) [m/s, m/s, rad/s].
+    mounts
+        The points and where they look, in the bodies' frames, (N, 3).
+    before, tick_before
+        Velocities of the points in the bodies' frames at an earlier tick (N, 2) [m/s], int64 (N, 1), -1 for none.
+    tick, dt
+        The present tick, int64 (N, 1), and the step [s].
+    velocity
+        Gets the velocities of the points now, in the bodies' frames, (N, 2) [m/s].
+    """
+    for i in range(twists.shape[0]):
+        turn = twists[i, 2]
+        ahead = twists[i, 0] - turn * mounts[i, 1]
+        left = twists[i, 1] + turn * mounts[i, 0]
+        velocity[i, 0] = ahead
+        velocity[i, 1] = left
+        x = -turn * left
+        y = turn * ahead
+        passed = (tick[i, 0] - tick_before[i, 0]) * dt
+        if tick_before[i, 0] >= 0 and passed > 0.0:
+            x += (ahead - before[i, 0]) / passed
+            y += (left - before[i, 1]) / passed
+        c = math.cos(mounts[i, 2])
+        s = math.sin(mounts[i, 2])
+        out[i, 0] = c * x + s * y
+        out[i, 1] = c * y - s * x
+        out[i, 2] = turn

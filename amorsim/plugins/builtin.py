@@ -31,7 +31,10 @@ def amorsim_register(registry: Registry) -> None:
     registry.sensor("compass", "amorsim.sensors.compass:Compass")
     registry.sensor("gyro", "amorsim.sensors.gyro:Gyro")
     registry.sensor("fiducial", "amorsim.sensors.fiducial:Fiducial")
+    registry.sensor("gps", "amorsim.sensors.gps:Gps")
+    registry.sensor("imu", "amorsim.sensors.imu:Imu")
     registry.sensor("infrared", "amorsim.sensors.infrared:Infrared")
+    registry.sensor("light", "amorsim.sensors.light:Light")
 
     registry.noise("gaussian", "amorsim.noise.gaussian:Gaussian")
     registry.noise("aim_gaussian", "amorsim.noise.aim_gaussian:AimGaussian")

@@ -155,7 +155,7 @@ def column_problem(sensor: Sensor, noise: type, column: str) -> str:
     if column:
         what = f"one of {known}" if columns else "none, for all its values are of one quantity"
         return f"expected {what}, got {column!r}.{did_you_mean(column, columns)}"
-    if columns and any(parameter.unit == "sensor" for parameter in describe(noise).values()):
+    if len(set(columns.values())) > 1 and any(parameter.unit == "sensor" for parameter in describe(noise).values()):
         return f"missing; the values are of several quantities, so say which: {known}"
     return ""
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.fiducial import Fiducial
+from amorsim.sensors.gps import Gps
 from amorsim.sensors.gyro import Gyro
+from amorsim.sensors.imu import Imu
 from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.laser import Laser
+from amorsim.sensors.light import Light
 from amorsim.sensors.sonar import Sonar
 
-__all__ = ["Compass", "Encoder", "Fiducial", "Gyro", "Infrared", "Laser", "Sonar"]
+__all__ = ["Compass", "Encoder", "Fiducial", "Gps", "Gyro", "Imu", "Infrared", "Laser", "Light", "Sonar"]

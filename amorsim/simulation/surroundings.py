@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts import Lights
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot
 
 __all__ = ["Surroundings"]
@@ -29,8 +30,8 @@ class Surroundings:
         What is written on the landmarks `(L,)`, and on the bodies that carry a mark `(C,)`, one after the other.
     carriers
         `(C,)` which bodies of a replica carry a mark.
-    lights, intensity
-        Places `(M, 2)` [m] of the lamps, and how they shine `(M,)` [cd].
+    lights
+        The lamps.
     colours, heights
         Of each thing: its colour or none, and how high it is [m].
     """
@@ -39,8 +40,7 @@ class Surroundings:
     radius: Array
     ids: Ints
     carriers: Ints
-    lights: Array
-    intensity: Array
+    lights: Lights
     colours: tuple[str | None, ...]
     heights: Array
 
@@ -56,8 +56,10 @@ class Surroundings:
             radius=np.array([mark.radius for mark in landmarks], dtype=np.float64),
             ids=np.array([*(mark.id for mark in landmarks), *(id_ for _, id_ in carried)], dtype=np.int64),
             carriers=np.array([i for i, _ in carried], dtype=np.int64),
-            lights=np.array([[light.x, light.y] for light in lights], dtype=np.float64).reshape(-1, 2),
-            intensity=np.array([light.intensity for light in lights], dtype=np.float64),
+            lights=Lights(
+                places=np.array([[light.x, light.y] for light in lights], dtype=np.float64).reshape(-1, 2),
+                intensity=np.array([light.intensity for light in lights], dtype=np.float64),
+            ),
             colours=tuple(thing.colour for thing in things),
             heights=np.array([thing.height for thing in things], dtype=np.float64),
         )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import BodyStates, Emissions, Sightings
+from amorsim.contracts import BodyStates, Emissions, Lights, Sightings
 from amorsim.core.poses import compose
 from amorsim.core.workers import Workers
 from amorsim.kernels import bresenham, cones, poses, scans
@@ -138,6 +138,10 @@ class GroupView:
         """The nearest marks in sight; see `amorsim.contracts.View.landmarks`."""
         reach, angle = self._per_row(range_max), self._per_row(half_angle)
         return find_landmarks(self._world, self._bodies, self.pose, slots, reach, angle)
+
+    def lights(self) -> Lights:
+        """All lamps; see `amorsim.contracts.View.lights`."""
+        return self._world.surroundings.lights
 
     def emissions(self, medium: str) -> Emissions:
         """Who fires at this tick; see `amorsim.contracts.View.emissions`."""

@@ -1,0 +1,56 @@
+"""An inertial measurement unit: two accelerometers and a gyro."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View
+from amorsim.kernels import readings
+
+__all__ = ["Imu"]
+
+Array = npt.NDArray[np.float64]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+_COLUMNS: Mapping[str, str] = types.MappingProxyType({"ahead": "m/s^2", "left": "m/s^2", "turn": "rad/s"})
+
+
+@attrs.frozen(kw_only=True)
+class Imu(Sensor):
+    """Specific force ahead and to the left [m/s^2], in the mount's frame, and the rate of turn [rad/s].
+
+    On level ground specific force is the acceleration of the mount: v' + w x v, with v the velocity of that point
+    in the body's frame and w the rate of turn. So on a circle a unit ahead of the axle feels the centripetal
+    acceleration of its own, larger circle. v is the mean velocity over the last step, and v' its change since the
+    sample before, over the time between; a robot that a wall stops feels it within one step. Before the second sample
+    v' is 0.
+    """
+
+    unit: ClassVar[str] = "mixed"
+
+    def size(self, drive: Drive) -> int:
+        """Three values."""
+        return 3
+
+    def columns(self) -> Mapping[str, str]:
+        """Two accelerations and a rate."""
+        return _COLUMNS
+
+    def start(self, context: Context) -> State:
+        """The velocity `(N, 2)` of the mount in the body's frame at the sample before, and its tick `(N, 1)`."""
+        rows = context.rows
+        return {"velocity": np.zeros((rows, 2)), "tick": np.full((rows, 1), -1, dtype=np.int64)}
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """Accelerations and rate `(N, 3)`."""
+        values, velocity = np.empty((view.rows, 3)), np.empty((view.rows, 2))
+        readings.specific_force(
+            view.twist, view.mount, state["velocity"], state["tick"], view.tick, view.dt, velocity, values
+        )
+        state["velocity"], state["tick"] = velocity, view.tick.copy()
+        return values, _NOTHING

@@ -1,0 +1,113 @@
+"""A ring of sensors of ambient light."""
+
+from __future__ import annotations
+
+import math
+import types
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
+from amorsim.core.parameters import ParameterError
+from amorsim.core.poses import wrap_angle
+from amorsim.sensors.response import ring_poses
+
+__all__ = ["Light"]
+
+Array = npt.NDArray[np.float64]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+
+
+@attrs.frozen(kw_only=True)
+class Light(Sensor):
+    """How bright it is before each element of a ring, in counts, from the lamps of the scenario.
+
+    A lamp of intensity I, a distance d off and an angle b off the element's axis, that no wall and no other body
+    hides, makes a brightness of I g(d) cos(b * 90 deg / half_angle), and none beyond the half angle. With
+    ``falloff = "linear"`` g is 1 - d / reach, and 0 from there on; with ``"inverse_square"`` it is 1 / d^2, so
+    that with a half angle of 90 degrees the brightness is an illuminance [lx]. The brightnesses of all lamps add up,
+    and the reading is ``dark + gain * brightness``, but never beyond ``bright``.
+
+    The defaults are the Khepera's, as the Khepera Simulator 2.0 of O. Michel (1995) has them: 500 in the dark, 50
+    in full light, lamps that reach 25 cm, 60 degrees to either side. Its noise, five per cent either way, is the
+    chain's.
+
+    Parameters
+    ----------
+    elements
+        Where each element sits and looks, in the frame of the ring's mount. One straight ahead by default.
+    half_angle
+        Between an element's axis and the edge of what it sees [rad].
+    falloff, reach
+        How brightness falls with distance, and with ``"linear"`` where it ends [m].
+    dark, gain, bright
+        The reading in the dark, what a brightness of 1 adds to it, and what it never passes; none for no end.
+    """
+
+    unit: ClassVar[str] = "count"
+
+    elements: tuple[Mount, ...] = parameter((Mount(),), help="where each element sits on the mount, and looks")
+    half_angle: float = parameter(
+        math.pi / 3.0, unit="rad", gt=0, le=math.pi / 2.0, help="between an element's axis and the edge of its sight"
+    )
+    falloff: str = parameter(
+        "linear", choices=("linear", "inverse_square"), static=True, help="how brightness falls with distance"
+    )
+    reach: float = parameter(0.25, unit="m", gt=0, help="where light ends that falls linearly")
+    dark: float = parameter(500.0, unit="count", help="reading in the dark")
+    gain: float = parameter(-450.0, unit="count", help="what a brightness of 1 adds to it")
+    bright: float | None = parameter(50.0, unit="count", help="what the reading never passes; none for no end")
+
+    def __attrs_post_init__(self) -> None:
+        if not self.elements:
+            raise ParameterError("elements", "expected one element at least, got none")
+        if self.bright is not None and (self.bright - self.dark) * self.gain < 0:
+            raise ParameterError(
+                "bright", f"expected a reading that a gain of {self.gain!r} leads to from {self.dark!r}"
+            )
+
+    def size(self, drive: Drive) -> int:
+        """One value for each element."""
+        return int(self.bearings().shape[1])
+
+    def bearings(self) -> Array:
+        """Where the elements' axes look [rad] `(N, k)` from the mount's heading."""
+        elements: Any = self.elements
+        if isinstance(elements, Mount):  # over rows: a table of arrays
+            return np.asarray(elements.heading)
+        return np.array([[element.heading for element in elements]])
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """Counts `(N, k)`."""
+        origins = ring_poses(view, self.elements, aim)
+        shape = (view.rows, len(origins) // view.rows)
+        brightness = np.zeros(shape)
+        lights = view.lights()
+        for (x, y), intensity in zip(lights.places.tolist(), lights.intensity.tolist(), strict=True):
+            brightness = brightness + intensity * self._from(view, origins, x, y).reshape(shape)
+        counts = np.asarray(self.dark + self.gain * brightness)
+        if self.bright is None:
+            return counts, _NOTHING
+        darkens = np.less(self.gain, 0.0)
+        return np.where(darkens, np.maximum(counts, self.bright), np.minimum(counts, self.bright)), _NOTHING
+
+    def _from(self, view: View, origins: Array, x: float, y: float) -> Array:
+        """The brightness `(N * k, 1)` that a lamp of intensity 1 at (x, y) makes before each element."""
+        k = len(origins) // view.rows
+        dx, dy = x - origins[:, :1], y - origins[:, 1:2]
+        away = np.sqrt(dx * dx + dy * dy)
+        bearing = wrap_angle(np.arctan2(dy, dx) - origins[:, 2:])
+        half_angle = np.repeat(np.asarray(self.half_angle), k, axis=0)
+        if self.falloff == "linear":
+            falloff = np.maximum(0.0, 1.0 - away / np.repeat(np.asarray(self.reach), k, axis=0))
+        else:
+            falloff = 1.0 / np.maximum(away * away, 1e-12)
+        reached = np.where(np.abs(bearing) < half_angle, falloff * np.cos(bearing * (0.5 * math.pi) / half_angle), 0.0)
+        farthest = away.reshape(view.rows, k).max(axis=1, keepdims=True)
+        # A lamp is in nobody's way, so a ray that ends with it has met whatever hides it.
+        free = view.cast(origins, np.ascontiguousarray(bearing), farthest)
+        return np.where(free < away, 0.0, reached)
