@@ -1,0 +1,439 @@
+"""The Simulator's window in a real Chromium: what a user does, and what is then drawn and said."""
+
+from __future__ import annotations
+
+import http.server
+import re
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.ui.windows import SIMULATOR, Server, Window, eventually, write_scenario
+
+LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
+
+
+# ------------------------------------------------------------------------------------------------------------ driving
+
+
+def test_keys_drive_the_robot_and_letting_go_stops_it(window: Window) -> None:
+    start = window.true_pose()
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    window.page.keyboard.press(" ")
+    window.page.keyboard.down("ArrowUp")
+    window.until(f"newest.truePoses[0] > {start[0] + 0.3}")
+    window.page.keyboard.down("a")
+    window.until("newest.truePoses[2] > 0.1")
+    window.page.keyboard.up("a")
+    window.page.keyboard.up("ArrowUp")
+    assert eventually(lambda: window.see("newest.command.every(part => part === 0)"))
+    window.until("newest.trueTwist.every(part => part === 0)")
+
+
+def test_the_robot_stops_when_the_window_loses_the_keyboard(window: Window) -> None:
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    window.page.keyboard.press(" ")
+    window.page.keyboard.down("w")
+    window.until("newest.command.some(part => part > 1)")
+    window.page.evaluate("window.dispatchEvent(new Event('blur'))")  # no key is let go
+    window.until("newest.command.every(part => part === 0)")
+
+
+def test_a_window_that_vanishes_stops_what_it_drove(
+    window: Window, served: Server, open_window: Callable[[Server], Window]
+) -> None:
+    watcher = open_window(served)
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    window.page.keyboard.press(" ")
+    window.page.keyboard.down("w")
+    watcher.until("newest.command.some(part => part > 1)")
+    window.page.close()
+    watcher.until("newest.command.every(part => part === 0)")
+
+
+def test_buttons_drive_by_pointer_and_by_keyboard(window: Window) -> None:
+    window.page.click("#hand")
+    window.until("driving.isByHand")
+    window.page.click("#run")
+    button = window.page.locator(".drive-left")
+    button.hover()
+    window.page.mouse.down()
+    window.until("newest.truePoses[2] > 0.1")
+    window.page.mouse.up()
+    window.until("newest.command.every(part => part === 0)")
+    window.page.locator(".drive-back").focus()
+    window.page.keyboard.down("Enter")
+    window.until("newest.command.every(part => part < -1)")
+    window.page.keyboard.up("Enter")
+    window.until("newest.command.every(part => part === 0)")
+
+
+def test_each_channel_of_the_drive_has_a_slider(window: Window) -> None:
+    window.page.click("#hand")
+    window.until("driving.isByHand")
+    window.page.click("text=channel by channel")
+    slider = window.page.locator(".channels input").first
+    slider.focus()
+    for _ in range(5):
+        window.page.keyboard.press("ArrowRight")
+    wanted = float(slider.input_value())
+    assert wanted > 0.5
+    window.do(do="step")
+    window.until(f"Math.abs(newest.command[0] - {wanted}) < 1e-9 && newest.command[1] === 0")
+
+
+# ----------------------------------------------------------------------------------------------------- cause and effect
+
+
+def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_frame(window: Window) -> None:
+    window.hide_readings()
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    (x, y, _), (u, v, count) = window.middle_of("robot", "true"), window.middle_of("control", "estimated")
+    assert count > 20
+    assert abs(x - u) < 0.06  # a pixel or two: nothing has moved yet
+    assert abs(y - v) < 0.06
+    field = window.field(LEFT_WHEEL).locator("input[type=text]")
+    field.fill("1.1")
+    field.press("Enter")
+    window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1.1")
+    window.do(do="drive", robot="rover", forward=0.8)
+    window.do(do="step", steps=60)
+    window.until("newest.tick === 60")
+    window.page.wait_for_timeout(150)
+    drawn_truth, drawn_belief = window.middle_of("robot", "true"), window.middle_of("control", "estimated")
+    truth, belief = window.see("newest.truePoses.slice(0, 3)"), window.see("newest.estimatedPoses.slice(0, 3)")
+    apart = ((belief[0] - truth[0]) ** 2 + (belief[1] - truth[1]) ** 2) ** 0.5
+    assert apart > 0.3  # a left wheel a tenth too large bends the path to the right
+    assert truth[1] < belief[1] - 0.3
+    assert drawn_belief[:2] == pytest.approx(belief[:2], abs=0.08)
+    assert drawn_truth[:2] == pytest.approx(truth[:2], abs=0.08)
+    assert f"{apart:.3f}" == window.page.locator("tr.chosen td.difference").inner_text().lstrip("+")
+
+
+def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> None:
+    field = window.field(LEFT_WHEEL)
+    number = field.locator("input[type=text]")
+    number.fill("-3")
+    number.press("Enter")
+    window.page.wait_for_function(
+        "path => document.querySelector(`[data-path='${path}'] .error`).textContent !== ''", arg=LEFT_WHEEL
+    )
+    assert "> 0" in field.locator(".error").inner_text()
+    assert number.get_attribute("aria-invalid") == "true"
+    number.fill("1.05")
+    number.press("Enter")
+    window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1.05")
+    assert "true 0.086625, believed 0.0825" in field.locator(".help").inner_text()
+    field.get_by_label("as in the scenario").click()
+    window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1")
+    assert number.input_value() == "1"
+    assert field.locator(".error").inner_text() == ""
+
+
+def test_parameters_are_saved_as_a_scenario(window: Window, project: Path) -> None:
+    number = window.field(LEFT_WHEEL).locator("input[type=text]")
+    number.fill("1.07")
+    number.press("Enter")
+    window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1.07")
+    window.page.click("text=save as…")
+    window.page.fill("#asked-name", "../outside.toml")
+    window.page.keyboard.press("Enter")
+    window.page.wait_for_selector("dialog .error:not(:empty)")
+    assert not (project.parent / "outside.toml").exists()
+    window.page.fill("#asked-name", "bent.toml")
+    window.page.keyboard.press("Enter")
+    window.page.wait_for_selector("dialog", state="detached")
+    assert "1.07" in (project / "bent.toml").read_text()
+    window.page.click("text=as in file")
+    window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1")
+
+
+# ---------------------------------------------------------------------------------------------------------------- time
+
+
+def test_pause_step_scrub_and_continue(window: Window) -> None:
+    page = window.page
+    page.keyboard.press(" ")
+    window.until("newest.tick >= 5")
+    page.keyboard.press(" ")
+    window.until("!(newest.states & 1)")
+    tick = window.see("newest.tick")
+    page.keyboard.press(".")
+    window.until(f"newest.tick === {tick + 1}")
+    page.wait_for_timeout(300)
+    assert window.see("newest.tick") == tick + 1  # paused is paused
+    assert page.locator("#continue").is_hidden()
+    page.locator("#timeline").fill("2")
+    window.until("newest.tick === 2 && (newest.states & 4)")
+    assert window.see("newest.newest") == tick + 1
+    page.click("#continue")
+    window.until("newest.newest === 2 && !(newest.states & 4)")
+    page.keyboard.press(".")
+    window.until("newest.tick === 3")
+
+
+def test_reset_and_speed(window: Window) -> None:
+    page = window.page
+    page.locator("#speed").fill("7")
+    window.until("newest.speed === 10")
+    page.keyboard.press("Tab")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press(" ")
+    window.until("newest.tick > 40")
+    assert "reached" in page.locator(".achieved").inner_text()
+    page.locator("#speed").fill("11")
+    window.until("newest.speed === Infinity")
+    page.click("#reset")
+    window.until("newest.tick === 0 && !(newest.states & 1)")
+
+
+# ---------------------------------------------------------------------------------------------------- events and things
+
+
+def test_an_event_leads_to_its_moment_and_place(window: Window) -> None:
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    window.do(do="drive", robot="rover", forward=-1.5)
+    window.do(do="step", steps=30)
+    event = window.page.locator(".events-list button", has_text="wall").first
+    event.click()
+    window.until("newest.states & 4")
+    assert window.see("newest.tick") < 30
+    x, y = window.see("stage.camera.x"), window.see("stage.camera.y")
+    assert x == pytest.approx(0.0, abs=0.1)  # the left wall
+    assert y == pytest.approx(4.0, abs=0.5)
+    assert window.see("stage.mark") == pytest.approx([x, y])
+
+
+def test_a_click_says_what_a_robot_or_a_beam_is_and_reads(window: Window) -> None:
+    page = window.page
+    box = page.locator("#pane-robot").bounding_box()
+    left, top = page.evaluate(f"{SIMULATOR}.stage.camera.toScreen(2.0, 4.0)")
+    page.mouse.click(box["x"] + left, box["y"] + top)
+    assert "rover" in page.locator(".card").inner_text()
+    # The beam at 45 degrees begins at (2.017, 4.008), and meets the wall at y = 8 after 5.646 m.
+    left, top = page.evaluate(f"{SIMULATOR}.stage.camera.toScreen(6.009, 7.99)")
+    page.mouse.click(box["x"] + left, box["y"] + top)
+    said = page.locator(".card").inner_text()
+    assert "laser, beam" in said
+    assert re.search(r"looks 4[4-6]\.\d° from ahead", said)
+    assert re.search(r"true 5\.[67]\d\d\d m, measured 5\.[67]\d", said)
+    left, top = page.evaluate(f"{SIMULATOR}.stage.camera.toScreen(2.0, 6.5)")
+    page.mouse.click(box["x"] + left, box["y"] + top)
+    window.until("robot.name === 'second'")
+    assert page.locator("#numbers-title").inner_text() == "second"
+    window.do(do="select", robot="rover")
+
+
+def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
+    from PIL import Image
+
+    page = window.page
+    with page.expect_download() as saved:
+        page.click("text=picture")
+    saved.value.save_as(tmp_path / "view.png")
+    with Image.open(tmp_path / "view.png") as picture:
+        assert picture.width > 900
+        assert len(picture.convert("RGB").getcolors(100_000)) > 20
+    page.click("text=GIF")
+    page.keyboard.press("m")
+    window.do(do="drive", robot="rover", forward=0.5)
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press(" ")
+    window.until("film.frames.length >= 4")
+    with page.expect_download() as saved:
+        page.click("text=stop GIF")
+    saved.value.save_as(tmp_path / "view.gif")
+    with Image.open(tmp_path / "view.gif") as film:
+        assert film.n_frames >= 2
+
+
+# ------------------------------------------------------------------------------------------------------ several windows
+
+
+def test_a_second_window_watches_and_may_ask_for_the_controls(
+    window: Window, served: Server, open_window: Callable[[Server], Window]
+) -> None:
+    watcher = open_window(served)
+    window.page.keyboard.press(" ")
+    watcher.until("newest.tick >= 3")
+    refused = watcher.ask(do="pause")
+    assert not refused["ok"]
+    assert "controls" in refused["error"]
+    chip = watcher.page.locator(".controls")
+    assert "ask for the controls" in chip.inner_text()
+    chip.click()
+    window.page.wait_for_selector(".controls:visible")
+    window.page.click(".controls")
+    watcher.until("isMine")
+    watcher.do(do="pause")
+    window.until("isMine === false")
+    assert not window.ask(do="run")["ok"]
+
+
+class Elsewhere(http.server.BaseHTTPRequestHandler):
+    """A page of another origin, on this very machine."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.send_header("content-type", "text/html")
+        self.end_headers()
+        self.wfile.write(b"<!doctype html><title>elsewhere</title>")
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+
+def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> None:
+    other = http.server.HTTPServer(("127.0.0.1", 0), Elsewhere)
+    threading.Thread(target=other.serve_forever, daemon=True).start()
+    host = served.address.split("/")[2]
+    try:
+        page = window.page.context.new_page()  # the same user, so the cookie would be sent
+        page.goto(f"http://127.0.0.1:{other.server_port}/")
+        opened = page.evaluate(
+            """host => Promise.all(["/amorsim/socket", "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"].map(path =>
+                new Promise(done => {
+                    const socket = new WebSocket(`ws://${host}${path}`);
+                    socket.onopen = () => done("open");
+                    socket.onerror = () => done("refused");
+                })))""",
+            host,
+        )
+        assert opened == ["refused", "refused"]
+        statuses: list[int] = []
+        page.on("response", lambda response: statuses.append(response.status))
+        for path in ("/", "/amorsim/web/simulator.js", "/_nicegui_ws/socket.io/?EIO=4&transport=polling"):
+            read = page.evaluate(
+                "url => fetch(url, {credentials: 'include'}).then(r => r.text(), () => 'refused')",
+                f"http://{host}{path}",
+            )
+            assert read == "refused"
+        framed = page.evaluate(
+            """url => new Promise(done => {
+                const frame = document.createElement("iframe");
+                frame.onload = () => {
+                    try { done(frame.contentDocument?.title ?? "closed") } catch { done("closed") }
+                };
+                frame.src = url;
+                document.body.append(frame);
+            })""",
+            f"http://{host}/",
+        )
+        assert framed == "closed"
+        assert 200 not in statuses
+    finally:
+        other.shutdown()
+        other.server_close()
+
+
+# ------------------------------------------------------------------------------------------------------ usable by all
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_serious(window: Window, theme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    page = window.page
+    if page.evaluate("document.documentElement.dataset.theme") != theme:
+        page.keyboard.press("l")
+
+    def serious() -> list[str]:
+        found = axe.run(page).response["violations"]
+        return [f"{one['id']}: {one['nodes'][0]['html']}" for one in found if one["impact"] in ("serious", "critical")]
+
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    window.do(do="step", steps=4)
+    window.do(do="scrub", tick=2)
+    page.wait_for_selector("#continue:visible")
+    assert serious() == []
+    page.keyboard.press("?")
+    page.wait_for_selector("dialog")
+    assert serious() == []
+
+
+def test_all_is_in_sight_at_1366_by_768(window: Window) -> None:
+    for scene in ("plain", "past"):
+        outside = window.page.evaluate(
+            """() => [...document.querySelectorAll(".bar *, .past *, .head *, .driving > *, .panel")].filter(one => {
+                const box = one.getBoundingClientRect();
+                return box.width && (box.left < 0 || box.right > innerWidth + 1 || box.bottom > innerHeight + 1);
+            }).map(one => one.outerHTML.slice(0, 80))"""
+        )
+        assert outside == [], scene
+        for canvas in ("#pane-robot", "#pane-control"):
+            box = window.page.locator(canvas).bounding_box()
+            assert box["width"] > 400
+            assert box["height"] > 300
+        window.do(do="step", steps=2)
+        window.do(do="scrub", tick=1)
+        window.page.wait_for_selector("#continue:visible")
+
+
+def test_the_keyboard_alone_reaches_everything(window: Window) -> None:
+    page = window.page
+    wanted = page.evaluate(
+        """() => [...document.querySelectorAll("button, input, select, summary, canvas[tabindex]")]
+            .filter(one => one.checkVisibility({visibilityProperty: true}) && !one.disabled).length"""
+    )
+    seen = set()
+    for _ in range(wanted + 30):
+        page.keyboard.press("Tab")
+        seen.add(page.evaluate("(document.activeElement.dataset.nth ??= String(Math.random()))"))
+    missed = page.evaluate(
+        """() => [...document.querySelectorAll("button, input, select, summary, canvas[tabindex]")]
+            .filter(one => one.checkVisibility({visibilityProperty: true}) && !one.disabled && !one.dataset.nth)
+            .map(one => one.outerHTML.slice(0, 80))"""
+    )
+    assert missed == []
+    page.locator("#pane-robot").focus()
+    before = window.see("stage.camera.x")
+    page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("+")
+    assert window.see("stage.camera.x") > before
+
+
+# ------------------------------------------------------------------------------------------------ controllers that fail
+
+
+CRASH = """
+import amorsim as am
+
+
+def drive(readings, estimate, clock):
+    if clock.time > 0.55:
+        raise ZeroDivisionError("the lidar was taken for a map")
+    return am.Twist(0.3, 0.0)
+"""
+
+
+def test_a_crash_of_a_controller_is_shown_with_its_stack_and_the_window_lives_on(
+    browser: Any, tmp_path: Path, open_window: Callable[[Server], Window]
+) -> None:
+    (tmp_path / "driver.py").write_text(CRASH)
+    server = Server(write_scenario(tmp_path, "driver.py:drive"))
+    try:
+        window = open_window(server)
+        window.page.keyboard.press(" ")
+        window.page.wait_for_selector(".banner:visible")
+        assert "ZeroDivisionError" in window.page.locator(".banner").inner_text()
+        window.page.click("text=show the stack")
+        stack = window.page.locator("dialog pre").inner_text()
+        assert "driver.py" in stack
+        assert "the lidar was taken for a map" in stack
+        window.page.keyboard.press("Escape")
+        window.page.locator(".banner button.main").click()
+        window.until("newest.flags[0] & 4", seconds=40.0)
+        window.page.wait_for_selector(".banner", state="hidden")
+        window.do(do="drive", robot="rover", forward=0.5)
+        tick = window.see("newest.tick")
+        window.do(do="step", steps=3)
+        window.until(f"newest.tick > {tick}")
+    finally:
+        server.close()

@@ -1,0 +1,185 @@
+"""What the tests in a browser build on: a served simulator, and a window on it as its user has it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+CHROMIUM = Path("/usr/bin/chromium")
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+SIMULATOR = "document.querySelector('.amorsim')?.simulator"
+
+ROOM = """0 0 12000 0
+12000 0 12000 8000
+12000 8000 0 8000
+0 8000 0 0
+6000 0 6000 3000
+"""
+SCENARIO = """format = 1
+
+[world]
+map = "room.wld"
+
+[simulation]
+dt = 0.1
+duration = 60.0
+seed = 4
+
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+pose = { x = 2.0, y = 4.0, heading_deg = 0.0 }
+controller = { use = "CONTROLLER" }
+
+[robots.knowledge]
+map = "room.wld"
+
+[[robots]]
+name = "second"
+model = "pioneer2dx"
+pose = { x = 2.0, y = 6.5, heading_deg = 0.0 }
+controller = { use = "manual" }
+"""
+
+
+def write_scenario(folder: Path, controller: str = "manual") -> Path:
+    """A room with two robots; the first has this controller."""
+    (folder / "room.wld").write_text(ROOM)
+    file = folder / "room.toml"
+    file.write_text(SCENARIO.replace("CONTROLLER", controller))
+    return file
+
+
+class Server:
+    """`amorsim view` of a scenario, in its folder."""
+
+    def __init__(self, scenario: Path) -> None:
+        self.folder = scenario.parent
+        command = [sys.executable, "-m", "amorsim", "view", scenario.name, "--no-open"]
+        self.process = subprocess.Popen(
+            command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        self.address = ""
+        assert self.process.stdout is not None
+        said = []
+        for line in self.process.stdout:
+            said.append(line)
+            words = [word for word in line.split() if word.startswith("http://") and "token=" in word]
+            if words:
+                self.address = words[0]
+                return
+        raise AssertionError("no address was printed:\n" + "".join(said))
+
+    def close(self) -> None:
+        self.process.terminate()
+        try:
+            self.process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+
+class Window:
+    """A window in the browser, with what it shows."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.problems: list[str] = []
+        page.on("pageerror", lambda error: self.problems.append(str(error)))
+
+    def open(self, address: str) -> Window:
+        self.page.goto(address)
+        self.until("stage.frame", seconds=30.0)
+        return self
+
+    def see(self, expression: str) -> Any:
+        """The value of an expression of the simulator's window: `newest.tick`."""
+        return self.page.evaluate(f"{SIMULATOR}.{expression}")
+
+    def until(self, expression: str, *, seconds: float = 10.0) -> None:
+        """Wait until something holds of the window; names in the expression are the simulator's."""
+        self.page.wait_for_function(
+            f"() => {{ const one = {SIMULATOR}; if (!one?.state) return false; with (one) return {expression}; }}",
+            timeout=1000 * seconds,
+        )
+
+    def ask(self, **command: Any) -> dict[str, Any]:
+        """A command by the window's own connection."""
+        return dict(self.page.evaluate(f"command => {SIMULATOR}.connection.ask(command)", command))
+
+    def do(self, **command: Any) -> dict[str, Any]:
+        said = self.ask(**command)
+        assert said["ok"], said
+        return said
+
+    def true_pose(self) -> list[float]:
+        return list(self.see("newest.truePoses.slice(0, 3)"))
+
+    def begin(self) -> None:
+        """A paused simulation at its start, and no element with the keyboard."""
+        self.do(do="reset")
+        self.do(do="speed", factor=1.0)
+        self.until("newest.tick === 0 && !(newest.states & 1)")
+        self.page.evaluate("document.activeElement?.blur()")
+
+    def field(self, path: str) -> Any:
+        return self.page.locator(f'[data-path="{path}"]')
+
+    def hide_readings(self) -> None:
+        """Leave the robots alone in the panes: for tests that look for a colour."""
+        for name in ("trails", "ellipse", "grid"):
+            self.see(f"stage.setOption('{name}', false)")
+        for button in self.page.locator(".panel.control .tools button").all():
+            if button.get_attribute("aria-pressed") == "true":
+                button.click()
+        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def middle_of(self, pane: str, colour: str) -> tuple[float, float, int]:
+        """The middle [m] of the pixels below y = 5.8 m that are near a colour of the theme, and how many they are."""
+        found = self.page.evaluate(
+            f"""([pane, name]) => {{
+                const stage = {SIMULATOR}.stage;
+                const canvas = stage[pane].canvas;
+                const probe = document.createElement("canvas").getContext("2d");
+                probe.fillStyle = stage.theme[name];
+                probe.fillRect(0, 0, 1, 1);
+                const [r, g, b] = probe.getImageData(0, 0, 1, 1).data;
+                const {{ data, width }} = stage[pane].context.getImageData(0, 0, canvas.width, canvas.height);
+                let [left, top, count] = [0, 0, 0];
+                const first = Math.round(stage.camera.toScreen(0, 5.8)[1] * stage[pane].ratio) * width * 4;
+                for (let i = first; i < data.length; i += 4) {{
+                    if (Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) > 60) continue;
+                    left += (i / 4) % width;
+                    top += Math.floor(i / 4 / width);
+                    count += 1;
+                }}
+                const ratio = stage[pane].ratio;
+                return [...stage.camera.toWorld(left / count / ratio, top / count / ratio), count];
+            }}""",
+            [pane, colour],
+        )
+        return found[0], found[1], found[2]
+
+
+def eventually(holds: Callable[[], bool], seconds: float = 8.0) -> bool:
+    """Whether something holds within a while."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if holds():
+            return True
+        time.sleep(0.05)
+    return holds()
