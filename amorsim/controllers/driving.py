@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Measurement, RobotModel
+from amorsim.contracts import Drive, Measurement, RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 
@@ -31,8 +32,13 @@ def at_rest(robot: RobotModel) -> Array:
 
 
 def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
-    """The drive's joints `(N, j)` [rad] as the first sensor that counts them says; all 0 where none does."""
+    """The drive's joints `(N, j)` [rad] as the first sensor that counts them says; all 0 where none does.
+
+    And where all of them only roll: how far they have turned tells nothing of where they point.
+    """
     rest = at_rest(robot)
+    if _only_rolls(type(robot.drive)):
+        return rest
     for name, model in robot.sensors.items():
         angles: Any = getattr(model.sensor, "angles", None)
         if callable(angles):
@@ -40,6 +46,11 @@ def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
             if found.shape == rest.shape:
                 return np.where(np.isfinite(found), found, 0.0)
     return rest
+
+
+@functools.cache
+def _only_rolls(drive: type[Drive]) -> bool:
+    return all(joint.rolls for joint in drive.joints)
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:

@@ -8,7 +8,7 @@ thread is added.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -53,16 +53,24 @@ class Draws:
         `(N, 3)` uint32: replica, episode and tick of each row, kept up to date by the engine.
     workers
         Threads that share the rows; the numbers are the same with any.
+    rounds
+        One number, shared by many streams: where it is another than before, the tick's numbers start anew.
     """
 
-    __slots__ = ("_block", "_counter", "_keys", "_workers")
+    __slots__ = ("_block", "_counter", "_keys", "_round", "_rounds", "_workers")
 
     def __init__(
-        self, keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], workers: Workers | None = None
+        self,
+        keys: npt.NDArray[np.uint64],
+        counter: npt.NDArray[np.uint32],
+        workers: Workers | None = None,
+        rounds: Sequence[int] = (0,),
     ) -> None:
         self._keys = keys
         self._counter = counter
         self._workers = workers
+        self._rounds = rounds
+        self._round = rounds[0]
         self._block = 0
 
     @property
@@ -87,6 +95,9 @@ class Draws:
         return self._fill(philox.fill_uniform, k)
 
     def _fill(self, fill: Callable[..., None], k: int) -> Array:
+        if self._round != self._rounds[0]:
+            self._round = self._rounds[0]
+            self._block = 0
         keys, counter, block = self._keys, self._counter, self._block
         out = np.empty((len(keys), k))
         self._block += (k + 1) // 2

@@ -9,7 +9,9 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["absorb"]
+__all__ = ["absorb", "absorb_together"]
+
+Floats = npt.NDArray[np.float64]
 
 # Odd multipliers with well-mixed bits, from the fractional parts of the golden ratio and of the square root of 2.
 _FIRST = np.uint64(0x9E3779B97F4A7C15)
@@ -23,24 +25,49 @@ _NOTHING = np.empty((0, 0))
 
 
 @kernel
-def _absorb(values: tuple[npt.NDArray[np.float64], ...], out: npt.NDArray[np.uint64]) -> None:
-    for n in range(_BATCH):
-        bits = values[n].view(np.uint64)
+def _mix(bits: npt.NDArray[np.uint64], out: npt.NDArray[np.uint64]) -> None:
+    first = out[0]
+    second = out[1]
+    for j in range(bits.shape[0]):
+        word = bits[j]
+        first = (first ^ word) * _FIRST
+        first ^= first >> _SHIFT
+        second = (second + word) * _SECOND
+        second ^= second >> _OTHER
+    out[0] = first
+    out[1] = second
+
+
+@kernel
+def _absorb(
+    a: Floats, b: Floats, c: Floats, d: Floats, e: Floats, f: Floats, g: Floats, h: Floats, out: npt.NDArray[np.uint64]
+) -> None:
+    for values in (a, b, c, d, e, f, g, h):
+        bits = values.view(np.uint64)
         for i in range(bits.shape[0]):
-            first = out[i, 0]
-            second = out[i, 1]
-            for j in range(bits.shape[1]):
-                word = bits[i, j]
-                first = (first ^ word) * _FIRST
-                first ^= first >> _SHIFT
-                second = (second + word) * _SECOND
-                second ^= second >> _OTHER
-            out[i, 0] = first
-            out[i, 1] = second
+            _mix(bits[i], out[i])
+
+
+@kernel
+def absorb_together(sizes: npt.NDArray[np.int64], first: Floats, second: Floats, out: npt.NDArray[np.uint64]) -> None:
+    """Mix many arrays in turn, the first of each kind and then the second, as `absorb` does one by one.
+
+    `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,).
+    """
+    rows = out.shape[0]
+    first_bits = first.view(np.uint64)
+    second_bits = second.view(np.uint64)
+    start = 0
+    for k in sizes:
+        for i in range(rows):
+            _mix(first_bits[start + i * k : start + (i + 1) * k], out[i])
+            _mix(second_bits[start + i * k : start + (i + 1) * k], out[i])
+        start += rows * k
 
 
 def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:
     """Mix the bits of arrays (N, k), C-contiguous and writeable, into the fingerprints `out` (N, 2), in order."""
     for start in range(0, len(values), _BATCH):
-        batch = tuple(values[start : start + _BATCH])
-        _absorb(batch + (_NOTHING,) * (_BATCH - len(batch)), out)
+        batch = [*values[start : start + _BATCH], *(_NOTHING,) * _BATCH]
+        a, b, c, d, e, f, g, h = batch[:_BATCH]
+        _absorb(a, b, c, d, e, f, g, h, out)

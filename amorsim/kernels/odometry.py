@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from amorsim.kernels.actuation import respond
 from amorsim.kernels.compile import kernel
+from amorsim.kernels.poses import arc, displaced
 
-__all__ = ["drive_wheels", "grow_covariance", "wheel_rates", "wheel_twists"]
+__all__ = ["drive_wheels", "grow_covariance", "reckon_wheels", "wheel_rates", "wheel_twists"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -24,6 +25,7 @@ Column = Any
 _NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
 _WEIGHTS = (0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692)
 
+_TURN = 2.0 * math.pi
 _SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is under 1e-21
 
 
@@ -98,6 +100,49 @@ def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
         along = math.sin(turn) / turn
         across = 2.0 * half * half / turn
     return forward * along - left * across, forward * across + left * along
+
+
+@kernel
+def reckon_wheels(
+    counts: Floats,
+    counts_per_revolution: Column,
+    radius_left: Column,
+    radius_right: Column,
+    track: Column,
+    variance: Column,
+    pose: Floats,
+    covariance: Floats,
+    before: Floats,
+    after: Floats,
+    out: Floats,
+    grown: Floats,
+) -> None:
+    """Poses `out` (N, 3) and their covariances `grown` (N, 3, 3), by what the encoders of two wheels count (N, 2).
+
+    `pose` and `covariance` are those before, `before` the wheels' angles then (N, 2) [rad], nan for none yet; `after`
+    gets those of now. Parameters are (N, 1), as in `wheel_twists` and `grow_covariance`.
+    """
+    rows = pose.shape[0]
+    first = np.empty((rows, 2))
+    twists = np.empty((rows, 3))
+    jacobian = np.zeros((rows, 3, 2))
+    radius = np.empty((rows, 2))
+    for i in range(rows):
+        radius[i, 0] = radius_left[i, 0]
+        radius[i, 1] = radius_right[i, 0]
+        jacobian[i, 0, 0] = 0.5
+        jacobian[i, 0, 1] = 0.5
+        jacobian[i, 2, 0] = -1.0 / track[i, 0]
+        jacobian[i, 2, 1] = 1.0 / track[i, 0]
+        for j in range(2):
+            after[i, j] = counts[i, j] / counts_per_revolution[i, 0] * _TURN
+            first[i, j] = after[i, j] if math.isnan(before[i, j]) else before[i, j]
+    wheel_twists(first, after, radius_left, radius_right, track, twists)
+    both = np.arange(2)
+    grow_covariance(covariance, pose, twists, jacobian, first, after, both, radius, variance, grown)
+    for i in range(rows):
+        ahead, left, turn = arc(twists[i, 0], twists[i, 1], twists[i, 2], 1.0)
+        out[i, 0], out[i, 1], out[i, 2] = displaced(pose[i, 0], pose[i, 1], pose[i, 2], ahead, left, turn)
 
 
 @kernel

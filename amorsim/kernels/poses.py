@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["arc", "compose", "directions", "displaced", "exponential", "logarithm", "relative", "wrap"]
+__all__ = ["arc", "compose", "directions", "displaced", "exponential", "logarithm", "mean_twists", "relative", "wrap"]
 
 Array = npt.NDArray[np.float64]
 
@@ -74,6 +74,19 @@ def exponential(twists: Array, fraction: Array, out: Array) -> None:
 
 
 @kernel
+def twist_of(x: float, y: float, turn: float) -> tuple[float, float]:
+    """The constant twist (forward, left) over a unit of time that leads to a displacement, as in `logarithm`."""
+    half = 0.5 * turn
+    if abs(turn) < _SMALL:
+        along = 1.0 - half * half / 3.0 * (1.0 + half * half / 15.0)
+    elif abs(math.sin(half)) < 1e-12:
+        along = 1.0
+    else:
+        along = half * math.cos(half) / math.sin(half)
+    return along * x + half * y, along * y - half * x
+
+
+@kernel
 def logarithm(displacements: Array, out: Array) -> None:
     """The constant twists `(N, 3)` over a unit of time that make the displacements `(N, 3)`; `exponential` undone.
 
@@ -81,19 +94,25 @@ def logarithm(displacements: Array, out: Array) -> None:
     no twist moves the body elsewhere, the translation stays as it is.
     """
     for i in range(displacements.shape[0]):
-        x = displacements[i, 0]
-        y = displacements[i, 1]
-        a = displacements[i, 2]
-        half = 0.5 * a
-        if abs(a) < _SMALL:
-            along = 1.0 - half * half / 3.0 * (1.0 + half * half / 15.0)
-        elif abs(math.sin(half)) < 1e-12:
-            along = 1.0
-        else:
-            along = half * math.cos(half) / math.sin(half)
-        out[i, 0] = along * x + half * y
-        out[i, 1] = along * y - half * x
-        out[i, 2] = a
+        out[i, 0], out[i, 1] = twist_of(displacements[i, 0], displacements[i, 1], displacements[i, 2])
+        out[i, 2] = displacements[i, 2]
+
+
+@kernel
+def mean_twists(twists: Array, fraction: Array, dt: float, out: Array) -> bool:
+    """Mean velocities `(N, 3)` over a step of bodies that followed a fraction `(N,)` of their twists `(N, 3)`.
+
+    The logarithm of the exponential, over the time. Returns whether any went less than the whole way.
+    """
+    is_short = False
+    for i in range(twists.shape[0]):
+        x, y, turn = arc(twists[i, 0], twists[i, 1], twists[i, 2], fraction[i])
+        forward, left = twist_of(x, y, turn)
+        out[i, 0] = forward / dt
+        out[i, 1] = left / dt
+        out[i, 2] = turn / dt
+        is_short = is_short or fraction[i] < 1.0
+    return is_short
 
 
 @kernel

@@ -30,7 +30,7 @@ class Streams:
         self._workers = workers
         self._robots = robots
         self._counter = counter
-        self._made: list[Draws] = []
+        self._rounds = [0]
 
     def draws(self, *names: str) -> Draws:
         """The stream of a component of each row's robot."""
@@ -39,14 +39,11 @@ class Streams:
             if robot not in known:
                 known[robot] = stream_key(self.seed, robot, *names)
         keys = np.array([known[robot] for robot in self._robots], dtype=np.uint64)
-        made = Draws(keys, self._counter, self._workers)
-        self._made.append(made)
-        return made
+        return Draws(keys, self._counter, self._workers, self._rounds)
 
     def rewind(self) -> None:
         """Start every stream's numbers anew, at a new tick."""
-        for draws in self._made:
-            draws.rewind()
+        self._rounds[0] += 1
 
 
 class Chain:

@@ -126,6 +126,13 @@ class Fleet:
             group.moment.set_episode(self.episodes[index])
             group.streams.rewind()
 
+    def advance(self) -> None:
+        """Go to the next tick in all replicas, and start the tick's draws."""
+        self.ticks = self.ticks + 1
+        for group in self.everything:
+            group.moment.advance()
+            group.streams.rewind()
+
     def row_of(self, body: int) -> tuple[Group | ObstacleGroup, int]:
         """The group of a body, and its row there."""
         for group in self.everything:

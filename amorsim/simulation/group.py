@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
@@ -27,6 +28,7 @@ from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import signature, stack, take
 from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
+from amorsim.kernels.poses import mean_twists
 from amorsim.scenario.spec import Knowledge, Robot, Zone
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
@@ -42,6 +44,7 @@ __all__ = ["Group", "group_key"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+FEW = 16  # numbers
 Arrays = dict[str, npt.NDArray[Any]]
 
 
@@ -234,7 +237,7 @@ class Group:
         if self.devices and command.shape == (rows, len(self.drive.channels)):
             missing = expected[1] - command.shape[1]
             command = np.concatenate((command, np.zeros((rows, missing))), axis=1)
-        if command.shape != expected or not np.isfinite(command).all():
+        if command.shape != expected or not _all_finite(command):
             names = self.names if which is None else [self.names[row] for row in which.tolist()]
             raise self._bad_command(command, names)
         return command
@@ -314,21 +317,33 @@ class Group:
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
         form, motion = self._motion
+        if form == ARC and type(self.drive).follow is Drive.follow:
+            self.true_twist = np.empty((self.rows, 3))
+            if mean_twists(np.ascontiguousarray(motion), stop, self.dt, self.true_twist):
+                self._halt(stop)
+            self.true_pose = poses
+            self.joints = self._after
+            return
         fraction = stop[:, None]
         displacement = exponential(motion, fraction) if form == ARC else motion
         stopped = stop < 1.0
         if stopped.any():
             if form != ARC:
                 displacement = np.where(stopped[:, None], self._moved(fraction), displacement)
-            between = self.drive.between(self._before, self._after, fraction)
-            self._after = np.where(stopped[:, None], between, self._after)
-            self.joint_rates = np.where(stopped[:, None], 0.0, self.joint_rates)
+            self._halt(stop)
         self.true_pose = poses
         self.joints = self._after
         if type(self.drive).follow is not Drive.follow:
             self.joints = self.drive.follow(self._after, displacement)
             self.joint_rates = self.joint_rates + (self.joints - self._after) / self.dt
         self.true_twist = logarithm(displacement) / self.dt
+
+    def _halt(self, stop: Array) -> None:
+        """Stop the wheels of those who met something, at the fraction `(N,)` of the step at which they did."""
+        stopped = (stop < 1.0)[:, None]
+        between = self.drive.between(self._before, self._after, stop[:, None])
+        self._after = np.where(stopped, between, self._after)
+        self.joint_rates = np.where(stopped, 0.0, self.joint_rates)
 
     def look(self) -> None:
         """Show the sensors where the robot is now."""
@@ -364,6 +379,10 @@ class Group:
         for estimate in self.estimates.values():
             covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
             results += [np.ascontiguousarray(estimate.pose), covariance]
+        if not self._sensing.others:
+            digest.absorb(results, self.fingerprint)
+            self._sensing.absorb(self.fingerprint)
+            return
         for unit in self.sensors.values():
             results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.measured)]
         digest.absorb(results, self.fingerprint)
@@ -430,6 +449,12 @@ class Group:
         for name, unit in self.sensors.items():
             unit.set_arrays(arrays[f"sensor {name}"])
             self.readings[name] = unit.reading
+
+
+def _all_finite(array: Array) -> bool:
+    if array.size <= FEW:  # NumPy takes longer to begin than these do
+        return all(map(math.isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array).all())
 
 
 def _poses(robots: Sequence[Robot]) -> Array:

@@ -13,12 +13,13 @@ __all__ = ["Moment"]
 class Moment:
     """The time of N rows. `counter` is what random draws count by and is changed in place; the rest is replaced."""
 
-    __slots__ = ("always", "clock", "counter", "dt", "elapsed", "now", "replica", "tick", "time")
+    __slots__ = ("always", "clock", "counter", "dt", "elapsed", "now", "replica", "step", "tick", "time")
 
     def __init__(self, replica: npt.NDArray[np.int64], dt: float) -> None:
         self.replica = replica
         self.dt = dt
         self.always = np.ones((len(replica), 1), dtype=bool)
+        self.step = np.full((len(replica), 1), dt)  # [s] since the step before, of all but the first
         self.now = np.zeros((len(replica), 1))  # [s], the age of what is of this tick
         self.counter = np.zeros((len(replica), 3), dtype=np.uint32)
         self.counter[:, 0] = replica
@@ -32,6 +33,15 @@ class Moment:
         self.elapsed = np.where(tick > 0, self.dt, 0.0)  # [s] since the step before
         self.clock = Clock(tick=tick, time=self.time, dt=self.dt)
         self.counter[:, 2] = tick[:, 0]
+
+    def advance(self) -> None:
+        """Put every row to the next tick."""
+        tick = self.tick + 1
+        self.tick = tick
+        self.time = np.multiply(tick, self.dt)
+        self.elapsed = self.step
+        self.clock = Clock(tick, self.time, self.dt)
+        self.counter[:, 2] += 1
 
     def set_episode(self, episode: npt.NDArray[np.int64]) -> None:
         """Put every row to its episode `(N,)`."""

@@ -13,6 +13,8 @@ from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
 
+NOBODY: frozenset[tuple[int, int]] = frozenset()
+
 __all__ = ["PHASES", "first_look", "step"]
 
 PHASES = ("control", "actuate", "move", "sense", "estimate", "record")
@@ -45,19 +47,20 @@ def _actuate(fleet: Fleet) -> None:
 def _move(fleet: Fleet) -> None:
     movers: list[Group | ObstacleGroup] = [*fleet.groups, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
-    touching = frozenset((contact.body, contact.other) for contact in contacts)
     for contact in contacts:
         # Whoever keeps leaning on something collides with it once.
         if (contact.body, contact.other) not in fleet.touching:
             _log_contact(fleet, contact)
-    fleet.touching = touching
+    fleet.touching = frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY
     fleet.world.poses = poses
-    for mover in movers:
-        mover.arrive(poses[mover.bodies], stop[mover.bodies])
+    if len(movers) == 1 and len(movers[0].bodies) == len(poses):
+        movers[0].arrive(poses, stop)
+    else:
+        for mover in movers:
+            mover.arrive(poses[mover.bodies], stop[mover.bodies])
     if fleet.world.has_company:
         fleet.place()
-    fleet.ticks = fleet.ticks + 1
-    fleet.tell_time()
+    fleet.advance()
 
 
 def _sense(fleet: Fleet) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Noise, Sensor
-from amorsim.kernels import sensing
+from amorsim.kernels import digest, sensing
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -83,6 +83,8 @@ class SensePlan:
                 after,
             )
         self._rows = rows
+        self._sizes = np.array(sizes, dtype=np.int64)
+        self._true = self._measured = np.empty(0)
         self._values = sum(sizes)
         self._mounts = np.array([unit.mount for unit in held]).reshape(-1, rows, 3)
         numbers = np.array([_number(unit.sensor, rows) for unit in held]).reshape(-1, rows)
@@ -116,6 +118,11 @@ class SensePlan:
         for unit in self.others:
             unit.sample(view, moment)
 
+    def absorb(self, fingerprint: npt.NDArray[np.uint64]) -> None:
+        """Mix what the units read last into the fingerprints of the rows `(N, 2)`."""
+        if self._units:
+            digest.absorb_together(self._sizes, self._true, self._measured, fingerprint)
+
     def _sense(self, view: GroupView, moment: Moment) -> None:
         true = np.empty(self._rows * self._values)
         measured = np.empty(self._rows * self._values)
@@ -130,6 +137,7 @@ class SensePlan:
             )
 
         view.workers.share(self._rows, self._work, part)
+        self._true, self._measured = true, measured
         for unit, a, b, shape in self._spans:
             unit.deliver(true[a:b].reshape(shape), measured[a:b].reshape(shape), moment)
 

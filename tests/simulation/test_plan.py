@@ -41,6 +41,10 @@ def own_noise(robot: Robot) -> Robot:
     return attrs.evolve(robot, sensors={name: changed(unit) for name, unit in robot.sensors.items()})
 
 
+def own_drive(robot: Robot) -> Robot:
+    return attrs.evolve(robot, drive=itself(robot.drive))
+
+
 def chain(*noise: Any) -> tuple[NoiseElement, ...]:
     return tuple(
         NoiseElement(name=f"{type(element).__name__.lower()}{n}", noise=element) for n, element in enumerate(noise)
@@ -117,6 +121,16 @@ def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: in
     for name, reading in together.readings.items():
         np.testing.assert_array_equal(reading.true, alone.readings[name].true, err_msg=name)
         np.testing.assert_array_equal(reading.measured, alone.readings[name].measured, err_msg=name)
+    assert together.digest() == alone.digest()
+
+
+@pytest.mark.parametrize("replicas", [1, 4])
+def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: int) -> None:
+    made = scenario(2)
+    together = run(made, replicas=replicas)
+    alone = run(changed(made, own_drive), replicas=replicas)
+    np.testing.assert_array_equal(together.covariance, alone.covariance)
+    np.testing.assert_array_equal(together.estimated_pose, alone.estimated_pose)
     assert together.digest() == alone.digest()
 
 
