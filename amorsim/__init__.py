@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from amorsim.runs.reproduce import reproduce
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
+    from amorsim.scenario.devices import load_device
     from amorsim.scenario.maps import load_map, save_map
     from amorsim.scenario.read import load
     from amorsim.scenario.spec import (
@@ -99,6 +100,7 @@ _MODULES = {
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map save_map",
+    "amorsim.scenario.devices": "load_device",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
         "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose Recording Robot "
@@ -180,6 +182,7 @@ __all__ = [
     "exponential",
     "hookimpl",
     "load",
+    "load_device",
     "load_map",
     "logarithm",
     "motions",

@@ -13,7 +13,7 @@ from amorsim.plugins.registry import Entry, Registry
 
 __all__ = ["manual", "reference_page", "summary_of"]
 
-FILES = ("robot", "scenario")  # kinds that are registered as files
+FILES = ("robot", "device", "scenario")  # kinds that are registered as files
 
 
 def summary_of(registry: Registry, entry: Entry) -> str:

@@ -81,4 +81,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.recorder("text", "amorsim.recorders.text:Text")
 
     registry.robot("pioneer2dx", _PACKAGE / "robots" / "pioneer2dx.toml")
+    registry.robot("pioneer2dx-typical", _PACKAGE / "robots" / "pioneer2dx-typical.toml")
+    for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):
+        registry.device(name, _PACKAGE / "devices" / f"{name}.toml")
     registry.scenario("demo", _PACKAGE / "scenarios" / "demo.toml")

@@ -22,7 +22,7 @@ _PLAIN = (float, int, bool, str, types.NoneType)
 
 RESERVED: dict[str, tuple[str, ...]] = {
     "drive": ("use",),
-    "sensor": ("use", "mount", "rate", "latency", "noise"),
+    "sensor": ("use", "model", "mount", "rate", "latency", "noise"),
     "noise": ("use", "name", "column"),
     "map_loader": ("use", "map", "landmarks"),
     "motion": ("use",),

@@ -28,7 +28,7 @@ KINDS: Mapping[str, type] = {
 }
 """The kinds of component, and the contract of each."""
 
-_FILES = ("robot", "scenario")
+_FILES = ("robot", "device", "scenario")
 
 
 @attrs.frozen(kw_only=True)
@@ -123,6 +123,10 @@ class Registry:
     def robot(self, name: str, path: str | Path) -> None:
         """Register a robot: the path of its model, a TOML file."""
         self._add("robot", name, Path(path))
+
+    def device(self, name: str, path: str | Path) -> None:
+        """Register a device, a sensor with its figures and its noise: the path of its TOML file."""
+        self._add("device", name, Path(path))
 
     def scenario(self, name: str, path: str | Path) -> None:
         """Register a scenario that can be run by name: the path of its TOML file."""

@@ -1,4 +1,4 @@
-"""Robot models in documents: a model's file, under what the scenario says of the robot."""
+"""Models in documents: what the file of a robot or a device says, under what the scenario says of it."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Node, Source, shown
 
-__all__ = ["FORMAT", "LOOKS", "MODEL_KEYS", "check_format", "drop_removed", "merge_models", "read_toml"]
+__all__ = ["FORMAT", "LOOKS", "MODEL_KEYS", "check_format", "drop_removed", "merge_models", "read_layers", "read_toml"]
 
 FORMAT = 1
 LOOKS = ("fiducial", "height", "colour")  # of a robot or an obstacle
 MODEL_KEYS = (
     "format",
     "description",
+    "model",
     "shape",
     "drive",
     "sensors",
@@ -26,8 +27,10 @@ MODEL_KEYS = (
     "estimators",
     "controller",
     "on_collision",
+    "errors",
     *LOOKS,
 )
+_ERROR = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")
 
@@ -60,34 +63,74 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
     """Put what each robot's model says under what the document says of it; note which came from where.
 
     Tables are merged key by key; where the document names another ``use``, in shapes and in lists, it replaces
-    what the model has. ``model`` becomes ``resolved_from``.
+    what the model has. ``model`` becomes ``resolved_from``. A model may build on another, whose name it has under
+    ``model``. Then the same is done for sensors that have a ``model``, a device.
     """
     robots = document.get("robots")
     if not isinstance(robots, list):
         return
     for index, robot in enumerate(robots):
-        if isinstance(robot, dict) and "model" in robot:
-            node = Node(robot, ("robots", str(index)), book)
-            model = _read_model(node.child("model"), registry)
+        if not isinstance(robot, dict):
+            continue
+        node = Node(robot, ("robots", str(index)), book)
+        if "model" in robot:
+            layers = _read_layers(node.child("model"), "robot", registry)
             name = robot.pop("model")
             if "resolved_from" in robot:
                 node.child("resolved_from").fault("a resolved robot has no model: leave one of the two out")
-            if model is None:
+            if layers is None:
                 book.incomplete.add(node.path)
             else:
                 robot["resolved_from"] = name
-                robots[index] = _merge_robot(model, node)
+                robots[index] = _merged(layers, node)
+        _merge_devices(Node(robots[index], node.path, book), registry)
 
 
-def _read_model(node: Node, registry: Registry) -> tuple[Source, dict[str, Any]] | None:
-    name = node.text("the name of a robot model, or the path of its .toml file")
+def _merge_devices(robot: Node, registry: Registry) -> None:
+    """Put devices under the sensors that have one of them as their model."""
+    sensors = robot.value.get("sensors")
+    if not isinstance(sensors, dict):
+        return
+    for name, sensor in list(sensors.items()):
+        if not isinstance(sensor, dict) or "model" not in sensor:
+            continue
+        node = robot.child("sensors").child(name)
+        layers = _read_layers(node.child("model"), "device", registry)
+        if layers is None:
+            # That it lacks what the device would have told is no fault of its own.
+            del sensors[name]
+            robot.book.incomplete.add(robot.path)
+            continue
+        del sensor["model"]
+        sensors[name] = _merged(layers, node)
+
+
+Layer = tuple[Source, dict[str, Any]]
+
+_WORDS = {"robot": "a robot model", "device": "a device"}
+
+
+def read_layers(source: str, kind: str, registry: Registry) -> tuple[Book, dict[str, Any] | None]:
+    """What a robot model or a device says, by its name or the path of its file, on top of what it builds on.
+
+    Nothing where it cannot be read; the book then has the faults, and otherwise knows what came from which file.
+    """
+    book = Book(Source(file="", folder=Path()))
+    node = Node({}, (), book)
+    layers = _read_layers(Node(source, ("model",), book), kind, registry)
+    return book, None if layers is None or book.count else _merged(layers, node)
+
+
+def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ...] = ()) -> list[Layer] | None:
+    """What a file says without what a model has at its top, after all that it builds on."""
+    name = node.text(f"the name of {_WORDS[kind]}, or the path of its .toml file")
     if name is None:
         return None
     if name.endswith(".toml"):
         path = node.folder / name
     else:
         try:
-            path = registry.file("robot", name)
+            path = registry.file(kind, name)
         except PluginError as error:
             node.fault(str(error))
             return None
@@ -95,27 +138,36 @@ def _read_model(node: Node, registry: Registry) -> tuple[Source, dict[str, Any]]
     if isinstance(model, str):
         node.fault(f"the model {path}: {model}" if "TOML" not in model else f"the model {path} is {model}")
         return None
+    if path.resolve() in seen:
+        node.fault(f"{name} builds on itself")
+        return None
     source = Source(file=str(path), folder=path.parent)
-    book = node.book
     # Faults at the model's top level are found here, where no scenario's keys are mixed in.
     alone = Book(source)
     top = Node(model, (), alone)
     check_format(top.child("format"))
-    top.refuse_unknown(MODEL_KEYS)
+    if kind == "robot":
+        top.refuse_unknown(MODEL_KEYS)
     if "description" in model:
         top.child("description").text("a text")
+    layers: list[Layer] | None = []
+    if "model" in model:
+        layers = _read_layers(top.child("model"), kind, registry, (*seen, path.resolve()))
     for fault in alone.faults:
-        book.add(fault)
-    return source, {key: value for key, value in model.items() if key in MODEL_KEYS[2:]}
+        node.book.add(fault)
+    if layers is None:
+        return None
+    known = MODEL_KEYS[3:] if kind == "robot" else tuple(key for key in model if key not in MODEL_KEYS[:3])
+    return [*layers, (source, {key: value for key, value in model.items() if key in known})]
 
 
-def _merge_robot(model: tuple[Source, dict[str, Any]], node: Node) -> dict[str, Any]:
-    source, values = model
-    merged = copy.deepcopy(values)
-    own = node.book.source(node.path)
-    source = Source(file=source.file, folder=source.folder, depth=len(node.path))
-    for key in merged:
-        node.book.set_source((*node.path, key), source)
+def _merged(layers: list[Layer], node: Node) -> dict[str, Any]:
+    """The layers, each over those before it, and over all of them the node's own table."""
+    own, depth = node.book.source(node.path), len(node.path)
+    merged: dict[str, Any] = {}
+    for source, values in layers:
+        at = Source(file=source.file, folder=source.folder, depth=depth)
+        _merge(merged, copy.deepcopy(values), node.path, at, node.book)
     _merge(merged, node.value, node.path, own, node.book)
     return merged
 
@@ -124,16 +176,18 @@ def _merge(under: dict[str, Any], over: dict[str, Any], path: tuple[str, ...], o
     for key, value in over.items():
         old = under.get(key)
         at = (*path, key)
-        if isinstance(old, dict) and isinstance(value, dict) and _is_of_one_kind(key, old, value):
+        if isinstance(old, dict) and isinstance(value, dict) and _is_of_one_kind(at, old, value):
             _merge(old, value, at, own, book)
         else:
             under[key] = value
             book.set_source(at, own)
 
 
-def _is_of_one_kind(key: str, old: dict[str, Any], new: dict[str, Any]) -> bool:
-    # Half of one shape and half of another is none.
-    return key != "shape" and new.get("use", old.get("use")) == old.get("use")
+def _is_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
+    # Half of one shape, or of one error, and half of another is none.
+    if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= _ERROR):
+        return False
+    return all(new.get(key, old.get(key)) == old.get(key) for key in ("use", "model"))
 
 
 def drop_removed(robot: Any) -> None:

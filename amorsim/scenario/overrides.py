@@ -31,8 +31,9 @@ class Override:
 
     @property
     def chooses_model(self) -> bool:
-        """Whether it says of which model a robot is, so that it counts before models are merged in."""
-        return len(self.path) == 3 and self.path[0] == "robots" and self.path[2] == "model"
+        """Whether it says of which model a robot or a sensor is, so that it counts before models are merged in."""
+        is_of_sensor = len(self.path) == 5 and self.path[2] == "sensors"
+        return self.path[0] == "robots" and self.path[-1] == "model" and (len(self.path) == 3 or is_of_sensor)
 
 
 def parse_overrides(texts: Iterable[str], book: Book) -> list[Override]:

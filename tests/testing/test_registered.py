@@ -59,5 +59,5 @@ def test_registered_component(kind: str, name: str, tmp_path: Path) -> None:
 
 def test_nothing_is_left_out() -> None:
     others = {entry.kind for entry in REGISTRY.entries()} - set(KINDS)
-    assert others <= {"robot", "scenario"}
+    assert others <= {"device", "robot", "scenario"}
     assert not REGISTRY.problems

@@ -1,0 +1,1 @@
+"""Sensors with the figures of real devices, as files."""
