@@ -106,8 +106,8 @@ class Talk:
     async def _show(self) -> None:
         after = 0
         clock = asyncio.get_running_loop().time
+        due = clock()
         while True:
-            began = clock()
             frame = await self.session.newest_frame(after)
             if not frame:
                 return
@@ -116,4 +116,6 @@ class Talk:
             async with self.sending:
                 await self.websocket.send_bytes(frame)
             await self.drawn.wait()
-            await asyncio.sleep(max(0.0, 1.0 / FRAME_RATE - (clock() - began)))
+            # By the clock, not by the last frame: one that comes late does not put off those after it.
+            due = max(due, clock() - 1.0 / FRAME_RATE) + 1.0 / FRAME_RATE
+            await asyncio.sleep(max(0.0, due - clock()))
