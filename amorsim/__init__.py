@@ -74,6 +74,7 @@ if TYPE_CHECKING:
         NoiseElement,
         Obstacle,
         Pose,
+        RandomStart,
         Recording,
         Robot,
         Scenario,
@@ -103,8 +104,8 @@ _MODULES = {
     "amorsim.scenario.devices": "load_device",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
-        "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose Recording Robot "
-        "Scenario Zone"
+        "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose RandomStart "
+        "Recording Robot Scenario Zone"
     ),
     "amorsim.simulation.events": "Event",
     "amorsim.runs.reproduce": "reproduce",
@@ -153,6 +154,7 @@ __all__ = [
     "ParameterError",
     "PluginError",
     "Pose",
+    "RandomStart",
     "Recorder",
     "Recording",
     "Registry",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Self
 
 import attrs
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from amorsim.core.errors import MapError
-from amorsim.core.room import roomiest
+from amorsim.core.room import inside, room_about, roomiest
 from amorsim.kernels.draft import grid_from_array
 from amorsim.kernels.grid import Grid, occupied_boxes
 from amorsim.kernels.lines import Lines, lines_of, no_lines
@@ -288,22 +288,68 @@ class Map:
         MapError
             If nothing is free at the finest of these.
         """
-        longest = max(self.size)
         side = self.resolution
+        for free, side in self._looks():
+            found = roomiest(free)
+            if found is not None and (found[2] > 1 or self._is_finest(side)):
+                row, col, _ = found
+                return self._to_world((col + 0.5) * side, (row + 0.5) * side)
+        raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m; give the robot a pose")
+
+    def roomy_places(self, count: int) -> list[tuple[float, float]]:
+        """Up to `count` free places (x, y) [m] of the world, those with most room first, as `freest_place` looks.
+
+        Raises
+        ------
+        MapError
+            If nothing is free at the finest look.
+        """
+        cells, side = self._free_cells()
+        room = room_about(cells)
+        rows, cols = np.nonzero(room)
+        order = np.argsort(-room[rows, cols], kind="stable")[:count]
+        places = zip(rows[order].tolist(), cols[order].tolist(), strict=True)
+        return [self._to_world((col + 0.5) * side, (row + 0.5) * side) for row, col in places]
+
+    def free_places(self) -> tuple[NDArray[np.float64], float]:
+        """Middles (M, 2) [m] in the world of free squares, and their side [m], as `freest_place` looks.
+
+        Raises
+        ------
+        MapError
+            If nothing is free at the finest look.
+        """
+        cells, side = self._free_cells()
+        rows, cols = np.nonzero(cells)
+        x, y = (cols + 0.5) * side, (rows + 0.5) * side
+        origin_x, origin_y, yaw = self.origin
+        c, s = math.cos(yaw), math.sin(yaw)
+        return np.column_stack((origin_x + c * x - s * y, origin_y + s * x + c * y)), side
+
+    def _free_cells(self) -> tuple[NDArray[np.bool_], float]:
+        side = self.resolution
+        for free, side in self._looks():
+            cells = inside(free)
+            if cells.any() and (room_about(cells).max() > 1 or self._is_finest(side)):
+                return cells, side
+        raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m")
+
+    def _looks(self) -> Iterator[tuple[NDArray[np.bool_], float]]:
+        """Coarse looks at which squares are free, and their side [m], finer each time."""
+        longest = max(self.size)
         for pieces in (256, 1024, 4096):
             # A little more than 1/pieces, so that rounding makes no piece more.
             side = max(self.resolution, longest / pieces * (1.0 + 1e-9))
             free = self.to_array(resolution=side) == 0
-            # Cells that reach beyond the map may have their middle there.
+            # Squares that reach beyond the map may have their middle there.
             free[int((self.size[1] + 0.01 * side) / side) :] = False
             free[:, int((self.size[0] + 0.01 * side) / side) :] = False
-            found = roomiest(free)
-            if found is not None and (found[2] > 1 or side == self.resolution or pieces == 4096):
-                row, col, _ = found
-                return self._to_world((col + 0.5) * side, (row + 0.5) * side)
+            yield free, side
             if side == self.resolution:
-                break
-        raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m; give the robot a pose")
+                return
+
+    def _is_finest(self, side: float) -> bool:
+        return side == self.resolution or side < max(self.size) / 4000
 
     def _to_world(self, x: float, y: float) -> tuple[float, float]:
         origin_x, origin_y, yaw = self.origin

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["roomiest"]
+__all__ = ["inside", "room_about", "roomiest"]
 
 
 def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
@@ -13,26 +13,48 @@ def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
 
     None where nothing is free.
     """
-    padded = np.pad(free, 1)
-    enclosed = _enclosed(padded)
-    # A hollow pillar is enclosed too; only where much of the free area is, its walls are taken for those of a
-    # building.
-    left = enclosed if 4 * np.count_nonzero(enclosed) >= np.count_nonzero(padded) else padded
+    left = np.pad(inside(free), 1)
     room = 0
     middle = left
     while left.any():
         room += 1
         middle = left
-        across = np.zeros_like(left)
-        across[:, 1:-1] = left[:, :-2] & left[:, 1:-1] & left[:, 2:]
-        left = np.zeros_like(left)
-        left[1:-1] = across[:-2] & across[1:-1] & across[2:]
+        left = _eroded(left)
     if room == 0:
         return None
     places = np.argwhere(middle)
     # Of the equally roomy the one nearest to their mean: the middle of a long hall, not its end.
     row, col = places[np.argmin(((places - places.mean(axis=0)) ** 2).sum(axis=1))]
     return int(row) - 1, int(col) - 1, room
+
+
+def inside(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The free cells that are inside a building, or all where there is none."""
+    padded = np.pad(free, 1)
+    enclosed = _enclosed(padded)
+    # A hollow pillar is enclosed too; only where much of the free area is, its walls are taken for those of a
+    # building.
+    left = enclosed if 4 * np.count_nonzero(enclosed) >= np.count_nonzero(padded) else padded
+    return left[1:-1, 1:-1]
+
+
+def room_about(free: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Of each cell the `room` of the largest free square of 2 room - 1 cells about it; 0 where it is not free."""
+    left = np.pad(free, 1)
+    room = np.zeros(left.shape, dtype=np.int64)
+    while left.any():
+        room += left
+        left = _eroded(left)
+    return room[1:-1, 1:-1]
+
+
+def _eroded(left: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The cells of a padded array whose eight neighbours are true as well."""
+    across = np.zeros_like(left)
+    across[:, 1:-1] = left[:, :-2] & left[:, 1:-1] & left[:, 2:]
+    eroded = np.zeros_like(left)
+    eroded[1:-1] = across[:-2] & across[1:-1] & across[2:]
+    return eroded
 
 
 def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import attrs
-
 from amorsim.core.errors import AmorsimError
 
 if TYPE_CHECKING:
@@ -37,35 +35,19 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
 
 
 def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:
-    """The simulation of a scenario, and a remark for the user, or nothing.
+    """The simulation of a scenario, and a remark for the user, or nothing."""
+    import numpy as np
 
-    A map alone whose own start leaves the robot no room is no mistake of the user's: the robot then starts where there
-    is most.
-    """
-    from amorsim.core.errors import Fault, ScenarioError
-    from amorsim.scenario.spec import Pose
+    from amorsim.core.starts import wall_gaps
     from amorsim.simulation.simulation import Simulation
 
-    try:
-        return Simulation(scenario, replicas=replicas, threads=threads), ""
-    except ScenarioError as error:
-        start = scenario.map.start
-        first = scenario.robots[0]
-        pose = first.pose
-        if scenario.source is not None or start is None or pose is None or start != (pose.x, pose.y, pose.heading):
-            raise
-        x, y = scenario.map.freest_place()
-        robots: Any = [attrs.evolve(first, pose=Pose(x=x, y=y))]
-        try:
-            simulation = Simulation(attrs.evolve(scenario, robots=robots), replicas=replicas, threads=threads)
-        except ScenarioError:
-            name = f"robots.{first.name}"
-            hint = (
-                f"nor is there room for it at the freest place, ({x:.3f}, {y:.3f}) m; say where, as in "
-                f"--set {name}.pose.x=1.5 --set {name}.pose.y=2, or take a smaller robot"
-            )
-            raise ScenarioError([*error.faults, Fault(file="", path=f"{name}.pose", message=hint)]) from None
-        return simulation, (
-            f"the map's start ({start[0]:.3f}, {start[1]:.3f}) m leaves the robot no room; it starts where there is "
-            f"most, at ({x:.3f}, {y:.3f}) m"
-        )
+    simulation = Simulation(scenario, replicas=replicas, threads=threads)
+    world, first = scenario.map, scenario.robots[0]
+    if scenario.source is not None or world.start is None or first.pose is None:
+        return simulation, ""
+    if wall_gaps(world, [first.shape], np.array([world.start]))[0][0] >= 0.0:
+        return simulation, ""
+    (x, y, _), pose = world.start, first.pose
+    return simulation, (
+        f"the map's start ({x:.3f}, {y:.3f}) m leaves the robot no room; it starts at ({pose.x:.3f}, {pose.y:.3f}) m"
+    )

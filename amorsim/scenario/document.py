@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import types
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from amorsim.controllers.user import UserController
@@ -17,6 +17,7 @@ from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
 from amorsim.scenario.models import FORMAT, LOOKS
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario, Zone
+from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
 
 __all__ = ["document_of", "resolved"]
@@ -63,11 +64,15 @@ class _Writer:
             "world": self._map(scenario.map, "world"),
             "simulation": write_fields(scenario, names=("dt", "duration", "seed")),
             "recording": self._recording(scenario.recording),
-            "robots": [self._robot(robot, scenario.map, f"robots.{i}") for i, robot in enumerate(scenario.robots)],
+            "robots": [
+                self._series(series, self._robot(series[0], scenario.map, f"robots.{i}"))
+                for i, series in enumerate(series_of(scenario.robots))
+            ],
         }
         if scenario.obstacles:
             document["obstacles"] = [
-                self._obstacle(obstacle, f"obstacles.{i}") for i, obstacle in enumerate(scenario.obstacles)
+                self._series(series, self._obstacle(series[0], f"obstacles.{i}"))
+                for i, series in enumerate(series_of(scenario.obstacles))
             ]
         for key, things in (("landmarks", scenario.landmarks), ("lights", scenario.lights)):
             if things:
@@ -114,12 +119,27 @@ class _Writer:
             ]
         return written
 
+    def _series(self, series: Sequence[Robot | Obstacle], written: dict[str, Any]) -> dict[str, Any]:
+        """The table of many alike, from that of the first of them."""
+        if len(series) == 1:
+            return written
+        name, *_ = series
+        stem = name.name.rstrip("0123456789")
+        whole: dict[str, Any] = {"name": stem, "count": len(series)}
+        if "pose" in written:
+            whole["start"] = {"poses": [write_fields(body.pose) for body in series]}
+        return whole | {key: value for key, value in written.items() if key not in ("name", "pose")}
+
     def _robot(self, robot: Robot, world: Map, path: str) -> dict[str, Any]:
         written: dict[str, Any] = {"name": robot.name}
         if robot.model:
             written["resolved_from"] = robot.model
-        pose = robot.pose or start_of(world)
-        written["pose"] = write_fields(pose)
+        pose = robot.pose
+        if robot.start is not None:
+            written["start"] = write_fields(robot.start)
+        else:
+            pose = pose or start_of(world, robot.shape)
+            written["pose"] = write_fields(pose)
         written["shape"] = self._shape(robot.shape, path)
         if robot.controller is not None:
             written["controller"] = self._controller(robot.controller, f"{path}.controller")
@@ -136,7 +156,7 @@ class _Writer:
             for name, estimator in robot.estimators.items()
         }
         if robot.errors:
-            written["errors"] = self._errors(robot, pose, path)
+            written["errors"] = self._errors(robot, pose or Pose(), path)
         knowledge: dict[str, Any] = {}
         if robot.knowledge.map is not None:
             knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
@@ -192,7 +212,10 @@ class _Writer:
 
     def _obstacle(self, obstacle: Obstacle, path: str) -> dict[str, Any]:
         written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
-        written["pose"] = write_fields(obstacle.pose)
+        if obstacle.start is not None:
+            written["start"] = write_fields(obstacle.start)
+        else:
+            written["pose"] = write_fields(obstacle.pose)
         written.update(write_fields(obstacle, names=LOOKS))
         if obstacle.motion is not None:
             written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")

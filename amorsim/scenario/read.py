@@ -1,21 +1,23 @@
 """Scenarios from files: read, completed from models and defaults, checked; all faults are reported at once.
 
-What a scenario's own words tell is checked here. Whether bodies start in free places needs the engine's own
-test of contact, which lies above this layer: `amorsim.Simulation` makes it, and reports in the same form.
+What a scenario's own words tell is checked here, also whether bodies start in free places. Starts that are drawn, and
+true poses that differ from the nominal ones, are known to `amorsim.Simulation` only, which reports in the same form.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 
 from amorsim.core.errors import Fault, MapError, ScenarioError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.starts import freest_start, wall_gaps
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_recording
@@ -25,7 +27,8 @@ from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
-from amorsim.scenario.spec import Landmark, Light, Robot, Scenario
+from amorsim.scenario.spec import Landmark, Light, Obstacle, Pose, Robot, Scenario
+from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
 
 __all__ = ["load", "loads", "scenario_for_map"]
@@ -64,7 +67,7 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
             document += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
         raise ScenarioError([Fault(file=str(source), path="", message=document)])
     origin = Source(file=str(path), folder=path.parent)
-    return _read(document, origin, overrides, registry, path)
+    return _read(document, Book(origin), overrides, registry, path)
 
 
 def loads(
@@ -74,13 +77,16 @@ def loads(
     *,
     name: str = "",
     registry: Registry | None = None,
+    starts: bool = False,
 ) -> Scenario:
     """The scenario in a document such as `tomllib` gives; relative paths in it start at `folder`.
 
-    `name` stands for the file in faults; what is raised is as for `load`.
+    `name` stands for the file in faults; what is raised is as for `load`, but for starts that are not free: with
+    `starts` only. A simulation refuses them in any case.
     """
     origin = Source(file=name, folder=Path(folder))
-    return _read(copy.deepcopy(dict(document)), origin, overrides, registry or default_registry(), None)
+    book = Book(origin)
+    return _read(copy.deepcopy(dict(document)), book, overrides, registry or default_registry(), starts=starts)
 
 
 def scenario_for_map(
@@ -99,18 +105,23 @@ def scenario_for_map(
         "robots": [{"name": "rover", "model": "pioneer2dx", "controller": {"use": "wander"}}],
     }
     origin = Source(file="", folder=path.parent)
-    return _read(document, origin, overrides, registry or default_registry(), None)
+    return _read(document, Book(origin), overrides, registry or default_registry(), is_map_alone=True)
 
 
 def _read(
-    document: dict[str, Any], origin: Source, overrides: Iterable[str], registry: Registry, file: Path | None
+    document: dict[str, Any],
+    book: Book,
+    overrides: Iterable[str],
+    registry: Registry,
+    file: Path | None = None,
+    starts: bool = True,
+    is_map_alone: bool = False,
 ) -> Scenario:
-    book = Book(origin)
     settings = parse_overrides(overrides, book)
     apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
     merge_models(document, book, registry)
     apply_overrides(document, [setting for setting in settings if not setting.chooses_model], book)
-    values = _read_top(Node(document, (), book), registry)
+    values = _read_top(Node(document, (), book), registry, starts, is_map_alone)
     book.raise_if_any()
     assert values is not None
     try:
@@ -122,7 +133,7 @@ def _read(
     return attrs.evolve(scenario, document=document_of(scenario, registry=registry))
 
 
-def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
+def _read_top(top: Node, registry: Registry, starts: bool, is_map_alone: bool) -> dict[str, Any] | None:
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
     if "description" in top:
@@ -145,52 +156,81 @@ def _read_top(top: Node, registry: Registry) -> dict[str, Any] | None:
         if things.value is not None and things.expect_list(f"a list of tables, [[{key}]]"):
             values[key] = [thing for thing in (read_component(kind, item) for item in things.items()) if thing]
 
-    robots = top.child("robots")
-    read: list[Robot | None] = []
+    zones = top.child("zones")
+    if zones.value is not None and zones.expect_list("a list of tables, [[zones]]"):
+        read_zones = [read_zone(node, number, registry) for number, node in enumerate(zones.items(), start=1)]
+        values["zones"] = [zone for zone in read_zones if zone]
+    _check_names({}, zones)
+    marks = values.get("landmarks", ())
+    robots, obstacles, stand = _read_bodies(top, maps, world, registry, marks, is_map_alone)
+    if starts and world is not None:
+        check_starts(world, stand)
+    values.update(map=world, robots=robots, obstacles=obstacles)
+    return values
+
+
+def _read_bodies(
+    top: Node,
+    maps: Maps,
+    world: Map | None,
+    registry: Registry,
+    marks: Sequence[Landmark],
+    is_map_alone: bool,
+) -> tuple[list[Robot], list[Obstacle], list[Placed]]:
+    """The robots and obstacles of a document, those of a table with `count` one by one, and where they stand."""
+    robots, obstacles = top.child("robots"), top.child("obstacles")
+    fleet: list[Robot] = []
+    others: list[Obstacle] = []
+    stand: list[Placed] = []
+    names: dict[tuple[str, ...], list[str]] = {}
     if robots.value is None or robots.value == []:
         robots.fault("missing; expected one robot at least, [[robots]] with name, model and controller")
     elif robots.expect_list("a list of tables, [[robots]]"):
         for node in robots.items():
             drop_removed(node.value)
-            read.append(read_robot(node, maps, world, registry, values.get("landmarks", ())))
-    obstacles = top.child("obstacles")
-    bodies = []
+            robot = read_robot(node, maps, world, registry, marks)
+            if robot is not None and world is not None and not {"pose", "start"} & set(node.value):
+                robot = _put(node, robot, world, is_map_alone)
+            series = [] if robot is None else read_series(node, robot)
+            fleet += series
+            names[node.path] = [one.name for one in series]
+            stand += placed(node, series) if node.is_table else []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
-        bodies = [read_obstacle(node, number, registry) for number, node in enumerate(obstacles.items(), start=1)]
-    zones = top.child("zones")
-    if zones.value is not None and zones.expect_list("a list of tables, [[zones]]"):
-        read_zones = [read_zone(node, number, registry) for number, node in enumerate(zones.items(), start=1)]
-        values["zones"] = [zone for zone in read_zones if zone]
-    _check_names(robots, obstacles)
-    _check_names(zones)
-    values.update(map=world, robots=_placed(robots, read, world), obstacles=[body for body in bodies if body])
-    return values
+        for number, node in enumerate(obstacles.items(), start=1):
+            obstacle = read_obstacle(node, number, registry)
+            bodies = [] if obstacle is None else read_series(node, obstacle)
+            others += bodies
+            names[node.path] = [one.name for one in bodies]
+            stand += placed(node, bodies) if node.is_table else []
+    _check_names(names, robots, obstacles)
+    return fleet, others, stand
 
 
-def _check_names(*lists: Node) -> None:
-    """A fault for everything in these lists that is called as something before it."""
+def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> None:
+    """A fault for everything in these lists that is called as something before it.
+
+    `names` are those of what was read, by the table's path; of others the name may be all that could be read.
+    """
     seen: dict[str, str] = {}
     for group in lists:
         for node in group.items() if isinstance(group.value, list) else ():
             name = node.value.get("name") if node.is_table else None
-            if not isinstance(name, str):
-                continue
-            if name in seen:
-                node.child("name").fault(f"{seen[name]} is called {name!r} too; names must differ")
-            seen.setdefault(name, ".".join(node.path))
+            own = [name] if isinstance(name, str) and "count" not in node else []
+            for name in names.get(node.path) or own:
+                if name in seen:
+                    node.child("name").fault(f"{seen[name]} is called {name!r} too; names must differ")
+                    break
+                seen[name] = ".".join(node.path)
 
 
-def _placed(robots: Node, read: list[Robot | None], world: Map | None) -> list[Robot]:
-    """The robots, those without a pose put where the map wants them."""
-    placed = []
-    start = None
-    for index, robot in enumerate(read):
-        if robot is not None and robot.pose is None and world is not None:
-            try:
-                start = start or start_of(world)
-                robot = attrs.evolve(robot, pose=start)
-            except MapError as error:
-                Node(None, (*robots.path, str(index), "pose"), robots.book).fault(f"missing, and {error}")
-        if robot is not None:
-            placed.append(robot)
-    return placed
+def _put(node: Node, robot: Robot, world: Map, is_map_alone: bool) -> Robot | None:
+    """A robot without a pose, put where the map wants it; for a map alone elsewhere if there is no room for it."""
+    try:
+        start = start_of(world, robot.shape)
+        if is_map_alone and wall_gaps(world, [robot.shape], np.array([[start.x, start.y, start.heading]]))[0][0] < 0.0:
+            x, y, heading = freest_start(world, robot.shape)
+            start = Pose(x=x, y=y, heading=heading)
+    except MapError as error:
+        node.child("pose").fault(f"missing, and {error}")
+        return None
+    return attrs.evolve(robot, pose=start)

@@ -31,7 +31,9 @@ _ROBOT_KEYS = (
     "name",
     "model",
     "resolved_from",
+    "count",
     "pose",
+    "start",
     "shape",
     "drive",
     "sensors",
@@ -43,7 +45,7 @@ _ROBOT_KEYS = (
     "knowledge",
     *LOOKS,
 )
-_OBSTACLE_KEYS = ("name", "shape", "pose", "motion", *LOOKS)
+_OBSTACLE_KEYS = ("name", "count", "shape", "pose", "start", "motion", *LOOKS)
 _ZONE_KEYS = ("name", "shape", "pose", "ground")
 
 
@@ -99,7 +101,8 @@ def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | Non
         return None
     before = node.book.count
     node.refuse_unknown(_OBSTACLE_KEYS)
-    values: dict[str, Any] = {"name": _name(node.child("name"), f"obstacle{number}")}
+    default = f"obstacle{number}_" if "count" in node else f"obstacle{number}"
+    values: dict[str, Any] = {"name": _name(node.child("name"), default)}
     values["shape"] = read_shape(node.child("shape"))
     if "pose" in node:
         values["pose"] = read_pose(node.child("pose"))

@@ -35,6 +35,7 @@ __all__ = [
     "NoiseElement",
     "Obstacle",
     "Pose",
+    "RandomStart",
     "Recording",
     "Robot",
     "Scenario",
@@ -60,6 +61,31 @@ class Pose:
     x: float = parameter(0.0, unit="m", help="to the right in the world")
     y: float = parameter(0.0, unit="m", help="up in the world")
     heading: float = parameter(0.0, unit="rad", help="anticlockwise from the world's x axis")
+
+
+@attrs.frozen(kw_only=True)
+class RandomStart:
+    """A start that is drawn from the seed, free of walls and of all other bodies."""
+
+    random: str | tuple[float, float, float, float] = parameter(
+        "anywhere",
+        unit="m",
+        choices=("anywhere",),
+        help="'anywhere' on the map (inside, if it has an inside), or the box xmin, ymin, xmax, ymax",
+    )
+    heading: float | None = parameter(None, unit="rad", help="where it looks; none: drawn too")
+    clearance: float = parameter(0.0, unit="m", ge=0, help="kept free about it, at the start")
+    per: str = parameter("replica", choices=("replica", "study"), help="who draws: each replica, or the study once")
+
+    def __attrs_post_init__(self) -> None:
+        box = self.box
+        if box is not None and not (box[0] <= box[2] and box[1] <= box[3]):
+            raise ParameterError("random", f"expected xmin <= xmax and ymin <= ymax, got {list(box)}")
+
+    @property
+    def box(self) -> tuple[float, float, float, float] | None:
+        """The box that it is drawn in, None for anywhere."""
+        return None if isinstance(self.random, str) else self.random
 
 
 @attrs.frozen(kw_only=True)
@@ -246,6 +272,8 @@ class Robot:
     ----------
     pose
         Where it starts; without it, at the map's start or at the free place with most room.
+    start
+        In place of a pose: drawn at random.
     errors
         `Deviation` by path: ``"drive.track"``, ``"sensors.laser.mount.heading"``, ``"pose.x"`` ...
     ground
@@ -270,6 +298,7 @@ class Robot:
     on_collision: str = parameter("end", choices=("end", "continue"), help="what a collision does to the controller")
     errors: dict[str, Deviation] = attrs.field(factory=dict, validator=_check_errors)
     pose: Pose | None = None
+    start: RandomStart | None = None
     knowledge: Knowledge = attrs.field(factory=Knowledge)
     fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
     height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
@@ -277,6 +306,8 @@ class Robot:
 
     def __attrs_post_init__(self) -> None:
         _check_colour(self.colour)
+        if self.pose is not None and self.start is not None:
+            raise ParameterError("start", "expected either a pose or a start at random, got both")
 
 
 def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:
@@ -293,13 +324,14 @@ class Obstacle:
 
     A motion is a component, or a function ``f(obstacle)`` that gives a velocity, or a class with such a `velocity`
     (`amorsim.motions.user.UserMotion`). Without a `pose` the obstacle starts where its motion begins, such as at the
-    first waypoint, or else at the origin.
+    first waypoint, or else at the origin; with a `start`, where that is drawn.
     """
 
     name: str = attrs.field(validator=_check_name)
     shape: Shape
     motion: Motion | None = attrs.field(default=None, converter=_motion)
     pose: Pose = attrs.field()
+    start: RandomStart | None = None
     fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
     height: float = parameter(1.0, unit="m", gt=0, help="above the ground, to its top; for cameras")
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")

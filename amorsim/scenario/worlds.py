@@ -12,6 +12,8 @@ import attrs
 from amorsim.core.errors import MapError, PluginError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
+from amorsim.core.shapes import Shape
+from amorsim.core.starts import freest_start
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
@@ -122,16 +124,16 @@ def _is_number(value: object) -> bool:
     return abs(value) < 1e100 if isinstance(value, int) else math.isfinite(value)
 
 
-def start_of(world: Map) -> Pose:
-    """Where a robot starts that is not told where: the map's start, or else the free place with most room.
+def start_of(world: Map, shape: Shape) -> Pose:
+    """Where a robot starts that is not told where: the map's start, or else a free place with much room for it.
 
     Raises
     ------
     MapError
-        If there is no free place.
+        If there is no free place for its footprint.
     """
     if world.start is not None:
         x, y, heading = world.start
         return Pose(x=float(x), y=float(y), heading=float(heading))
-    x, y = world.freest_place()
-    return Pose(x=float(x), y=float(y))
+    x, y, heading = freest_start(world, shape)
+    return Pose(x=x, y=y, heading=heading)

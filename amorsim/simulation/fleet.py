@@ -18,6 +18,7 @@ from amorsim.simulation.bodies import World
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.obstacles import ObstacleGroup
+from amorsim.simulation.placing import draw_starts, with_start
 from amorsim.simulation.surroundings import Surroundings
 from amorsim.simulation.zones import zone_streams
 
@@ -55,11 +56,14 @@ class Fleet:
         self.names = tuple(robot.name for robot in robots)
         zones = zone_streams(scenario.zones)
         streams = [(robot.name, *stream) for robot in robots for stream in (*_stream_names(robot), *zones)]
-        check_collisions(seed, [*streams, *((obstacle.name, "motion") for obstacle in obstacles)])
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
+        streams += [(obstacle.name, "motion") for obstacle in obstacles]
+        check_collisions(seed, [*streams, *((body.name, "start") for body in bodies if body.start is not None)])
         names, shapes = [body.name for body in bodies], [body.shape for body in bodies]
         around = Surroundings.of(bodies, scenario.landmarks, scenario.lights)
         self.world = World(scenario.map, names, shapes, len(replicas), threads, robots=len(robots), surroundings=around)
+        source = str(scenario.source) if scenario.source else ""
+        self._drawn = draw_starts(self.world, bodies, seed, replicas, source)
         self.groups = [
             Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
             for members in _partition(robots, group_key)
@@ -81,8 +85,9 @@ class Fleet:
         specified, bodies, replica = [], [], []
         for index, number in enumerate(self.replicas):
             for position, thing in members:
-                specified.append(thing)
-                bodies.append(index * self.world.count + offset + position)
+                body = index * self.world.count + offset + position
+                specified.append(thing if thing.start is None else with_start(thing, self._drawn[body]))
+                bodies.append(body)
                 replica.append(number)
         return specified, np.array(bodies, dtype=np.int64), np.array(replica, dtype=np.int64)
 
@@ -149,7 +154,9 @@ class Fleet:
 
 
 def _placed(robot: Robot, scenario: Scenario) -> Robot:
-    return robot if robot.pose is not None else attrs.evolve(robot, pose=start_of(scenario.map))
+    if robot.pose is not None or robot.start is not None:
+        return robot
+    return attrs.evolve(robot, pose=start_of(scenario.map, robot.shape))
 
 
 def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:

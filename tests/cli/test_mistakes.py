@@ -68,10 +68,14 @@ def test_what_cannot_be_run(
         ("pioneer2dx", "pioneer3dx", ("robots.0.model", "'pioneer3dx'", "Did you mean 'pioneer2dx'?")),
         ("controller.py:drive", "controller.py:driv", ("controller.use", "there is no 'driv'", "'drive'?")),
         ("controller.py:drive", "wonder", ("there is no controller called 'wonder'", "Did you mean 'wander'?")),
-        ("x = 1.0", "x = 4.0", ("robots.rover.pose: at (4.000, 1.000) m the footprint overlaps a wall",)),
+        ("x = 1.0", "x = 4.0", ("robots.0.pose: at (4.000, 1.000) m the footprint overlaps a wall",)),
         ("track = {", "trak = {", ("errors.drive.trak", "Did you mean 'track'?")),
         ("format = 1", "format = 1 1", ("scenario.toml", "line 5")),
-        ("[[robots]]", "[[robots]]\nname = 'rover'\nmodel = 'pioneer2dx'\n[[robots]]", ("called 'rover' too",)),
+        (
+            "[[robots]]",
+            "[[robots]]\nname = 'rover'\nmodel = 'pioneer2dx'\npose = { x = 3.0, y = 3.0 }\n[[robots]]",
+            ("called 'rover' too",),
+        ),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -123,7 +123,7 @@ CASES = [
     (f"{ROVER}errors.sensors.laser.rate = 1", "robots.0.errors.sensors.laser.rate", "has no error"),
     (f"{ROVER}errors.sensors.sonar.elements.16.x = 1", "robots.0.errors.sensors.sonar.elements.16.x", "0 to 15"),
     (f"{ROVER}{ROVER}", "robots.1.name", "robots.0 is called 'rover' too"),
-    (f"{ROVER}[[robots]]\nmodel='pioneer2dx'\n[[robots]]\nmodel='pioneer2dx'", "robots", "called 'robot'"),
+    (f"{ROVER}[[robots]]\nmodel='pioneer2dx'\n[[robots]]\nmodel='pioneer2dx'", "robots.2.name", "called 'robot'"),
     (f"{ROVER}[[obstacles]]\nname='rover'\nshape={{circle=1}}", "obstacles.0.name", "robots.0 is called"),
     (f"{ROVER}[[obstacles]]\nname='box'", "obstacles.0.shape", "missing; expected { circle"),
     (f"{ROVER}[[obstacles]]\nshape={{circle=1}}\nmotion={{use='lop'}}", "obstacles.0.motion.use", "no motion"),

@@ -1,0 +1,62 @@
+"""Where footprints have room on a map: whether they stand free, and the place where one has most."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import MapError
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape, pack
+from amorsim.kernels.contact import map_gaps
+
+__all__ = ["freest_start", "wall_gaps"]
+
+Array = npt.NDArray[np.float64]
+
+_PLACES = 2000  # that are looked at where the roomiest one is too small
+_HEADINGS = 16
+
+
+def wall_gaps(world: Map, shapes: Sequence[Shape], poses: Array, cap: float = 0.0) -> tuple[Array, Array]:
+    """Signed gaps [m] `(N,)` of footprints at `poses` `(N, 3)` to the walls, at most `cap`; nearest points `(N, 2)`.
+
+    Below zero exactly where a footprint's inside meets an occupied cell's: the engine's own test.
+    """
+    count = len(shapes)
+    gaps, where = np.empty(count), np.empty((count, 2))
+    every, caps = np.arange(count, dtype=np.int64), np.full(count, cap)
+    map_gaps(world.grid, *world.origin, pack(shapes), every, np.ascontiguousarray(poses), caps, gaps, where)
+    return gaps, where
+
+
+def freest_start(world: Map, shape: Shape) -> tuple[float, float, float]:
+    """A free pose (x [m], y [m], heading [rad]) for a footprint with much room about it, the same one every time.
+
+    That is at the map's roomiest place, looking along x, if the footprint fits in there; else, of many roomy places and
+    headings, where its gap to the walls is widest.
+
+    Raises
+    ------
+    MapError
+        If it fits in nowhere that was looked at.
+    """
+    x, y = world.freest_place()
+    if wall_gaps(world, [shape], np.array([[x, y, 0.0]]))[0][0] >= 0.0:
+        return x, y, 0.0
+    places = np.array(world.roomy_places(_PLACES))
+    headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
+    headings[headings > math.pi] -= 2.0 * math.pi
+    poses = np.column_stack((np.repeat(places, _HEADINGS, axis=0), np.tile(headings, len(places))))
+    gaps, _ = wall_gaps(world, [shape] * len(poses), poses, max(world.size))
+    best = int(np.argmax(gaps))
+    if gaps[best] < 0.0:
+        raise MapError(
+            f"the map has no place where a footprint that reaches {shape.reach:.3g} m from its base point fits in; at "
+            f"the best of those looked at, ({poses[best, 0]:.3f}, {poses[best, 1]:.3f}) m, it lacks "
+            f"{-gaps[best]:.3g} m; take a smaller robot or a larger map"
+        )
+    return float(poses[best, 0]), float(poses[best, 1]), float(poses[best, 2])

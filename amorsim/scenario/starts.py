@@ -1,0 +1,214 @@
+"""Where bodies start, in documents: each by itself, many on a grid or at random; and whether that is free."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
+
+import attrs
+import numpy as np
+import shapely
+
+from amorsim.core.map import Map
+from amorsim.core.parameters import parameter
+from amorsim.core.shapes import Shape, pack
+from amorsim.core.starts import wall_gaps
+from amorsim.kernels.bodies import body_gaps
+from amorsim.plugins.checks import check_name
+from amorsim.scenario.bodies import read_pose, read_shape
+from amorsim.scenario.faults import Book, Node, shown
+from amorsim.scenario.fields import read_component
+from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
+
+__all__ = ["GridStart", "Placed", "check_starts", "placed", "read_series", "series_of"]
+
+Body = TypeVar("Body", Robot, Obstacle)
+
+MOST = 1_000_000
+_KINDS = ("random", "grid", "poses")
+_EXPECTED = "expected { random = 'anywhere' or a box ... }, { grid = [x, y], spacing = ... } or { poses = [...] }"
+
+
+@attrs.frozen(kw_only=True)
+class GridStart:
+    """Starts on a grid, row by row from its lower left corner, along x first."""
+
+    grid: tuple[float, float] = parameter(unit="m", help="x, y of the first")
+    spacing: float = parameter(unit="m", gt=0, help="from one to the next, along x and along y")
+    columns: int | None = parameter(None, gt=0, help="how many in a row; none: about as many as there are rows")
+    heading: float = parameter(0.0, unit="rad", help="where all of them look")
+
+    def pose(self, number: int, count: int) -> Pose:
+        """The pose of number 0, 1, ... of so many."""
+        row, column = divmod(number, self.columns or math.ceil(math.sqrt(count)))
+        x, y = self.grid
+        return Pose(x=x + column * self.spacing, y=y + row * self.spacing, heading=self.heading)
+
+
+@attrs.frozen
+class Placed:
+    """Where a body stands, and the table that says so."""
+
+    name: str
+    shape: Shape
+    pose: Pose
+    node: Node
+    is_one: bool  # of a table without `count`
+
+
+def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Placed]:
+    """Where those stand that were read from a table, if they are told where; of one at fault, what can be told."""
+    is_one = "count" not in node
+    if not bodies and is_one and {"pose", "shape"} <= set(node.value):
+        alone = Book(node.book.source(node.path))  # what is wrong with these two has been said
+        shape, pose = (read(Node(node.value[key], (*node.path, key), alone)) for key, read in _READ.items())
+        if isinstance(shape, Shape) and isinstance(pose, Pose):
+            return [Placed(str(node.value.get("name", "it")), shape, pose, node, is_one)]
+    return [
+        Placed(body.name, body.shape, body.pose, node, is_one)
+        for body in bodies
+        if body.start is None and body.pose is not None
+    ]
+
+
+_READ: dict[str, Callable[[Node], Shape | Pose | None]] = {"shape": read_shape, "pose": read_pose}
+
+
+def read_series(node: Node, body: Body) -> list[Body]:
+    """The bodies that a table with `count` and `start` means, of the one it was read as; none after faults."""
+    before = node.book.count
+    count = _count(node.child("count")) if "count" in node else None
+    poses: list[Pose] = []
+    start = None
+    if "start" in node:
+        if "pose" in node:
+            node.child("start").fault("expected either a pose or a start, got both")
+        child = node.child("start")
+        kinds = [kind for kind in _KINDS if child.is_table and kind in child]
+        if len(kinds) != 1:
+            child.fault(f"{_EXPECTED}, got {shown(child.value)}")
+        elif kinds[0] == "random":
+            start = read_component(RandomStart, child)
+        elif kinds[0] == "grid":
+            grid = read_component(GridStart, child)
+            poses = [] if grid is None else [grid.pose(i, count or 1) for i in range(count or 1)]
+        else:
+            poses = _poses(child, count or 1)
+    elif count is not None and count > 1:
+        node.child("start").fault(f"missing; {count} of them cannot start at one place; {_EXPECTED}")
+    if node.book.count > before:
+        return []
+    names = [body.name]
+    if count is not None:
+        digits = len(str(count))
+        names = [f"{body.name}{i:0{digits}d}" for i in range(count)]
+        if problem := check_name(names[-1]):
+            node.child("name").fault(problem)
+            return []
+    elif "start" not in node:
+        return [body]
+    if start is not None:
+        return [attrs.evolve(body, name=name, start=start) for name in names]
+    if not poses:  # one alone, numbered
+        return [attrs.evolve(body, name=name) for name in names]
+    return [attrs.evolve(body, name=name, pose=pose) for name, pose in zip(names, poses, strict=True)]
+
+
+def _count(node: Node) -> int | None:
+    if type(node.value) is int and 1 <= node.value <= MOST:
+        return node.value
+    node.fault(f"expected a whole number >= 1 and <= {MOST}, got {shown(node.value)}")
+    return None
+
+
+def _poses(node: Node, count: int) -> list[Pose]:
+    node.refuse_unknown(("poses",))
+    child = node.child("poses")
+    if not child.expect_list("a list of poses [{ x, y, heading_deg }, ...]"):
+        return []
+    if len(child.value) != count:
+        child.fault(f"expected a pose for each of the {count}, got {len(child.value)}")
+        return []
+    return [pose for item in child.items() if (pose := read_pose(item)) is not None]
+
+
+def series_of(bodies: Sequence[Body]) -> Iterator[list[Body]]:
+    """Bodies in order, those together that a table with `count` stands for: numbered, and alike but for their poses."""
+    at = 0
+    while at < len(bodies):
+        first = bodies[at]
+        stem = first.name.rstrip("0123456789")
+        digits = len(first.name) - len(stem)
+        series = [first]
+        if digits and int(first.name[-digits:]) == 0 and check_name(stem) == "":
+            for number in range(1, len(bodies) - at):
+                other = bodies[at + number]
+                if other.name != f"{stem}{number:0{digits}d}" or not _are_alike(first, other):
+                    break
+                series.append(other)
+            if len(str(len(series))) != digits:
+                series = [first]
+        yield series
+        at += len(series)
+
+
+def _are_alike(one: Body, other: Body) -> bool:
+    """Whether two bodies are the same but for name and pose; their parts the same objects."""
+    for field in attrs.fields(type(one)):
+        if field.name in ("name", "pose"):
+            continue
+        a, b = getattr(one, field.name), getattr(other, field.name)
+        if isinstance(a, dict):
+            if a.keys() != b.keys() or any(a[key] is not b[key] for key in a):
+                return False
+        elif a is not b and not (isinstance(a, (str, int, float, RandomStart, tuple)) and a == b):
+            return False
+    return True
+
+
+def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
+    """A fault for each body that starts in a wall or in another body, at the table that says so."""
+    if not fixed:
+        return
+    poses = np.array([(item.pose.x, item.pose.y, item.pose.heading) for item in fixed])
+    shapes = [item.shape for item in fixed]
+    gaps, where = wall_gaps(world, shapes, poses)
+    for i in np.flatnonzero(gaps < 0.0).tolist():
+        (x, y, _), (near_x, near_y) = poses[i], where[i]
+        _fault(
+            fixed[i],
+            f"at ({x:.3f}, {y:.3f}) m the footprint overlaps a wall near ({near_x:.3f}, {near_y:.3f}) m; "
+            "expected a free place",
+        )
+    reach = np.array([shape.reach for shape in shapes])
+    boxes = shapely.box(*(poses[:, :2] - reach[:, None]).T, *(poses[:, :2] + reach[:, None]).T)
+    a, b = shapely.STRtree(boxes).query(boxes)
+    first, second = a[a < b], b[a < b]
+    if not len(first):
+        return
+    order = np.lexsort((second, first))
+    first, second = first[order].astype(np.int64), second[order].astype(np.int64)
+    out = np.empty(len(first))
+    body_gaps(pack(shapes), first, poses[first], second, poses[second], np.zeros(len(first)), out)
+    for i in np.flatnonzero(out < 0.0).tolist():
+        one, other = fixed[int(first[i])], fixed[int(second[i])]
+        _fault(other, f"overlaps {one.name!r}; expected room between them")
+
+
+def _fault(item: Placed, message: str) -> None:
+    """A fault where the pose is said, be it the file or a setting of the command line."""
+    node = item.node
+    if "start" in node:
+        node.child("start").fault(message if item.is_one else f"{item.name}: {message}")
+        return
+    pose = node.child("pose")
+    if "pose" not in node:
+        message = f"missing, and {message}"
+    source = node.book.source(pose.path)
+    if pose.is_table:
+        for _, number in pose.children():
+            if node.book.source(number.path) is not source:
+                number.fault(message)
+                return
+    pose.fault(message)

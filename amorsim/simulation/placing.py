@@ -1,0 +1,164 @@
+"""Starts drawn at random: free of walls and of all other bodies, from the seed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.draws import Draws, stream_key
+from amorsim.core.errors import Fault, MapError, ScenarioError
+from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
+from amorsim.simulation.bodies import World
+from amorsim.simulation.truth import STUDY
+
+__all__ = ["draw_starts", "with_start"]
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+TRIES = 1000
+_FAR = 1e7  # [m] where those wait who have no place yet; nobody meets anybody there
+
+
+def with_start(body: Robot | Obstacle, pose: Array) -> Robot | Obstacle:
+    """A robot or obstacle whose start was drawn: it has a pose."""
+    x, y, heading = pose.tolist()
+    return attrs.evolve(body, pose=Pose(x=x, y=y, heading=heading), start=None)
+
+
+def draw_starts(
+    world: World, bodies: Sequence[Robot | Obstacle], seed: int, replicas: Sequence[int], source: str
+) -> Array:
+    """Poses `(T, 3)` of all bodies in all replicas, those that start at random drawn; empty if nobody does.
+
+    Each try of a body is a pure function of seed, name, replica and the try's number. All try at once; who overlaps a
+    wall or a body that has its place tries again, of two that overlap one another the later by name. So what happens
+    in a replica hangs on nothing but its own bodies. Those drawn once for the study come first.
+
+    Raises
+    ------
+    ScenarioError
+        If some find no place in `TRIES` tries.
+    """
+    starts = [body.start for body in bodies]
+    if not any(starts):
+        return np.empty((0, 3))
+    count = world.count
+    given: Array = np.zeros((count, 3))
+    for i, body in enumerate(bodies):
+        if body.pose is not None:
+            given[i] = body.pose.x, body.pose.y, body.pose.heading
+    poses: Array = np.tile(given, (len(replicas), 1))
+    placed = np.tile(np.array([start is None for start in starts]), len(replicas))
+    for per in ("study", "replica"):
+        chosen = np.array([start is not None and start.per == per for start in starts])
+        if chosen.any():
+            numbers = [STUDY] * len(replicas) if per == "study" else list(replicas)
+            _draw(world, bodies, np.tile(chosen, len(replicas)), numbers, seed, poses, placed)
+    lost = np.flatnonzero(~placed)
+    if len(lost):
+        raise ScenarioError(_no_room(world, bodies, lost, source))
+    return poses
+
+
+def _draw(
+    world: World,
+    bodies: Sequence[Robot | Obstacle],
+    chosen: npt.NDArray[np.bool_],
+    numbers: Sequence[int],
+    seed: int,
+    poses: Array,
+    placed: npt.NDArray[np.bool_],
+) -> None:
+    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`."""
+    count, total = world.count, len(placed)
+    keys = np.array([stream_key(seed, body.name, "start") for body in bodies], dtype=np.uint64)
+    clearance = np.tile([0.0 if body.start is None else body.start.clearance for body in bodies], len(numbers))
+    areas = _Areas(world, [body.start for body in bodies])
+    for attempt in range(TRIES):
+        todo = np.flatnonzero(chosen & ~placed)
+        if not len(todo):
+            return
+        counter = np.zeros((len(todo), 3), dtype=np.uint32)
+        counter[:, 0] = np.asarray(numbers)[todo // count]
+        counter[:, 2] = attempt
+        tries = areas.poses(todo % count, Draws(keys[todo % count], counter).uniform(4))
+        gaps, _ = world.wall_gaps(todo, tries, clearance[todo])
+        free = gaps >= clearance[todo]
+        candidates = np.zeros(total, dtype=bool)
+        candidates[todo[free]] = True
+        poses[todo] = tries
+        present = placed | candidates
+        spread = np.column_stack((_FAR + 4.0 * world.bodies.reach.max() * np.arange(total), np.zeros((total, 2))))
+        where = np.where(present[:, None], poses, spread)
+        a, b = world.pairs_within(where, clearance)
+        meets = present[a] & present[b] & (candidates[a] | candidates[b])
+        a, b = a[meets], b[meets]
+        wanted = np.maximum(clearance[a], clearance[b])
+        near = world.body_gaps(a, where[a], b, where[b], wanted) < wanted
+        a, b = a[near], b[near]
+        candidates[np.where(candidates[b], b, a)] = False
+        placed |= candidates
+
+
+class _Areas:
+    """Where each body may start: in its box, or in any free cell of a coarse look at the map."""
+
+    def __init__(self, world: World, starts: Sequence[RandomStart | None]) -> None:
+        self._map = world.map
+        self._boxes = np.full((len(starts), 4), np.nan)
+        self._heading = np.full(len(starts), np.nan)
+        for i, start in enumerate(starts):
+            if start is not None and start.heading is not None:
+                self._heading[i] = start.heading
+            if start is not None and start.box is not None:
+                self._boxes[i] = start.box
+        self._places: Array = np.empty((0, 2))
+        self._side = 0.0
+        if any(start is not None and start.box is None for start in starts):
+            try:
+                self._places, self._side = world.map.free_places()
+            except MapError as error:
+                raise ScenarioError([Fault(file="", path="world.map", message=str(error))]) from None
+
+    def poses(self, which: Ints, uniform: Array) -> Array:
+        """Poses `(Q, 3)` for bodies number `which` `(Q,)`, of four uniform numbers each."""
+        box = self._boxes[which]
+        x = box[:, 0] + uniform[:, 0] * (box[:, 2] - box[:, 0])
+        y = box[:, 1] + uniform[:, 1] * (box[:, 3] - box[:, 1])
+        if len(self._places):
+            number = np.minimum((uniform[:, 3] * len(self._places)).astype(np.int64), len(self._places) - 1)
+            anywhere = np.isnan(box[:, 0])
+            cell = self._places[number]
+            yaw = self._map.origin[2]
+            across, up = (uniform[:, 0] - 0.5) * self._side, (uniform[:, 1] - 0.5) * self._side
+            x = np.where(anywhere, cell[:, 0] + math.cos(yaw) * across - math.sin(yaw) * up, x)
+            y = np.where(anywhere, cell[:, 1] + math.sin(yaw) * across + math.cos(yaw) * up, y)
+        heading = np.where(np.isnan(self._heading[which]), (2.0 * uniform[:, 2] - 1.0) * math.pi, self._heading[which])
+        return np.column_stack((x, y, heading))
+
+
+def _no_room(world: World, bodies: Sequence[Robot | Obstacle], lost: Ints, source: str) -> list[Fault]:
+    """A fault for each kind of start that some found no place for, in the first replica where that was so."""
+    first = lost[lost // world.count == lost[0] // world.count] % world.count
+    faults = []
+    for start in dict.fromkeys(bodies[i].start for i in first.tolist()):
+        names = [bodies[i].name for i in first.tolist() if bodies[i].start == start]
+        alike = sum(body.start == start for body in bodies)
+        assert start is not None
+        where = "on the map" if start.box is None else "in the box {:g}, {:g}, {:g}, {:g} m".format(*start.box)
+        some = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+        kind = "robots" if isinstance(bodies[int(first[0])], Robot) else "obstacles"
+        faults.append(
+            Fault(
+                file=source,
+                path=f"{kind}.{names[0]}.start",
+                message=f"{len(names)} of {alike} that start at random {where} found no free place in {TRIES} tries "
+                f"({some}); expected more room, fewer or smaller bodies, or less clearance",
+            )
+        )
+    return faults

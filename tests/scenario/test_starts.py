@@ -1,0 +1,232 @@
+"""Where bodies start: many at once, on a grid, at random; and that whoever says it is told if it is not free."""
+
+from __future__ import annotations
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.core.starts import freest_start, wall_gaps
+from amorsim.scenario.angles import parse_float
+from amorsim.scenario.document import document_of
+from amorsim.scenario.read import loads
+from amorsim.scenario.write import document_text
+
+HEAD = 'format = 1\n[world]\nmap = "room.wld"\nresolution = 0.01\n'
+SWARM = (
+    HEAD
+    + """
+[[robots]]
+name = "r"
+count = 12
+model = "pioneer2dx"
+shape = { circle = 0.1 }
+start = { random = "anywhere" }
+[[obstacles]]
+name = "p"
+count = 10
+shape = { circle = 0.1 }
+start = { random = [0.5, 0.5, 2.0, 2.5], clearance = 0.05, heading_deg = 90, per = "study" }
+[[obstacles]]
+shape = { rectangle = [0.4, 0.2] }
+pose = { x = 3.0, y = 2.0 }
+"""
+)
+
+
+def again(scenario, folder, registry):
+    text = document_text(document_of(scenario, registry=registry))
+    return text, loads(tomllib.loads(text, parse_float=parse_float), folder, registry=registry)
+
+
+def bodies(sim, replica=0):
+    world = sim._fleet.world
+    return world.poses[world.first[replica] : world.first[replica + 1]]
+
+
+def gaps_within(sim):
+    """The smallest gap between two bodies of a replica, and to walls."""
+    world = sim._fleet.world
+    a, b = world.pairs_within(world.poses, np.full(len(world.poses), 0.5))
+    cap = np.full(len(a), 1.0)
+    walls, _ = world.wall_gaps(world.everyone, world.poses, np.full(len(world.everyone), 1.0))
+    return world.body_gaps(a, world.poses[a], b, world.poses[b], cap), a, b, walls
+
+
+def test_many_have_names_with_numbers_and_one_model(read):
+    scenario = read(SWARM)
+    assert [robot.name for robot in scenario.robots[:2]] == ["r00", "r01"]
+    assert [obstacle.name for obstacle in scenario.obstacles] == [f"p{i:02d}" for i in range(10)] + ["obstacle2"]
+    assert scenario.robots[0].drive is scenario.robots[11].drive
+    big = read(SWARM.replace("count = 12", "count = 1000"))
+    assert (big.robots[0].name, big.robots[-1].name) == ("r0000", "r0999")
+
+
+def test_random_starts_are_free_differ_by_replica_or_study_and_come_again(read):
+    scenario = read(SWARM)
+    sim = am.Simulation(scenario, replicas=3)
+    gaps, _, _, walls = gaps_within(sim)
+    assert gaps.min() >= 0.0
+    assert walls.min() >= 0.0
+    box = bodies(sim)[sim._fleet.world.names.index("p00") :][:10]
+    assert (box[:, :2] >= (0.5, 0.5)).all()
+    assert (box[:, :2] <= (2.0, 2.5)).all()
+    assert box[:, 2] == pytest.approx(np.pi / 2)
+    drawn = [bodies(sim, replica) for replica in range(3)]
+    chosen = np.array([name.startswith("p") for name in sim._fleet.world.names])
+    assert (drawn[0][chosen] == drawn[1][chosen]).all()
+    assert (drawn[0][~chosen] != drawn[1][~chosen]).any()
+    alone = am.Simulation(scenario, replicas=[2])
+    assert (bodies(alone) == drawn[2]).all()
+    other = am.Simulation(scenario, seed=5)
+    assert (bodies(other) != drawn[0]).any()
+    sim.reset(seed=5)
+    assert (bodies(sim) == bodies(other)).all()
+
+
+def test_clearance_is_kept(read):
+    sim = am.Simulation(read(SWARM), replicas=2)
+    world = sim._fleet.world
+    gaps, a, b, walls = gaps_within(sim)
+    mine = np.array([world.name(body).startswith("p") for body in world.everyone])
+    assert gaps[mine[a] | mine[b]].min() >= 0.05
+    assert walls[mine].min() >= 0.05
+
+
+def test_starts_do_not_depend_on_who_stands_where_in_the_file(read):
+    scenario = read(SWARM)
+    there = am.Simulation(scenario)
+    back = am.Simulation(
+        am.Scenario(map=scenario.map, robots=scenario.robots[::-1], obstacles=scenario.obstacles[::-1])
+    )
+    assert (bodies(there) == bodies(back)).all()
+
+
+def test_a_grid(read):
+    text = SWARM.replace(
+        'start = { random = "anywhere" }', "start = { grid = [0.5, 0.3], spacing = 0.3, heading_deg = 90 }"
+    )
+    robots = read(text).robots
+    assert (robots[0].pose.x, robots[0].pose.y) == (0.5, 0.3)
+    assert robots[1].pose.x == pytest.approx(0.8)
+    assert (robots[4].pose.x, robots[4].pose.y) == (0.5, pytest.approx(0.6))  # four in a row: about as many as rows
+    assert read(text.replace("spacing = 0.3", "spacing = 0.3, columns = 2")).robots[2].pose.y == pytest.approx(0.6)
+
+
+@pytest.mark.parametrize("grid", [False, True])
+def test_many_are_written_as_one_table_and_read_again(read, folder, registry, grid):
+    text = SWARM
+    if grid:
+        text = SWARM.replace(
+            'start = { random = "anywhere" }', "start = { grid = [0.4, 0.3], spacing = 0.31, heading_deg = 33.3 }"
+        )
+    scenario = read(text)
+    written, same = again(scenario, folder, registry)
+    assert written.count("[[robots]]") == 1
+    assert written.count("[[obstacles]]") == 2
+    assert [robot.name for robot in same.robots] == [robot.name for robot in scenario.robots]
+    assert [robot.pose for robot in same.robots] == [robot.pose for robot in scenario.robots]
+    assert am.Simulation(same).digest() == am.Simulation(scenario).digest()
+
+
+def test_numbers_alone_make_no_series(read, folder, registry):
+    text = HEAD + "".join(
+        f'[[robots]]\nname = "{name}"\nmodel = "pioneer2dx"\npose = {{ x = {x} }}\n'
+        for name, x in (("r0", 1), ("r1", 2))
+    )
+    written, same = again(read(text), folder, registry)
+    assert written.count("[[robots]]") == 2  # each has been read by itself, and may differ
+    assert [robot.name for robot in same.robots] == ["r0", "r1"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "path", "message"),
+    [
+        ("count = 12", "count = 0", "robots.0.count", "whole number >= 1"),
+        ("count = 12", "count = 1.5", "robots.0.count", "whole number >= 1"),
+        ('start = { random = "anywhere" }\n', "", "robots.0.start", "12 of them cannot start at one place"),
+        ('random = "anywhere"', "", "robots.0.start", "expected { random"),
+        ('random = "anywhere"', 'random = "everywhere"', "robots.0.start.random", "'anywhere'"),
+        ('random = "anywhere"', "random = [3, 0, 1, 1]", "robots.0.start.random", "expected xmin <= xmax"),
+        ('random = "anywhere"', "grid = [1, 1]", "robots.0.start.spacing", "missing"),
+        ('random = "anywhere"', "poses = [{ x = 1 }]", "robots.0.start.poses", "a pose for each of the 12, got 1"),
+        ('random = "anywhere" }', 'random = "anywhere" }\npose = { x = 1 }', "robots.0.start", "got both"),
+    ],
+)
+def test_faults(faults, old, new, path, message):
+    found = faults(SWARM.replace(old, new, 1))
+    assert message in found[path], found
+
+
+def test_two_series_whose_names_meet_are_a_fault(faults):
+    found = faults(SWARM.replace('name = "p"', 'name = "r"', 1))
+    assert "robots.0 is called 'r00' too" in found["obstacles.0.name"]
+
+
+def test_too_many_are_told_clearly(read):
+    with pytest.raises(
+        am.ScenarioError, match=r"robots.r\d+.start: \d+ of 1000 that start at random on the map found no free"
+    ):
+        am.Simulation(read(SWARM.replace("count = 12", "count = 1000")))
+
+
+# ------------------------------------------------------------------------------ starts that are not free
+
+
+@pytest.fixture
+def file(tmp_path, folder):
+    (tmp_path / "room.wld").write_bytes((folder / "room.wld").read_bytes())
+
+    def write(text):
+        (tmp_path / "s.toml").write_text(HEAD + text)
+        return tmp_path / "s.toml"
+
+    return write
+
+
+ROVER = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\npose = { x = 2.0, y = 1.5 }\n'
+
+
+def test_a_start_in_a_wall_is_reported_beside_other_faults(file):
+    path = file(ROVER.replace("x = 2.0", "x = 4.0") + "colour = 3\n")
+    with pytest.raises(am.ScenarioError) as caught:
+        am.load(path)
+    assert {fault.path for fault in caught.value.faults} == {"robots.0.pose", "robots.0.colour"}
+    assert all(fault.file == str(path) for fault in caught.value.faults)
+
+
+@pytest.mark.parametrize(
+    "setting", ["robots.rover.pose.x=4.0", "robots.0.pose={x=4.0, y=1.5}", "robots.0.pose.x = 4.0"]
+)
+def test_the_setting_is_blamed_that_put_it_there(file, setting):
+    with pytest.raises(am.ScenarioError) as caught:
+        am.load(file(ROVER), [setting])
+    (fault,) = caught.value.faults
+    assert fault.file == f"--set {setting}"
+    assert "the footprint overlaps a wall" in fault.message
+
+
+def test_two_at_one_place_and_a_map_whose_start_has_no_room(file):
+    other = ROVER.replace("rover", "other")
+    with pytest.raises(am.ScenarioError, match=r"robots.1.pose: overlaps 'rover'"):
+        am.load(file(ROVER + other))
+    big = ROVER.replace("pose = { x = 2.0, y = 1.5 }", "shape = { circle = 1.2 }")
+    with pytest.raises(am.ScenarioError, match=r"robots.0.pose: missing, and at \(1.000, 1.500\) m the footprint"):
+        am.load(file(big))
+
+
+def test_the_place_for_a_footprint_is_one_where_it_fits():
+    # A room of 2 m x 2 m, roomiest for a circle, and a corridor of 6 m x 0.8 m for what is long.
+    walls = [(0, 0, 2, 0), (2, 0, 2, 2), (2, 2, 0, 2), (0, 2, 0, 0),
+             (3, 0, 9, 0), (9, 0, 9, 0.8), (9, 0.8, 3, 0.8), (3, 0.8, 3, 0)]  # fmt: skip
+    world = am.Map.from_segments(np.array(walls, dtype=float), resolution=0.01)
+    small, long = am.Shape.circle(0.5), am.Shape.rectangle(4.0, 0.4)
+    for shape in (small, long):
+        pose = freest_start(world, shape)
+        assert wall_gaps(world, [shape], np.array([pose]))[0][0] >= 0.0
+    assert freest_start(world, small)[0] < 2.0
+    assert freest_start(world, long)[0] > 3.0
+    with pytest.raises(am.MapError, match="no place where a footprint that reaches"):
+        freest_start(world, am.Shape.circle(1.5))
