@@ -242,6 +242,30 @@ class View(Protocol):
         sight if the line to it meets nothing before: no wall, no body but the row's own and the one that carries it.
         """
 
+    @property
+    def shape(self) -> Shape:
+        """The footprint of the rows' bodies."""
+
+    @property
+    def colours(self) -> tuple[str | None, ...]:
+        """Of all things, the bodies of a replica in order, and after them the landmarks: the colour, or none."""
+
+    @property
+    def heights(self) -> Array:
+        """How high each of them is `(B + L,)` [m]."""
+
+    def look(self, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+        """What beams meet first: the distances [m] `(N * m, k)` as of `cast`, and which thing, -1 for a wall or none.
+
+        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size.
+        """
+
+    def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """Whether zones of the rows' bodies, in the bodies' frames, overlap a wall or another body `(N, s)`.
+
+        `which` `(N, s)` says which of `zones` each is.
+        """
+
     def lights(self) -> Lights:
         """All lamps, whether they are in sight or not: `cast` tells."""
 

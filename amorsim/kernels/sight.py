@@ -1,4 +1,4 @@
-"""Which marks lie within reach of those who look for them, the nearest first; whether they are hidden is not asked."""
+"""Marks within reach of those who look for them, the nearest first; and discs that rays meet."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.poses import wrap
 
-__all__ = ["marks_near"]
+__all__ = ["look_at_discs", "marks_near"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -81,3 +81,57 @@ def marks_near(
             found += 1
     first[poses.shape[0]] = found
     return found
+
+
+@kernel
+def look_at_discs(
+    poses: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    places: Floats,
+    radius: Floats,
+    first: int,
+    ranges: Floats,
+    things: Ints,
+) -> None:
+    """Lower the ranges of rays to where they meet discs, where these are nearer, and say which.
+
+    Parameters
+    ----------
+    poses
+        From where the rays of each row start, (N, 3); bearings are from their headings.
+    cos_b, sin_b
+        Of the beams' bearings, (N, k).
+    range_max
+        Beyond which nothing is seen [m], (N,).
+    places, radius
+        Of the discs [m], (F, 2) and (F,).
+    first
+        What is written for disc f is first + f.
+    ranges, things
+        In: what was met so far [m], inf for nothing; out: the nearer, (N, k).
+    """
+    for i in range(ranges.shape[0]):
+        c = math.cos(poses[i, 2])
+        s = math.sin(poses[i, 2])
+        for f in range(radius.shape[0]):
+            x = places[f, 0] - poses[i, 0]
+            y = places[f, 1] - poses[i, 1]
+            away = math.sqrt(x * x + y * y)
+            if radius[f] <= 0.0 or away - radius[f] > range_max[i]:
+                continue
+            for j in range(ranges.shape[1]):
+                dx = c * cos_b[i, j] - s * sin_b[i, j]
+                dy = s * cos_b[i, j] + c * sin_b[i, j]
+                along = dx * x + dy * y
+                across = abs(dx * y - dy * x)
+                distance = 0.0
+                if away > radius[f]:
+                    if along <= 0.0 or across > radius[f]:
+                        continue
+                    half_chord = math.sqrt((radius[f] - across) * (radius[f] + across))
+                    distance = (away - radius[f]) * (away + radius[f]) / (along + half_chord)
+                if distance <= range_max[i] and distance < ranges[i, j]:
+                    ranges[i, j] = distance
+                    things[i, j] = first + f

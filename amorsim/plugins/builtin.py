@@ -30,6 +30,8 @@ def amorsim_register(registry: Registry) -> None:
     registry.sensor("sonar", "amorsim.sensors.sonar:Sonar")
     registry.sensor("compass", "amorsim.sensors.compass:Compass")
     registry.sensor("gyro", "amorsim.sensors.gyro:Gyro")
+    registry.sensor("bumper", "amorsim.sensors.bumper:Bumper")
+    registry.sensor("camera", "amorsim.sensors.camera:Camera")
     registry.sensor("fiducial", "amorsim.sensors.fiducial:Fiducial")
     registry.sensor("gps", "amorsim.sensors.gps:Gps")
     registry.sensor("imu", "amorsim.sensors.imu:Imu")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from amorsim.sensors.bumper import Bumper, Sector
+from amorsim.sensors.camera import Camera
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.fiducial import Fiducial
@@ -13,4 +15,18 @@ from amorsim.sensors.laser import Laser
 from amorsim.sensors.light import Light
 from amorsim.sensors.sonar import Sonar
 
-__all__ = ["Compass", "Encoder", "Fiducial", "Gps", "Gyro", "Imu", "Infrared", "Laser", "Light", "Sonar"]
+__all__ = [
+    "Bumper",
+    "Camera",
+    "Compass",
+    "Encoder",
+    "Fiducial",
+    "Gps",
+    "Gyro",
+    "Imu",
+    "Infrared",
+    "Laser",
+    "Light",
+    "Sector",
+    "Sonar",
+]

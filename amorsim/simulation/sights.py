@@ -1,4 +1,4 @@
-"""What is in sight in a world: lines of sight to marks."""
+"""What is in sight in a world: lines of sight to marks, and what rays meet first."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Sightings
-from amorsim.kernels import scans, sight
+from amorsim.kernels import poses, scans, sight
 from amorsim.simulation.bodies import World
 
-__all__ = ["find_landmarks"]
+__all__ = ["find_landmarks", "look_about"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
-def find_landmarks(world: World, own: Ints, poses: Array, slots: int, range_max: Array, half_angle: Array) -> Sightings:
-    """The nearest marks in sight of those on bodies `own` `(N,)` who look from `poses` `(N, 3)`.
+def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: Array, half_angle: Array) -> Sightings:
+    """The nearest marks in sight of those on bodies `own` `(N,)` who look from `eyes` `(N, 3)`.
 
     `range_max` [m] and `half_angle` [rad] are `(N,)`; see `amorsim.contracts.View.landmarks`.
     """
@@ -27,8 +27,8 @@ def find_landmarks(world: World, own: Ints, poses: Array, slots: int, range_max:
     around = world.surroundings
     if not len(around.ids):
         return found
-    row, mark, distance, bearing = _within_reach(world, own, poses, range_max, half_angle)
-    seen = _in_sight(world, own[row], poses[row], mark, distance)
+    row, mark, distance, bearing = _within_reach(world, own, eyes, range_max, half_angle)
+    seen = _in_sight(world, own[row], eyes[row], mark, distance)
     row, mark, distance, bearing = row[seen], mark[seen], distance[seen], bearing[seen]
     # Their place among those that the same row sees: pairs are in order of row.
     place = np.arange(len(row)) - np.searchsorted(row, row)
@@ -39,7 +39,7 @@ def find_landmarks(world: World, own: Ints, poses: Array, slots: int, range_max:
 
 
 def _within_reach(
-    world: World, own: Ints, poses: Array, range_max: Array, half_angle: Array
+    world: World, own: Ints, eyes: Array, range_max: Array, half_angle: Array
 ) -> tuple[Ints, Ints, Array, Array]:
     """Pairs of a row and a mark: row, mark, how far off [m], in what direction from the heading [rad]."""
     around = world.surroundings
@@ -55,7 +55,7 @@ def _within_reach(
     while True:
         mark, distance, bearing = np.empty(room, dtype=np.int64), np.empty(room), np.empty(room)
         count = sight.marks_near(
-            np.ascontiguousarray(poses),
+            np.ascontiguousarray(eyes),
             range_max,
             half_angle,
             world.replica_index[own],
@@ -74,8 +74,8 @@ def _within_reach(
     return row, mark[:count], distance[:count], bearing[:count]
 
 
-def _in_sight(world: World, own: Ints, poses: Array, mark: Ints, distance: Array) -> npt.NDArray[np.bool_]:
-    """Whether the line `(Q,)` from each of the poses to its mark meets nothing before, but for the mark's carrier."""
+def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array) -> npt.NDArray[np.bool_]:
+    """Whether the line `(Q,)` from each of the eyes to its mark meets nothing before, but for the mark's carrier."""
     around = world.surroundings
     fixed = len(around.landmarks)
     replica = world.replica_index[own]
@@ -86,14 +86,40 @@ def _in_sight(world: World, own: Ints, poses: Array, mark: Ints, distance: Array
     carrier[is_carried] = world.first[replica[is_carried]] + around.carriers[mark[is_carried] - fixed]
     place[is_carried] = world.poses[carrier[is_carried], :2]
     lines = np.empty((len(mark), 3))
-    lines[:, :2] = poses[:, :2]
-    lines[:, 2] = np.arctan2(place[:, 1] - poses[:, 1], place[:, 0] - poses[:, 0])
+    lines[:, :2] = eyes[:, :2]
+    lines[:, 2] = np.arctan2(place[:, 1] - eyes[:, 1], place[:, 0] - eyes[:, 0])
     # A mark on a wall is seen though the line ends in the wall's cell, if that is within its disc.
     need = distance.copy()
     need[~is_carried] -= around.radius[mark[~is_carried]]
     free, met = look_along(world, own, lines, np.array([[1.0]]), np.array([[0.0]]), distance)
     seen: npt.NDArray[np.bool_] = (free[:, 0] >= need) | (is_carried & (met[:, 0] == carrier))
     return seen
+
+
+def look_about(world: World, own: Ints, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, Ints]:
+    """Distances [m] `(Q, k)` to what rays meet first, inf for nothing; and which thing it is, -1 for a wall or none.
+
+    Things are the bodies of a replica, in order, then the landmarks, of which those are seen that have a colour.
+    """
+    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
+    poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
+    ranges, met = look_along(world, own, origins, cos_b, sin_b, range_max)
+    things = np.where(met >= 0, met % world.count, -1)
+    around = world.surroundings
+    radius = np.where([colour is not None for colour in around.colours[world.count :]], around.radius, 0.0)
+    if (radius > 0.0).any():
+        sight.look_at_discs(
+            np.ascontiguousarray(origins),
+            cos_b,
+            sin_b,
+            range_max,
+            around.landmarks,
+            radius,
+            world.count,
+            ranges,
+            things,
+        )
+    return ranges, things
 
 
 def look_along(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,9 +12,11 @@ import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Emissions, Lights, Sightings
 from amorsim.core.poses import compose
+from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers
 from amorsim.kernels import bresenham, cones, poses, scans
-from amorsim.simulation.sights import find_landmarks
+from amorsim.simulation.sights import find_landmarks, look_about
+from amorsim.simulation.touch import find_touched
 
 if TYPE_CHECKING:
     from amorsim.simulation.bodies import World
@@ -138,6 +141,31 @@ class GroupView:
         """The nearest marks in sight; see `amorsim.contracts.View.landmarks`."""
         reach, angle = self._per_row(range_max), self._per_row(half_angle)
         return find_landmarks(self._world, self._bodies, self.pose, slots, reach, angle)
+
+    def look(self, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+        """What beams meet first; see `amorsim.contracts.View.look`."""
+        per_row = len(origins) // self.rows
+        limits = np.repeat(self._per_row(range_max), per_row)
+        return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits)
+
+    def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """Whether zones press on something; see `amorsim.contracts.View.touches`."""
+        return find_touched(self._world, self._bodies, zones, which)
+
+    @property
+    def shape(self) -> Shape:
+        """The footprint of the rows' bodies."""
+        return self._world.shapes[int(self._bodies[0]) % self._world.count]
+
+    @property
+    def colours(self) -> tuple[str | None, ...]:
+        """The colours of all things."""
+        return self._world.surroundings.colours
+
+    @property
+    def heights(self) -> Array:
+        """How high all things are."""
+        return self._world.surroundings.heights
 
     def lights(self) -> Lights:
         """All lamps; see `amorsim.contracts.View.lights`."""

@@ -55,6 +55,11 @@ class SensorTrial(Trial[Sensor]):
             given.add("aim.bearing", bend)
             given.add("aim.time", aim.time)
         _watch(given, "view", view, _VIEW)
+        if component.channels and session.t:
+            command = np.sin(session.index[:, None] + np.arange(len(component.channels)) + 0.5 * session.t)
+            given.add("command", command)
+            with self.who.calling("actuate"):
+                component.actuate(command, DT, state, session.draws)
         fired = self._fire(component, session, state) if component.medium else {}
         with self.who.calling("sense"):
             found = component.sense(view, aim, state, session.draws)

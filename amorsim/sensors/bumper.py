@@ -1,0 +1,130 @@
+"""Bumpers around a footprint, and which of them press on something."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+import types
+from collections.abc import Mapping
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.core.parameters import ParameterError
+from amorsim.core.shapes import Shape
+
+__all__ = ["Bumper", "Sector"]
+
+Array = npt.NDArray[np.float64]
+Point = tuple[float, float]
+_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
+# Outlines have chords in place of arcs, a 32nd of a turn's half away from them at most: 1 - cos(pi / 64) of the radius.
+_SAGITTA = 1.0 - math.cos(math.pi / 64.0)
+_LEAST = 1e-9  # [m] pieces of an outline shorter than this are left out
+
+
+@attrs.frozen(kw_only=True)
+class Sector:
+    """The part of an outline between two directions from the mount, anticlockwise from the first to the second."""
+
+    start: float = parameter(unit="rad", ge=-2.0 * math.pi, le=2.0 * math.pi, help="where it begins, from the heading")
+    end: float = parameter(unit="rad", ge=-2.0 * math.pi, le=2.0 * math.pi, help="where it ends, anticlockwise")
+
+    def __attrs_post_init__(self) -> None:
+        if not self.start < self.end <= self.start + 2.0 * math.pi + 1e-12:
+            raise ParameterError(
+                "end", f"expected more than start {self.start!r} and at most a turn more, got {self.end!r}"
+            )
+
+
+_FRONT = (Sector(start=0.0, end=math.pi / 2.0), Sector(start=-math.pi / 2.0, end=0.0))
+
+
+@attrs.frozen(kw_only=True)
+class Bumper(Sensor):
+    """Which segments of a bumper around the footprint press on a wall or another body: 1 for those, 0 for others.
+
+    A segment is the part of the robot's outline that lies in a sector of directions as seen from the mount, which
+    should be within the outline. It is pressed by what comes nearer to that part than ``reach``, wherever the robot
+    is and however it came there: contact is looked for in the present place of all bodies, not among events.
+
+    Parameters
+    ----------
+    segments
+        The sectors, each of which has a value. By default front left and front right.
+    reach
+        How far the bumper stands out from the footprint [m].
+    """
+
+    unit: ClassVar[str] = "contact"
+
+    segments: tuple[Sector, ...] = parameter(_FRONT, static=True, help="the directions, each with a value of its own")
+    reach: float = parameter(0.005, unit="m", gt=0, static=True, help="how far it stands out from the footprint")
+
+    def __attrs_post_init__(self) -> None:
+        if not self.segments:
+            raise ParameterError("segments", "expected one segment at least, got none")
+
+    def size(self, drive: Drive) -> int:
+        """One value for each segment."""
+        return len(self.segments)
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """1 where a segment is pressed, else 0 `(N, k)`."""
+        mounts, mine = np.unique(view.mount, axis=0, return_inverse=True)
+        zones: list[Shape] = []
+        which = np.zeros((len(mounts), len(self.segments)), dtype=np.int64)
+        there = np.zeros(which.shape, dtype=np.bool_)
+        for i, mount in enumerate(mounts.tolist()):
+            for j, zone in enumerate(_zones(view.shape, (mount[0], mount[1], mount[2]), self.segments, self.reach)):
+                if zone is not None:  # a sector in which there is no outline is never pressed
+                    which[i, j], there[i, j] = len(zones), True
+                    zones.append(zone)
+        mine = mine.reshape(-1)
+        if not zones:
+            return np.zeros((view.rows, len(self.segments))), _NOTHING
+        pressed = view.touches(tuple(zones), which[mine]) & there[mine]
+        return pressed.astype(np.float64), _NOTHING
+
+
+@functools.lru_cache(maxsize=4096)
+def _zones(
+    shape: Shape, mount: tuple[float, float, float], segments: tuple[Sector, ...], reach: float
+) -> tuple[Shape | None, ...]:
+    """What presses each segment, in the body's frame: its part of the outline, as thick as the bumper stands out."""
+    x, y, heading = mount
+    ring = [(px - x, py - y) for px, py in shape.border]
+    found: list[Shape | None] = []
+    for sector in segments:
+        pieces = [
+            piece
+            for p, q in zip(ring, ring[1:] + ring[:1], strict=True)
+            for piece in _within(p, q, sector.start + heading, sector.end + heading)
+        ]
+        parts = tuple(((ax + x, ay + y), (bx + x, by + y)) for (ax, ay), (bx, by) in pieces)
+        radius = reach + _SAGITTA * shape.radius
+        found.append(Shape(vertices=parts, radius=radius, border=parts[0]) if parts else None)
+    return tuple(found)
+
+
+def _within(p: Point, q: Point, start: float, end: float) -> list[tuple[Point, Point]]:
+    """The pieces of the line from p to q that lie in directions between start and end from the origin."""
+    (px, py), (dx, dy) = p, (q[0] - p[0], q[1] - p[1])
+    cuts = {0.0, 1.0}
+    for angle in (start, end):
+        c, s = math.cos(angle), math.sin(angle)
+        across = dx * s - dy * c
+        if across != 0.0:
+            cuts.add(min(max((py * c - px * s) / across, 0.0), 1.0))
+    found = []
+    marks = sorted(cuts)
+    for first, last in itertools.pairwise(marks):
+        middle = 0.5 * (first + last)
+        angle = math.atan2(py + middle * dy, px + middle * dx)
+        if (last - first) * math.hypot(dx, dy) > _LEAST and (angle - start) % (2.0 * math.pi) < end - start:
+            found.append(((px + first * dx, py + first * dy), (px + last * dx, py + last * dy)))
+    return found
