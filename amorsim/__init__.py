@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from amorsim.simulation.events import Event
     from amorsim.simulation.phases import PHASES
     from amorsim.simulation.simulation import Simulation
+    from amorsim.simulation.stages import KeptStages, Stage, keep_stages
 
 _MODULES = {
     "amorsim.contracts": (
@@ -113,6 +114,7 @@ _MODULES = {
     "amorsim.runs.session": "RunSession RunSummary record",
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
+    "amorsim.simulation.stages": "KeptStages Stage keep_stages",
 }
 _PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
@@ -136,6 +138,7 @@ __all__ = [
     "Event",
     "Frame",
     "Joint",
+    "KeptStages",
     "Knowledge",
     "Landmark",
     "Light",
@@ -172,6 +175,7 @@ __all__ = [
     "Sightings",
     "Simulation",
     "SnapshotError",
+    "Stage",
     "State",
     "Twist",
     "View",
@@ -183,6 +187,7 @@ __all__ = [
     "estimators",
     "exponential",
     "hookimpl",
+    "keep_stages",
     "load",
     "load_device",
     "load_map",

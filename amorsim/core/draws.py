@@ -86,6 +86,17 @@ class Draws:
         """The draws of some of the rows, at the present tick and from its first number on."""
         return Draws(self._keys[rows], self._counter[rows], self._workers)
 
+    @property
+    def counter(self) -> npt.NDArray[np.uint32]:
+        """Replica, episode and tick of the rows `(N, 3)`; not to be changed."""
+        return self._counter
+
+    def still(self, rows: npt.NDArray[np.intp]) -> Draws:
+        """The draws of some of the rows, from the number on that comes next, whatever happens to these."""
+        kept = Draws(self._keys[rows], self._counter[rows], self._workers)
+        kept._block = self._block if self._round == self._rounds[0] else 0
+        return kept
+
     def normal(self, k: int = 1) -> Array:
         """Standard normal draws `(N, k)`, independent in all rows, columns, calls and ticks."""
         return self._fill(philox.fill_normal, k)

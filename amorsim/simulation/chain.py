@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import functools
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -62,6 +63,8 @@ class Chain:
         # Of elements for one column of a table of values: where it begins; and how many columns there are.
         self.column = [columns.index(element.column) if element.column else None for element in elements]
         self.columns = len(columns)
+        # Called with an element's number, the element and what its `corrupt` gets, in the place of that.
+        self.watch: Callable[..., Array] | None = None
         self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
@@ -94,13 +97,14 @@ class Chain:
         """What the values `(N, k)` become on their way through the chain."""
         for i in self.corrupts:
             column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
+            corrupt = element.corrupt if self.watch is None else functools.partial(self.watch, i, element)
             if column is None:
-                values = element.corrupt(values, side, elapsed, state, draws)
+                values = corrupt(values, side, elapsed, state, draws)
             else:
                 mine = slice(column, None, self.columns)
                 part = np.ascontiguousarray(values[:, mine])
                 values = values.copy()
-                values[:, mine] = element.corrupt(part, _Part(side, mine), elapsed, state, draws)
+                values[:, mine] = corrupt(part, _Part(side, mine), elapsed, state, draws)
         return values
 
 

@@ -170,7 +170,8 @@ def _fits(unit: SensorUnit) -> bool:
     """Whether everything about a unit has a twin among the kernels."""
     sensor: Any = unit.sensor
     kind = _KINDS.get(type(unit.sensor))
-    if kind is None or not unit.is_prompt or unit.chain.aims or unit.chain.columns:
+    chain = unit.chain
+    if kind is None or not unit.is_prompt or chain.aims or chain.columns or chain.watch is not None:
         return False
     if kind in (sensing.LASER, sensing.SONAR) and sensor.traversal != "exact":
         return False
