@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+from amorsim.controllers.braitenberg import Braitenberg
+from amorsim.controllers.follow import Follow
 from amorsim.controllers.goto import GoTo
 from amorsim.controllers.manual import Manual
+from amorsim.controllers.pursuit import Pursuit
 from amorsim.controllers.square import Square
 from amorsim.controllers.user import Twist, UserController, WheelSpeeds
+from amorsim.controllers.wall import FollowWall
 from amorsim.controllers.wander import Wander
 
-__all__ = ["GoTo", "Manual", "Square", "Twist", "UserController", "Wander", "WheelSpeeds"]
+__all__ = [
+    "Braitenberg",
+    "Follow",
+    "FollowWall",
+    "GoTo",
+    "Manual",
+    "Pursuit",
+    "Square",
+    "Twist",
+    "UserController",
+    "Wander",
+    "WheelSpeeds",
+]

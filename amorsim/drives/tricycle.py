@@ -30,8 +30,8 @@ class Tricycle(Motors):
     right angle it turns in place. While the steering moves, so evenly within a step, the heading is still elementary;
     the place is summed up to the last digits.
 
-    While the steering is on its way to where it is told to be, the wheel rolls only with the part of its speed that
-    lies in that direction.
+    While the steering is on its way to where it is told to be, the wheel rolls the slower the farther that is, and
+    waits where it is 20 degrees or more.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.poses import wrap
 
-__all__ = ["head_for"]
+__all__ = ["approach", "head_for"]
 
 Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
@@ -22,7 +22,7 @@ _STEERING_TIME = 1.0  # [s] in which such a robot puts its heading right as it d
 
 
 @kernel
-def _approach(error: float, limit: float, braking: float, dt: float) -> float:
+def approach(error: float, limit: float, braking: float, dt: float) -> float:
     """A rate that removes an error without overshoot: all of it in this step, or what can be stopped."""
     size = abs(error)
     most = size / dt
@@ -82,7 +82,7 @@ def head_for(
             if math.isnan(error) or abs(error) <= tolerance[i, 1]:
                 reached = 1.0
             else:
-                w = _approach(error, turn_fastest, limits[i, 3], dt)
+                w = approach(error, turn_fastest, limits[i, 3], dt)
         else:
             error = wrap(math.atan2(dy, dx) - pose[i, 2])
             turn_first = tolerance[i, 2]
@@ -90,11 +90,11 @@ def head_for(
                 turn_first = min(turn_first, _ALIGNED)
             if abs(error) > turn_first:
                 if stands:
-                    w = _approach(error, turn_fastest, limits[i, 3], dt)
+                    w = approach(error, turn_fastest, limits[i, 3], dt)
             else:
-                v = _approach(distance, fastest, limits[i, 2], dt)
+                v = approach(distance, fastest, limits[i, 2], dt)
                 if math.isinf(braking):
-                    w = _approach(error, turn_fastest, limits[i, 3], dt)
+                    w = approach(error, turn_fastest, limits[i, 3], dt)
                 else:
                     # Wheels that speed up as fast as they can do not steer: half of what they can is kept for that.
                     v = min(v, moving[i, 0] + 0.5 * braking)

@@ -61,6 +61,7 @@ _WEIGHTS = (
 _PART = 0.5  # [rad] of heading in a part of a path
 _STEERED = 0.1  # [rad] of steering in one
 _PARTS_MAX = 4096
+_WAITS = math.radians(20.0)  # a tricycle's steering so far off lets the wheel wait
 
 
 @kernel
@@ -329,8 +330,8 @@ def tricycle_advance(
         end, _ = respond(start, target, steering_rate[i, 0], steering_lag[i, 0], dt)
         out[0, i, 0] = end
         out[1, i, 0] = (end - start) / dt
-        # Only as fast as the wheel's part along the wanted direction: else it sets off in that of a moment ago.
-        along = max(math.cos(target - end), 0.0) if end != target else 1.0
+        # The slower the farther the steering is off: else it sets off in the direction of a moment ago.
+        along = max(1.0 - abs(target - end) / _WAITS, 0.0)
         target = min(max(command[i, 1], -rate_max[i, 0]), rate_max[i, 0]) * along
         rate, turned = respond(rates[i, 1], target, acceleration_max[i, 0], lag[i, 0], dt)
         out[0, i, 1] = joints[i, 1] + turned

@@ -79,11 +79,26 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("goto", "amorsim.controllers.goto:GoTo")
     registry.controller("square", "amorsim.controllers.square:Square")
     registry.controller("manual", "amorsim.controllers.manual:Manual")
+    registry.controller("pursuit", "amorsim.controllers.pursuit:Pursuit")
+    registry.controller("follow", "amorsim.controllers.follow:Follow")
+    registry.controller("braitenberg", "amorsim.controllers.braitenberg:Braitenberg")
+    registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
 
-    registry.robot("pioneer2dx", _PACKAGE / "robots" / "pioneer2dx.toml")
-    registry.robot("pioneer2dx-typical", _PACKAGE / "robots" / "pioneer2dx-typical.toml")
     for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):
         registry.device(name, _PACKAGE / "devices" / f"{name}.toml")
+    for robot in (
+        "pioneer2dx",
+        "pioneer2dx-typical",
+        "pioneer3dx",
+        "khepera",
+        "segway_rmp",
+        "b21r",
+        "nomad200",
+        "car",
+        "turtlebot3_burger",
+        "youbot",
+    ):
+        registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
     registry.scenario("demo", _PACKAGE / "scenarios" / "demo.toml")

@@ -7,9 +7,13 @@ from typing import Any
 
 import pytest
 
+from amorsim.contracts import Mount
+from amorsim.controllers import Pursuit
 from amorsim.motions import Loop, Oscillate, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.noise import Bump
 from amorsim.plugins.manager import make_registry
+from amorsim.sensors.fiducial import Fiducial
+from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.sonar import Sonar
 from amorsim.testing import check_component
 
@@ -30,6 +34,10 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
     ("noise", "specular_loss"): {"side": {"incidence": 0.5}},
     ("noise", "stuck"): {"inf": "changed"},
     ("noise", "velocity_model"): _WHEELS,
+    ("controller", "braitenberg"): {
+        "sensors": {"infrared": Infrared(elements=tuple(Mount(heading=0.8 * i) for i in range(8)))}
+    },
+    ("controller", "follow"): {"sensors": {"fiducial": Fiducial()}},
 }
 
 # In place of what a class alone would give: a narrow cone has fewer rays, and is tried as well; a route that goes
@@ -42,6 +50,7 @@ EXAMPLES: dict[type, Any] = {
     Waypoints: Waypoints(**_ROUTE),
     Loop: Loop(**_ROUTE, blocked="skip"),
     Oscillate: Oscillate(**_ROUTE),
+    Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
     SwingDoor: SwingDoor(**_DOOR),
     SlidingDoor: SlidingDoor(**_DOOR, blocked="skip"),
 }

@@ -1,0 +1,124 @@
+"""Wheels wired to sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.controllers.driving import command_along, joints_of
+from amorsim.core.errors import ComponentError, did_you_mean
+
+__all__ = ["Braitenberg"]
+
+Array = npt.NDArray[np.float64]
+
+# The Khepera's ring, from the left round the front to the right, and the two behind. What is on the left drives the
+# left wheel and brakes the right one; what is right ahead turns it to the right, or it would stand before a wall.
+_LEFT = (0.4, 0.8, 1.0, -0.6, -1.2, -0.6, 0.1, 0.1)
+_RIGHT = (-0.6, -1.2, -1.6, 0.2, 0.8, 0.4, 0.1, 0.1)
+
+
+@attrs.frozen(kw_only=True)
+class Braitenberg(Controller):
+    """A vehicle of V. Braitenberg ("Vehicles", 1984): each wheel's speed is a weighted sum of what sensors feel.
+
+    With activations a from 0 (nothing felt) to 1, the left wheel rolls at speed * (1 + sum of left_i a_i), the right
+    one alike. Of a sensor that counts light, the activation is the reading over its saturation; of one that tells
+    ranges, 1 - range / reach. The default weights avoid obstacles with a ring of eight as the Khepera has it, and are
+    our own.
+
+    A drive that takes wheel speeds gets these; any other the velocity that two wheels as far apart as its footprint is
+    wide would give it.
+
+    Parameters
+    ----------
+    sensor
+        Name of the sensor.
+    left, right
+        Weight of each value on the left and the right wheel.
+    speed
+        Of both wheels where nothing is felt [m/s].
+    reach
+        Of a sensor that tells ranges: the range [m] from which on it feels something.
+    """
+
+    sensor: str = parameter("infrared", help="name of the sensor by which it goes")
+    left: tuple[float, ...] = parameter(_LEFT, help="weight of each value on the left wheel")
+    right: tuple[float, ...] = parameter(_RIGHT, help="weight of each value on the right wheel")
+    speed: float = parameter(0.06, unit="m/s", gt=0, help="of both wheels where nothing is felt")
+    reach: float = parameter(0.5, unit="m", gt=0, help="range from which on a range sensor feels something")
+
+    def start(self, context: Context) -> State:
+        """None is kept.
+
+        Raises
+        ------
+        ComponentError
+            If the robot has no such sensor, one that feels nothing ahead, or the weights are not as many as its values.
+        """
+        robot = context.robot
+        if self.sensor not in robot.sensors:
+            names = ", ".join(repr(name) for name in robot.sensors) or "none"
+            raise ComponentError(
+                f"braitenberg goes by the sensor {self.sensor!r}, which {robot.who(0)} does not have; its sensors: "
+                f"{names}.{did_you_mean(self.sensor, robot.sensors)} Name one in the field 'sensor'."
+            )
+        model = robot.sensors[self.sensor]
+        if model.sensor.unit != "m" and not hasattr(model.sensor, "saturation"):
+            raise ComponentError(
+                f"braitenberg goes by the sensor {self.sensor!r}, but a {type(model.sensor).__name__} tells neither "
+                "ranges nor counts up to a saturation."
+            )
+        for name in ("left", "right"):
+            given = np.shape(getattr(self, name))[-1]
+            if given != model.size:
+                raise ComponentError(
+                    f"braitenberg: expected a weight in {name!r} for each of the {model.size} values of the sensor "
+                    f"{self.sensor!r}, got {given}."
+                )
+        return {}
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)` of this step."""
+        model = robot.sensors[self.sensor]
+        sensor: Any = model.sensor
+        values = readings[self.sensor].measured
+        felt = 1.0 - values / self.reach if sensor.unit == "m" else values / sensor.saturation
+        felt = np.clip(np.where(np.isnan(felt), 0.0, felt), 0.0, 1.0)
+        left, right = np.array(self.left), np.array(self.right)
+        speeds = np.ones((robot.rows, 2))
+        for i in range(model.size):  # in order, whatever the number of rows
+            speeds[:, 0] += left[:, i] * felt[:, i]
+            speeds[:, 1] += right[:, i] * felt[:, i]
+        speeds *= self.speed
+        drive: Any = robot.drive
+        if hasattr(drive, "speeds_to_rates"):
+            return np.asarray(drive.speeds_to_rates(speeds))
+        width = float(np.ptp(robot.shape.outline[:, 1]))
+        twist = np.zeros((robot.rows, 3))
+        twist[:, 0] = 0.5 * (speeds[:, 0] + speeds[:, 1])
+        twist[:, 2] = (speeds[:, 1] - speeds[:, 0]) / width
+        return command_along(robot, twist, joints_of(robot, readings))
