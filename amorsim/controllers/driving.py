@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Drive, Measurement, RobotModel
+from amorsim.contracts import Joint, Measurement, RobotModel
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 
@@ -37,7 +37,7 @@ def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
     And where all of them only roll: how far they have turned tells nothing of where they point.
     """
     rest = at_rest(robot)
-    if _only_rolls(type(robot.drive)):
+    if _only_rolls(robot.drive.joints):
         return rest
     for name, model in robot.sensors.items():
         angles: Any = getattr(model.sensor, "angles", None)
@@ -49,8 +49,8 @@ def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
 
 
 @functools.cache
-def _only_rolls(drive: type[Drive]) -> bool:
-    return all(joint.rolls for joint in drive.joints)
+def _only_rolls(joints: tuple[Joint, ...]) -> bool:
+    return all(joint.rolls for joint in joints)
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:
