@@ -20,7 +20,7 @@ from amorsim.ui.inputs import Input
 from amorsim.ui.pace import Pace
 from amorsim.ui.player import Player
 from amorsim.ui.protocol import State
-from amorsim.ui.scenes import SceneBuilder
+from amorsim.ui.scenes import SceneBuilder, sensor_shapes
 
 __all__ = ["Commands"]
 
@@ -151,7 +151,9 @@ class Commands:
         self.player.select(self.player.simulation.names.index(self._robot(command)))
 
     def _parameters(self, command: Table) -> Answer:
-        return {"parameters": forms_of(self.player.simulation, self._robot(command))}
+        robot = self._robot(command)
+        simulation = self.player.simulation
+        return {"parameters": forms_of(simulation, robot), "sensors": sensor_shapes(simulation.robot(robot).true)}
 
     def _history(self, command: Table) -> Answer:
         robot = self.player.simulation.names.index(self._robot(command))

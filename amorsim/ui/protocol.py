@@ -9,7 +9,7 @@ table with ``ok``, and where that is false with ``error``, a text for the user.
 | ``state`` | | `State` | |
 | ``scene`` | | ``scene``: a `Scene` | |
 | ``select`` | ``robot`` | | |
-| ``parameters`` | ``robot`` | ``parameters``: list of `ParameterForm` | |
+| ``parameters`` | ``robot`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true | |
 | ``history`` | ``robot``, ``max_points`` | `History` | |
 | ``events`` | ``after`` (0: all) | ``epoch``, ``events``: list of `EventLine`, ``next`` | |
 | ``image`` | ``name`` | ``png``: base64 | |
@@ -49,6 +49,7 @@ __all__ = [
     "Channel",
     "Dynamic",
     "EventLine",
+    "Floor",
     "FrameFlag",
     "History",
     "Image",
@@ -112,7 +113,7 @@ class Channel(TypedDict):
 
 
 class SensorShape(TypedDict):
-    """A sensor as it is drawn, by its nominal parameters.
+    """A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
 
     `mounts` has one pose (x, y, heading) in the robot's frame, or one for each value; `bearings` are from the mount's
     heading, one for each value, or none where a value is no range.
@@ -166,6 +167,14 @@ class ObstacleShape(TypedDict):
     moves: bool
 
 
+class Floor(TypedDict):
+    """What there is in the world besides walls and bodies; robots may know of it or not."""
+
+    landmarks: list[list[float]]  # x, y, radius [m]
+    lights: list[list[float]]  # x, y [m]
+    zones: list[list[list[float]]]  # the outline of each, x, y [m]
+
+
 class Scene(TypedDict):
     """All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`."""
 
@@ -179,6 +188,7 @@ class Scene(TypedDict):
     kinds: list[Kind]
     robots: list[RobotEntry]
     obstacles: list[ObstacleShape]
+    floor: Floor
 
 
 # ---------------------------------------------------------------------------------------------------------- answers

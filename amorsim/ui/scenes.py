@@ -33,7 +33,7 @@ from amorsim.ui.protocol import (
     SensorShape,
 )
 
-__all__ = ["SceneBuilder"]
+__all__ = ["SceneBuilder", "sensor_shapes"]
 
 Array = npt.NDArray[np.float64]
 
@@ -65,6 +65,11 @@ class SceneBuilder:
                 ObstacleShape(name=obstacle.name, footprint=_outline(obstacle.shape), moves=obstacle.motion is not None)
                 for obstacle in sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
             ],
+            "floor": {
+                "landmarks": [[mark.x, mark.y, mark.radius] for mark in scenario.landmarks],
+                "lights": [[light.x, light.y] for light in scenario.lights],
+                "zones": [zone.outline.tolist() for zone in scenario.zones],
+            },
         }
 
     # ----------------------------------------------------------------------------------------------------------- maps
@@ -142,7 +147,7 @@ class SceneBuilder:
             "channels": [*_drive_channels(robot.drive), *_device_channels(robot.sensors)],
             "joints": [joint.name for joint in robot.drive.joints],
             "twist": _fastest(drive, robot.drive),
-            "sensors": [_sensor(name, unit, robot.drive) for name, unit in robot.sensors.items()],
+            "sensors": sensor_shapes(robot),
             "estimators": list(robot.estimators),
         }
         # Equal in all that is drawn is as good as the same.
@@ -215,6 +220,11 @@ def _fastest(drive: Drive, nominal: Drive) -> list[float]:
         largest = float(np.abs(command).max(initial=0.0))
         found.append(limit / largest if largest > 1e-9 else 0.0)
     return found
+
+
+def sensor_shapes(robot: Robot) -> list[SensorShape]:
+    """A robot's sensors as they are drawn, by the parameters that it has."""
+    return [_sensor(name, unit, robot.drive) for name, unit in robot.sensors.items()]
 
 
 def _sensor(name: str, unit: MountedSensor, drive: Drive) -> SensorShape:

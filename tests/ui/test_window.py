@@ -117,6 +117,19 @@ def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_fra
     assert f"{apart:.3f}" == window.page.locator("tr.chosen td.difference").inner_text().lstrip("+")
 
 
+def test_true_beams_fall_where_the_true_sensor_looks(window: Window) -> None:
+    path = "errors.sensors.laser.mount.heading.add"
+    window.page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    number = window.field(path).locator("input[type=text]")
+    number.fill("10")  # in degrees
+    number.press("Enter")
+    laser = window.see("robot.sensors.findIndex(sensor => sensor.name === 'laser')")
+    window.until(f"stage.trueSensors[{laser}]?.mounts[0][2] > 0.17")
+    assert window.see(f"robot.sensors[{laser}].mounts[0][2]") == 0.0  # from which the readings are drawn
+    window.page.click("text=as in file")
+    window.until(f"stage.trueSensors[{laser}].mounts[0][2] === 0")
+
+
 def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> None:
     field = window.field(LEFT_WHEEL)
     number = field.locator("input[type=text]")

@@ -125,6 +125,48 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
   context.restore();
 }
 
+/** Zones of the floor, lamps and landmarks, as they truly are. */
+export function drawFloor(context, camera, floor, theme) {
+  for (const zone of floor.zones) {
+    context.beginPath();
+    trace(context, { polygon: zone }, 0, 0, 0);
+    context.fillStyle = theme.grid;
+    context.fill();
+    context.strokeStyle = theme.line;
+    context.lineWidth = px(camera, 1);
+    context.stroke();
+  }
+  for (const [x, y] of floor.lights) {
+    const size = px(camera, 7);
+    context.beginPath();
+    for (let n = 0; n < 8; n++) {
+      const [c, s] = [Math.cos((n * Math.PI) / 4), Math.sin((n * Math.PI) / 4)];
+      context.moveTo(x + 0.4 * size * c, y + 0.4 * size * s);
+      context.lineTo(x + size * c, y + size * s);
+    }
+    context.strokeStyle = theme.soft;
+    context.lineWidth = px(camera, 1.5);
+    context.stroke();
+  }
+  drawMarks(context, camera, floor.landmarks, theme.wall);
+}
+
+/** Landmarks as diamonds: of the world, or those that a robot was told. */
+export function drawMarks(context, camera, marks, colour) {
+  context.beginPath();
+  for (const [x, y, radius] of marks) {
+    const size = Math.max(radius ?? 0, px(camera, 5));
+    context.moveTo(x + size, y);
+    context.lineTo(x, y + size);
+    context.lineTo(x - size, y);
+    context.lineTo(x, y - size);
+    context.closePath();
+  }
+  context.strokeStyle = colour;
+  context.lineWidth = px(camera, 1.5);
+  context.stroke();
+}
+
 /** Obstacles, where they truly are. */
 export function drawObstacles(context, camera, obstacles, poses, theme) {
   context.beginPath();

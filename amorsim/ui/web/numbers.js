@@ -107,6 +107,6 @@ export class Numbers {
       ? quantity.key === "apart" ? ["estimated", "difference"] : ["difference"]
       : KINDS.slice(0, 3);
     const shown = { curves: wanted, times: series.times, values: wanted.map((kind) => series.values[KINDS.indexOf(kind)]) };
-    this.plot.draw(shown, { theme, unit: quantity.unit, now: frame?.time });
+    this.plot.draw(shown, { theme, unit: quantity.unit, now: frame?.time, least: 10 ** -quantity.decimals });
   }
 }

@@ -2,7 +2,7 @@
 
 import { fixed, h, niceStep, say } from "./dom.js";
 import { drawCrowd } from "./crowd.js";
-import { drawEllipse, drawGrid, drawMap, drawObstacles, drawRobot, drawTrail } from "./marks.js";
+import { drawEllipse, drawFloor, drawGrid, drawMap, drawMarks, drawObstacles, drawRobot, drawTrail } from "./marks.js";
 import { drawReadings, isRange } from "./readings.js";
 
 /** What a pane shows of the world (`true`) or of what the robot knows (`estimated`). */
@@ -26,11 +26,13 @@ export class Layer {
     const robot = scene.robots[frame.selected];
     if (this.kind === "true") {
       drawMap(context, camera, scene.map, state.pathOf(scene.map), state.picture(scene.map, theme.wall), theme.wall);
+      drawFloor(context, camera, scene.floor, theme);
       drawObstacles(context, camera, scene.obstacles, frame.obstacles, theme);
     } else if (robot?.knowledge) {
       const [map, shade] = [robot.knowledge, theme["known-wall"]];
       drawMap(context, camera, map, state.pathOf(map), state.picture(map, shade), shade);
     }
+    if (this.kind !== "true" && robot) drawMarks(context, camera, robot.landmarks, theme["known-wall"]);
   }
 
   draw(context, camera, state, ratio) {
@@ -46,7 +48,8 @@ export class Layer {
     robot.sensors.forEach((sensor, s) => {
       if (!isRange(sensor) || !this.shows(sensor.name) || !frame.sensors[s]) return;
       const values = isTrue ? frame.sensors[s].true : frame.sensors[s].measured;
-      drawReadings(context, camera, sensor, pose, values, isTrue ? "true" : "measured", theme);
+      const shape = isTrue ? (state.trueSensors[s] ?? sensor) : sensor;
+      drawReadings(context, camera, shape, pose, values, isTrue ? "true" : "measured", theme);
     });
     if (!isTrue && options.ellipse) {
       drawEllipse(context, camera, pose, Array.from(frame.covariances.subarray(6 * i, 6 * i + 6)), theme);
@@ -124,6 +127,12 @@ export class Pane {
     const length = niceStep(50 / camera.scale);
     const wide = length * camera.scale;
     const [left, base] = [12.5, camera.height - 12.5];
+    const text = length >= 1 ? `${length} m` : `${Math.round(length * 1000)} mm`;
+    context.font = "12px system-ui, sans-serif";
+    context.globalAlpha = 0.8;
+    context.fillStyle = theme.paper;
+    context.fillRect(left - 6, base - 12, wide + context.measureText(text).width + 18, 18);
+    context.globalAlpha = 1;
     context.strokeStyle = theme.soft;
     context.fillStyle = theme.soft;
     context.lineWidth = 1.5;
@@ -133,8 +142,7 @@ export class Pane {
     context.lineTo(left + wide, base);
     context.lineTo(left + wide, base - 4);
     context.stroke();
-    context.font = "12px system-ui, sans-serif";
-    context.fillText(length >= 1 ? `${length} m` : `${Math.round(length * 1000)} mm`, left + wide + 6, base);
+    context.fillText(text, left + wide + 6, base);
   }
 
   listen() {

@@ -6,7 +6,7 @@ import { eachBeam, isRange } from "./readings.js";
 const NEAR = 9; // pixels
 
 /** The nearest thing to the world point (x, y), or null: `{kind, title, lines, robot?}`. */
-export function pick(scene, frame, layers, camera, x, y) {
+export function pick(scene, frame, layers, camera, x, y, trueSensors) {
   const near = NEAR / camera.scale;
   for (const layer of layers) {
     const poses = layer.kind === "true" ? frame.truePoses : frame.estimatedPoses;
@@ -14,7 +14,7 @@ export function pick(scene, frame, layers, camera, x, y) {
     if (robot >= 0) return describeRobot(scene, frame, robot);
   }
   for (const layer of layers) {
-    const beam = nearestBeam(scene, frame, layer, x, y, near);
+    const beam = nearestBeam(scene, frame, layer, x, y, near, trueSensors);
     if (beam) return beam;
   }
   for (let i = 0; i < scene.obstacles.length; i++) {
@@ -64,7 +64,7 @@ function describeRobot(scene, frame, i) {
   };
 }
 
-function nearestBeam(scene, frame, layer, x, y, near) {
+function nearestBeam(scene, frame, layer, x, y, near, trueSensors) {
   const selected = frame.selected;
   const robot = scene.robots[selected];
   if (!robot) return null;
@@ -73,9 +73,10 @@ function nearestBeam(scene, frame, layer, x, y, near) {
   let best = null;
   let least = near;
   robot.sensors.forEach((sensor, s) => {
-    if (!isRange(sensor) || !layer.shows(sensor.name)) return;
+    if (!isRange(sensor) || !layer.shows(sensor.name) || !frame.sensors[s]) return;
     const values = layer.kind === "true" ? frame.sensors[s].true : frame.sensors[s].measured;
-    eachBeam(sensor, pose, values, (i, x0, y0, angle, range, met) => {
+    const shape = layer.kind === "true" ? (trueSensors[s] ?? sensor) : sensor;
+    eachBeam(shape, pose, values, (i, x0, y0, angle, range, met) => {
       const c = Math.cos(angle);
       const t = Math.sin(angle);
       const along = Math.min(range, Math.max(0, (x - x0) * c + (y - y0) * t));

@@ -38,7 +38,7 @@ export class Plot {
     this.context = canvas.getContext("2d", { alpha: false });
   }
 
-  draw(series, { theme, unit, now }) {
+  draw(series, { theme, unit, now, least = 1e-6 }) {
     const { canvas, context } = this;
     const ratio = window.devicePixelRatio || 1;
     const { clientWidth: width, clientHeight: height } = canvas;
@@ -49,7 +49,7 @@ export class Plot {
     context.fillRect(0, 0, width, height);
     const box = { left: 52, right: width - 10, top: 8, bottom: height - 20 };
     if (box.right - box.left < 20 || box.bottom - box.top < 20) return;
-    const [low, high] = range(series.values);
+    const [low, high] = range(series.values, least);
     const last = Math.max(now ?? 0, series.times[series.times.length - 1] ?? 0, 1);
     const across = (time) => box.left + ((box.right - box.left) * time) / last;
     const up = (value) => box.bottom - ((box.bottom - box.top) * (value - low)) / (high - low);
@@ -149,8 +149,8 @@ export class Plot {
   }
 }
 
-/** Bounds of the axis: all finite values, a little air, never of no height. */
-function range(columns) {
+/** Bounds of the axis: all finite values, a little air, never of less height than four of the least digits shown. */
+function range(columns, least) {
   let [low, high] = [Infinity, -Infinity];
   for (const column of columns) {
     for (const value of column) {
@@ -160,7 +160,10 @@ function range(columns) {
     }
   }
   if (low > high) return [0, 1];
-  const air = Math.max((high - low) * 0.06, Math.abs(high) * 1e-6, 1e-6);
-  if (high - low < 1e-9) return [low - Math.max(Math.abs(low) * 0.1, 0.01), high + Math.max(Math.abs(high) * 0.1, 0.01)];
+  const air = Math.max((high - low) * 0.06, Math.abs(high) * 1e-6);
+  if (high - low < 4 * least) {
+    const middle = (low + high) / 2;
+    return low >= 0 && high < 4 * least ? [0, 4 * least] : [middle - 4 * least, middle + 4 * least];
+  }
   return [low >= 0 && low < high * 0.5 ? 0 : low - air, high + air];
 }

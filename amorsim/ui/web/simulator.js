@@ -114,6 +114,7 @@ export class Simulator {
     this.selected = frame.selected;
     this.robot = this.scene.robots[frame.selected];
     this.stage.clearTrails();
+    this.stage.trueSensors = [];
     if (isOther && this.robot) this.showRobot();
     this.numbers.clear();
     this.readHistory();
@@ -156,8 +157,12 @@ export class Simulator {
   }
 
   async readParameters() {
-    const said = await this.connection.ask({ do: "parameters", robot: this.robot.name });
-    if (said.ok) this.form.show(said.parameters);
+    const robot = this.robot;
+    const said = await this.connection.ask({ do: "parameters", robot: robot.name });
+    if (!said.ok || robot !== this.robot) return;
+    this.form.show(said.parameters);
+    this.stage.trueSensors = said.sensors;
+    this.stage.redraw();
   }
 
   async readEvents() {
@@ -210,7 +215,7 @@ export class Simulator {
 
   pick(pane, x, y, left, top) {
     const { scene, frame, camera } = this.stage;
-    const found = scene && frame ? pick(scene, frame, [...pane.layers].reverse(), camera, x, y) : null;
+    const found = scene && frame ? pick(scene, frame, [...pane.layers].reverse(), camera, x, y, this.stage.trueSensors) : null;
     this.parts.card.hidden = !found;
     if (!found) return;
     this.parts.card.replaceChildren(h("strong", {}, found.title), ...found.lines.map((line) => h("div", {}, line)));

@@ -28,6 +28,7 @@ export class Stage {
     this.estimatedTrail = new Trail();
     this.pictures = new Map();
     this.paths = new Map();
+    this.trueSensors = []; // of the selected robot, as they are by their true parameters
     this.theme = readTheme(root);
     root.addEventListener("theme", () => {
       this.theme = readTheme(root);
