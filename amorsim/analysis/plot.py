@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from amorsim.analysis.figures import ESTIMATED, MEASURED, TRUE, compare, legend, new_figure, tidy, unwrapped_gaps
 from amorsim.analysis.files import RunFiles, Table
+from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
 
 __all__ = ["plot_run"]
@@ -59,10 +61,10 @@ def plot_run(
         "heading": lambda: _heading(poses),
         "error": lambda: _error(poses),
     }
-    units = {key: unit.sensor.unit for r in files.scenario.robots if r.name == name for key, unit in r.sensors.items()}
+    sensors = {key: unit.sensor for r in files.scenario.robots if r.name == name for key, unit in r.sensors.items()}
     for sensor in files.sensors:
-        if sensor in units:
-            drawn[f"sensor-{sensor}"] = partial(_read_sensor, table, sensor, units[sensor])
+        if sensor in sensors:
+            drawn[f"sensor-{sensor}"] = partial(_read_sensor, table, sensor, sensors[sensor])
     target = Path(out) if out is not None else Path(folder) / "plots"
     made = []
     try:
@@ -190,7 +192,7 @@ def _error(poses: Table) -> Figure:
     return figure
 
 
-def _read_sensor(table: Callable[[str], Table], name: str, unit: str) -> Figure | None:
+def _read_sensor(table: Callable[[str], Table], name: str, sensor: Sensor) -> Figure | None:
     readings = table(f"sensors/{name}")
     if not len(readings["time"]):
         return None
@@ -198,6 +200,9 @@ def _read_sensor(table: Callable[[str], Table], name: str, unit: str) -> Figure 
     true, measured = (np.array([readings[f"{channel}_{i}"] for i in range(size)]) for channel in ("true", "measured"))
     true[~np.isfinite(true)] = np.nan  # no return
     measured[~np.isfinite(measured)] = np.nan
+    unit, columns = sensor.unit, sensor.columns()
+    if columns:
+        return _columns(name, columns, readings["stamp"], true, measured)
     if unit.startswith("rad"):
         true, measured, unit = np.degrees(true), np.degrees(measured), unit.replace("rad", "°", 1)
     if size > MANY:
@@ -223,6 +228,31 @@ def _values(name: str, unit: str, time: Array, true: Array, measured: Array) -> 
             compare(figure, main, below, (time, one), (time, other), MEASURED)
         main.set_ylabel(f"{name} {i} [{unit}]" if size > 1 else f"{name} [{unit}]")
     axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def _columns(name: str, columns: Mapping[str, str], time: Array, true: Array, measured: Array) -> Figure:
+    """A panel for each column of a table: what stands in all its lines, as dots; one line alone, as a curve."""
+    lines = len(true) // len(columns)
+    figure = Figure(figsize=(9.0, 1.2 + 1.7 * len(columns)), layout="constrained")
+    axes: Any = figure.subplots(len(columns), 1, squeeze=False, sharex=True).ravel()
+    for i, (column, unit) in enumerate(columns.items()):
+        axis = axes[i]
+        tidy(axis)
+        of_true, of_measured = true[i :: len(columns)].T, measured[i :: len(columns)].T
+        if unit == "id":  # an empty slot is none
+            axis.yaxis.set_major_locator(MaxNLocator(integer=True))
+            of_true, of_measured = (np.where(values < 0, np.nan, values) for values in (of_true, of_measured))
+        if unit.startswith("rad"):
+            of_true, of_measured, unit = np.degrees(of_true), np.degrees(of_measured), unit.replace("rad", "°", 1)
+        for values, style, size in ((of_true, TRUE, 5.0), (of_measured, MEASURED, 2.5)):
+            how = style if lines == 1 else {"color": style["color"], "linestyle": "", "marker": ".", "markersize": size}
+            drawn = axis.plot(time, values, **{key: value for key, value in how.items() if key != "label"})
+            drawn[0].set_label(style["label"])
+        axis.set_ylabel(column if unit in ("", "id") else f"{column} [{unit}]", fontsize=9)
+    axes[-1].set_xlabel("time [s]")
+    figure.suptitle(name, x=0.02, ha="left")
+    legend(figure, axes[0])
     return figure
 
 

@@ -16,8 +16,9 @@ from amorsim.core.parameters import ParameterError
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.marks import COLOURS
+from amorsim.render.things import Thing, draw_lamp, draw_landmark, draw_obstacle, draw_thing
 
-__all__ = ["RobotPath", "draw_map", "draw_run"]
+__all__ = ["RobotPath", "Thing", "draw_map", "draw_run"]
 
 _SMALLEST = 240  # [px] longer side: below, title and legend leave nothing to the map
 _GROWTH = 0.25  # of the map's longer side: how far beyond its edge a path is followed
@@ -73,6 +74,7 @@ def draw_run(
     paths: Sequence[RobotPath],
     *,
     zones: Sequence[ArrayLike] = (),
+    things: Sequence[Thing] = (),
     size: int = 1600,
     title: str = "",
 ) -> Image.Image:
@@ -80,9 +82,9 @@ def draw_run(
 
     The picture's edges are parallel to the map's, whatever its yaw. Walls are dark, true paths a solid line,
     estimated ones a dashed line, collisions crosses; zones of the floor, whose outlines (V, 2) [m] in the world are
-    given, are hatched; a ring marks where a robot started, a disc (within its
-    outline, if given) where it ended, a diamond where it believed it ended. Paths that leave the map make the
-    picture grow by up to a quarter of the map's longer side, and are cut off beyond.
+    given, are hatched; obstacles, landmarks and lamps have their colours; a ring marks where a robot started, a disc
+    (within its outline, if given) where it ended, a diamond where it believed it ended. Paths that leave the map make
+    the picture grow by up to a quarter of the map's longer side, and are cut off beyond.
 
     Raises
     ------
@@ -91,8 +93,9 @@ def draw_run(
     """
     if size < _SMALLEST:
         raise ParameterError("size", f"expected at least {_SMALLEST} pixels, got {size}")
-    page = _Page(map, paths, [_points(zone) for zone in zones], size, title)
+    page = _Page(map, paths, [_points(zone) for zone in zones], things, size, title)
     page.draw_walls()
+    page.draw_things()
     for path in paths:
         page.draw_lines(path)
     for path in paths:
@@ -100,13 +103,25 @@ def draw_run(
     return page.finish()
 
 
+_SAMPLES = {"obstacle": draw_obstacle, "landmark": draw_landmark, "lamp": draw_lamp}
+
+
 class _Page:
     """The sheet: a title above, the plot, a legend and a scale bar below."""
 
-    def __init__(self, map_: Map, paths: Sequence[RobotPath], zones: Sequence[Points], size: int, title: str) -> None:
+    def __init__(
+        self,
+        map_: Map,
+        paths: Sequence[RobotPath],
+        zones: Sequence[Points],
+        things: Sequence[Thing],
+        size: int,
+        title: str,
+    ) -> None:
         self._map = map_
         self._paths = paths
         self._zones = zones
+        self._things = things
         self._title = title
         self._unit = size / 1600  # [px] a line 1 px wide in a picture of 1600 px
         self._margin = round(34 * self._unit) + 2
@@ -159,6 +174,13 @@ class _Page:
         for zone in self._zones:
             marks.draw_zone(canvas, self._on_page(zone), self._unit)
         canvas.mask(pixels, (left - lacking / FINENESS, top), COLOURS["wall"])
+
+    def draw_things(self) -> None:
+        """Paint obstacles, and over them landmarks and lamps."""
+        self._canvas.frame = self._plot
+        for thing in sorted(self._things, key=lambda thing: thing.kind != "obstacle"):
+            place, outline = self._on_page(thing.place)[0], self._on_page(thing.outline)
+            draw_thing(self._canvas, thing, place, outline, self._scale, self._unit)
 
     def draw_lines(self, path: RobotPath) -> None:
         """Paint a robot's paths, the estimated one over the true one."""
@@ -227,7 +249,7 @@ class _Page:
             COLOURS["faint"],
             1.2 * self._unit,
         )
-        words = [*self._draw_legend(), self._draw_scale_bar()]
+        words = [*self._draw_legend(), self._draw_scale_bar(), *self._labels()]
         image = canvas.shown()
         pen = ImageDraw.Draw(image)
         for text, place, anchor in words:
@@ -239,6 +261,17 @@ class _Page:
         if len(self._paths) > 1:
             self._write_names(pen)
         return image
+
+    def _labels(self) -> list[tuple[str, tuple[float, float], str]]:
+        """What stands beside things, with places and anchors."""
+        left, top, right, bottom = self._plot
+        labels = []
+        for thing in self._things:
+            (x, y) = self._on_page(thing.place)[0].tolist()
+            reach = max(thing.radius * self._scale, 9 * self._unit)
+            if thing.label and left < x < right and top < y < bottom:
+                labels.append((thing.label, (x + reach, y - 0.5 * reach), "ls"))
+        return labels
 
     def _legend_items(self) -> list[_Item]:
         """What the legend explains: what is in the picture and nothing else."""
@@ -256,6 +289,7 @@ class _Page:
             (true, _Item("end", marks.draw_true_end)),
             (estimated, _Item("estimated end", marks.draw_estimated_end)),
             (bool(self._zones), _Item("zone" if len(self._zones) == 1 else "zones", _zone_sample)),
+            *((any(t.kind == kind for t in self._things), _Item(kind, draw)) for kind, draw in _SAMPLES.items()),
             (hits > 0, _Item(f"{hits} collision{'s' if hits > 1 else ''}", marks.draw_collision)),
         ]
         return [item for shown, item in found if shown]

@@ -205,6 +205,7 @@ class RunSession:
                 self._scenario.map,
                 self._traces.paths(),
                 zones=[zone.outline for zone in self._scenario.zones],
+                things=self._traces.things(),
                 title=self._title(),
             )
             try:

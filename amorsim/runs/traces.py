@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame
 from amorsim.core.poses import compose
-from amorsim.render.picture import RobotPath
+from amorsim.core.shapes import Shape
+from amorsim.render.picture import RobotPath, Thing
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Traces"]
@@ -19,6 +20,9 @@ Array = npt.NDArray[np.float64]
 LARGEST = 2_000_000  # points kept, over all robots
 FEWEST = 1000  # of each robot, however many there are
 _NUMBERS = 1 << 14  # that wait at most, but for a step's
+
+
+MOST_LABELS = 40  # landmarks whose numbers are written beside them
 
 
 class Traces:
@@ -117,16 +121,41 @@ class Traces:
         shapes = {robot.name: robot.shape for robot in self._simulation.scenario.robots}
         found = []
         for i, name in enumerate(self._simulation.names):
-            outline = shapes[name].outline
-            corners = np.column_stack((outline, np.zeros(len(outline))))
-            pose = np.repeat(self._simulation.true_pose[i : i + 1], len(corners), axis=0)
             found.append(
                 RobotPath(
                     name=name,
                     true=points[:, i, :2],
                     estimated=points[:, i, 2:],
-                    outline=compose(pose, corners)[:, :2],
+                    outline=_placed(shapes[name], self._simulation.true_pose[i : i + 1]),
                     collisions=self.collisions(name),
                 )
             )
         return found
+
+    def things(self) -> list[Thing]:
+        """The obstacles of the first replica where they are now, the landmarks and the lamps, as pictures want them."""
+        scenario = self._simulation.scenario
+        found = []
+        for obstacle in scenario.obstacles:
+            pose = self._simulation.obstacle(obstacle.name, self._simulation.replicas[0]).true_pose
+            outline = _placed(obstacle.shape, pose[np.newaxis])
+            found.append(Thing(kind="obstacle", place=pose[:2], outline=outline, colour=obstacle.colour))
+        labelled = len(scenario.landmarks) <= MOST_LABELS
+        found += [
+            Thing(
+                kind="landmark",
+                place=(mark.x, mark.y),
+                radius=mark.radius,
+                colour=mark.colour,
+                label=str(mark.id) if labelled else "",
+            )
+            for mark in scenario.landmarks
+        ]
+        return found + [Thing(kind="lamp", place=(light.x, light.y)) for light in scenario.lights]
+
+
+def _placed(shape: Shape, pose: Array) -> Array:
+    """The outline `(V, 2)` of a body at a pose `(1, 3)`, in the world."""
+    outline = shape.outline
+    corners = np.column_stack((outline, np.zeros(len(outline))))
+    return compose(np.repeat(pose, len(corners), axis=0), corners)[:, :2]

@@ -14,7 +14,7 @@ from PIL import Image, ImageColor
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.render.marks import COLOURS
-from amorsim.render.picture import RobotPath, draw_map, draw_run
+from amorsim.render.picture import RobotPath, Thing, draw_map, draw_run
 
 NEAR = 70  # of 441: how far apart colours of a smoothed edge and a pure one may be
 
@@ -167,6 +167,28 @@ def test_zones_are_hatched_below_the_paths(room: Map) -> None:
     assert not outside[: at(0, 0)[1]].any()
     assert outside[legend - 60 :].any()  # it says what that is
     assert around(has(image, COLOURS["true"]), at(3, 3), 1).any()
+
+
+def test_things_stand_where_they_are_in_their_colours(room: Map) -> None:
+    box = [(2.0, 2.0), (2.6, 2.0), (2.6, 2.6), (2.0, 2.6)]
+    things = [
+        Thing(kind="landmark", place=(4.0, 4.0), radius=0.1, colour="#ff00ff", label="7"),
+        Thing(kind="lamp", place=(5.0, 1.0)),
+        Thing(kind="obstacle", place=(2.0, 2.0), outline=box, colour="#00ffff"),
+    ]
+    path = RobotPath(name="rover", true=[(1, 3), (1.5, 3)])
+    image, plain = draw_run(room, [path], things=things), draw_run(room, [path])
+    at = Places(image, room.size)
+    assert around(has(image, "#ff00ff"), at(4.0, 4.0), 3).all()
+    assert not around(has(image, "#ff00ff"), at(4.3, 4.0), 3).any()  # as large as it is
+    assert around(has(image, "#f2b705"), at(5.0, 1.0), 2).all()
+    corner = np.asarray(image)[at(2.3, 2.3)[1], at(2.3, 2.3)[0]]
+    assert corner[0] < 100 < corner[1]  # cyan, a little of the floor showing through
+    for place in ((2.0, 2.3), (2.6, 2.3)):
+        assert around(has(image, "#3d444d"), at(*place), 3).any()
+    assert not has(plain, "#f2b705").any()
+    with pytest.raises(ParameterError, match="kind"):
+        Thing(kind="tree", place=(0, 0))
 
 
 def test_marks_of_start_and_end(room: Map) -> None:

@@ -1,0 +1,51 @@
+"""Figures of sensors whose readings are tables: a panel for each column."""
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.analysis import plot
+
+TEXT = """
+format = 1
+[world]
+map = "room.wld"
+[simulation]
+duration = 0.5
+[recording]
+picture = false
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+[robots.sensors.finder]
+use = "fiducial"
+slots = 3
+[robots.sensors.gps]
+use = "gps"
+heading = true
+[[landmarks]]
+id = 4
+x = 3.0
+y = 1.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("sensor", "labels"),
+    [("finder", ["range [m]", "bearing [°]", "id"]), ("gps", ["x [m]", "y [m]", "heading [°]"])],
+)
+def test_each_column_has_a_panel_in_its_unit(tmp_path, monkeypatch, sensor, labels):
+    (tmp_path / "room.wld").write_text(
+        "0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\nposition 1000 1500 0\n"
+    )
+    (tmp_path / "scenario.toml").write_text(TEXT)
+    am.run(am.load(tmp_path / "scenario.toml"), tmp_path / "run")
+    made = {}
+    columns = plot._columns
+    monkeypatch.setattr(plot, "_columns", lambda name, *rest: made.setdefault(name, columns(name, *rest)))
+    plot.plot_run(tmp_path / "run")
+    axes = made[sensor].axes
+    assert [axis.get_ylabel() for axis in axes] == labels
+    for axis, wanted in zip(axes, {"finder": (2.0, 0.0, 4.0), "gps": (1.0, 1.5, 0.0)}[sensor], strict=True):
+        shown = np.concatenate([line.get_ydata() for line in axis.get_lines()])
+        np.testing.assert_allclose(shown[np.isfinite(shown)], wanted, atol=1e-5)  # of empty slots nothing
