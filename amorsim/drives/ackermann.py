@@ -143,6 +143,16 @@ class Ackermann(Motors):
         radius: Any = self.wheel_radius
         return np.array(radius) if self.counted == "centre" else np.concatenate((radius, radius), axis=1)
 
+    def contacts(self, joints: Array) -> Array:
+        """Where the wheels that are counted touch the ground `(N, r, 2)` [m]; the shaft does at the base point."""
+        found = np.zeros((len(joints), len(self.joints) - 1, 2))
+        if self.counted != "centre":
+            half = 0.5 * np.asarray(self.track)[:, 0]
+            found[:, 0, 1], found[:, 1, 1] = half, -half
+        if self.counted == "front":
+            found[:, :, 0] = np.asarray(self.wheelbase)
+        return found
+
     def curvature_max(self) -> Array:
         """The sharpest curve `(N, 1)` [1/m]: that of the steering at its end."""
         angle = np.array(self.steering_max)

@@ -97,6 +97,13 @@ class Mecanum(Motors):
         )
         return np.concatenate(radii, axis=1)
 
+    def contacts(self, joints: Array) -> Array:
+        """Where the wheels touch the ground `(N, 4, 2)` [m]."""
+        found = np.empty((len(joints), 4, 2))
+        found[:, :, 0] = np.array([[0.5, 0.5, -0.5, -0.5]]) * self.wheelbase
+        found[:, :, 1] = np.array([[0.5, -0.5, 0.5, -0.5]]) * self.track
+        return found
+
     def jacobian(self, before: Array, after: Array) -> Array:
         """Motion of the body (forward, left, turn) per metre of each wheel's travel, `(N, 3, 4)`."""
         lever = self._lever()

@@ -108,6 +108,12 @@ class Tricycle(Motors):
         """Radius of the front wheel `(N, 1)` [m]."""
         return np.array(self.wheel_radius)
 
+    def contacts(self, joints: Array) -> Array:
+        """Where the front wheel touches the ground `(N, 1, 2)` [m]."""
+        found = np.zeros((len(joints), 1, 2))
+        found[:, :, 0] = np.asarray(self.wheelbase)
+        return found
+
     def curvature_max(self) -> Array:
         """The sharpest curve `(N, 1)` [1/m]; inf where the steering goes athwart."""
         angle = np.array(self.steering_max)

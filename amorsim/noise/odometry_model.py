@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.noise.wheel_pair import per_interval, track_of, with_motion_error
+from amorsim.noise.body_motion import motion_squares, per_interval, start_motion, with_motion_error
 
 __all__ = ["OdometryModel"]
 
@@ -25,9 +25,10 @@ class OdometryModel(Noise):
     "Probabilistic Robotics" (2005), whose r1 and r2 are equal on an arc. Both turns are spread over the step, for
     a pair of wheels can do no other; what is lost is a step aside, of second order in the errors.
 
-    For the `ground` of a differential drive, whose left and right wheel travel t -+ (r1 + r2) track / 2, with the
-    nominal track; any other is refused. As published, an error is drawn per step, so that over a given way the
-    noise is the less, the shorter the steps; with `interval` it does not depend on the step.
+    For the `ground` of a drive whose wheels turn the body by what they travel: of a differential one, whose left and
+    right wheel travel t -+ (r1 + r2) track / 2, with the nominal track, or a mecanum drive, whose way is that in the
+    direction in which it goes; any other is refused. As published, an error is drawn per step, so that over a given
+    way the noise is the less, the shorter the steps; with `interval` it does not depend on the step.
 
     Parameters
     ----------
@@ -46,18 +47,16 @@ class OdometryModel(Noise):
     interval: float | None = parameter(None, unit="s", gt=0, help="step for which the numbers hold; none for any")
 
     def start(self, context: Context) -> State:
-        """The nominal track [m] `(N, 1)`; `ComponentError` for a drive that is not differential."""
-        return {"track": track_of("OdometryModel", context)}
+        """How the motion comes of the wheels; `ComponentError` for a drive of which that cannot be told."""
+        return start_motion("OdometryModel", context)
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The travels (left, right) `(N, 2)` [m] over the ground."""
-        track = state["track"]
-        left, right = values[:, :1], values[:, 1:]
-        way = (0.5 * (left + right)) ** 2
-        half_turn = (0.5 * (right - left) / track) ** 2
+        """The travels `(N, r)` [m] over the ground."""
+        way, turn = motion_squares(values, state)
+        half_turn = 0.25 * turn
         share = per_interval(self.interval, elapsed)
         noise = draws.normal(3)
         turn_std = np.sqrt((self.a1 * half_turn + self.a2 * way) * share)
         turned = noise[:, :1] * turn_std + noise[:, 2:] * turn_std
         forward = noise[:, 1:2] * np.sqrt((self.a3 * way + self.a4 * (2.0 * half_turn)) * share)
-        return with_motion_error(values, forward, turned, track)
+        return with_motion_error(values, forward, turned, state)

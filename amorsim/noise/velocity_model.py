@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.noise.wheel_pair import per_interval, track_of, with_motion_error
+from amorsim.noise.body_motion import motion_squares, per_interval, start_motion, with_motion_error
 
 __all__ = ["VelocityModel"]
 
@@ -25,9 +25,10 @@ class VelocityModel(Noise):
     S. Thrun, W. Burgard and D. Fox, "Probabilistic Robotics" (2005). The last term, there a turn on the spot at
     the end of the step, is spread over the step, for a pair of wheels can do no other.
 
-    For the `ground` of a differential drive, whose left and right wheel travel v dt -+ w dt track / 2, with the
-    nominal track; any other is refused. As published, an error is drawn per step, so that over a given way the
-    noise is the less, the shorter the steps; with `interval` it does not depend on the step.
+    For the `ground` of a drive whose wheels turn the body by what they travel: of a differential one, whose left and
+    right wheel travel v dt -+ w dt track / 2, with the nominal track, or a mecanum drive, whose speed is that in the
+    direction in which it goes; any other is refused. As published, an error is drawn per step, so that over a given
+    way the noise is the less, the shorter the steps; with `interval` it does not depend on the step.
 
     Parameters
     ----------
@@ -50,19 +51,16 @@ class VelocityModel(Noise):
     interval: float | None = parameter(None, unit="s", gt=0, help="step for which the numbers hold; none for any")
 
     def start(self, context: Context) -> State:
-        """The nominal track [m] `(N, 1)`; `ComponentError` for a drive that is not differential."""
-        return {"track": track_of("VelocityModel", context)}
+        """How the motion comes of the wheels; `ComponentError` for a drive of which that cannot be told."""
+        return start_motion("VelocityModel", context)
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The travels (left, right) `(N, 2)` [m] over the ground."""
-        track = state["track"]
-        left, right = values[:, :1], values[:, 1:]
+        """The travels `(N, r)` [m] over the ground."""
         # Squares of the way and of the turn: both sides of the model times dt^2, which so falls out.
-        way = (0.5 * (left + right)) ** 2
-        turn = ((right - left) / track) ** 2
+        way, turn = motion_squares(values, state)
         share = per_interval(self.interval, elapsed)
         noise = draws.normal(3)
         forward = noise[:, :1] * np.sqrt((self.a1 * way + self.a2 * turn) * share)
         turned = noise[:, 1:2] * np.sqrt((self.a3 * way + self.a4 * turn) * share)
         final = noise[:, 2:] * np.sqrt((self.a5 * way + self.a6 * turn) * share)
-        return with_motion_error(values, forward, turned + final, track)
+        return with_motion_error(values, forward, turned + final, state)

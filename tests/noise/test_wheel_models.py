@@ -109,8 +109,8 @@ def test_without_one_longer_steps_have_more(dt):
 
 
 @pytest.mark.parametrize("kind", [VelocityModel, OdometryModel])
-def test_drives_that_are_not_differential_are_refused(kind):
-    with pytest.raises(ComponentError, match=r"expected the ground of a differential drive .* got Differential with 3"):
+def test_values_that_are_no_wheels_travels_are_refused(kind):
+    with pytest.raises(ComponentError, match=r"wheels turn the body by what they travel.* got Differential with 3"):
         Samples(kind(), k=3)
 
 
