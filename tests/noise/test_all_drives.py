@@ -77,7 +77,6 @@ def test_a_bump_costs_the_way_of_an_edge(name):
 @pytest.mark.parametrize("name", MAKERS)
 def test_wheels_meet_a_sill_where_they_are(name):
     """A sill ahead is met by the foremost wheel first: by how far it stands before the base point."""
-    drive = make(name)
     sill = am.Zone(name="sill", shape=Shape.rectangle(0.01, 9.0), pose=am.Pose(x=1.0), ground=(Bump(height=0.01),))
     sim = simulate(name, zones=[sill], dt=0.01)
     (group,) = sim._fleet.groups
