@@ -27,7 +27,7 @@ export class Events {
         "button",
         { class: "event", title: "go to this moment", onclick: () => this.on.go(event) },
         h("span", { class: "when" }, `${event.time.toFixed(1)} s`),
-        h("span", { class: serious ? "what serious" : "what" }, event.text),
+        h("span", { class: serious ? "what serious" : "what" }, event.text.replace(/[._](?=\w)/g, "$&\u200b")),
       );
       const stack = event.stack ? h("button", { class: "quiet", onclick: () => this.on.stack(event) }, "stack") : null;
       this.list.prepend(h("li", {}, go, stack));

@@ -16,7 +16,7 @@ export class Numbers {
       "select",
       { "aria-label": "which curves are plotted", onchange: () => this.setMode(this.mode.value) },
       h("option", { value: "difference" }, "difference"),
-      h("option", { value: "values" }, "true, measured, estimated"),
+      h("option", { value: "values" }, "all three"),
     );
     plotHead.append(this.select, this.mode);
     this.quantities = [];
