@@ -63,7 +63,7 @@ class Bumper(Sensor):
     unit: ClassVar[str] = "contact"
 
     segments: tuple[Sector, ...] = parameter(_FRONT, static=True, help="the directions, each with a value of its own")
-    reach: float = parameter(0.005, unit="m", gt=0, static=True, help="how far it stands out from the footprint")
+    reach: float = parameter(0.005, unit="m", gt=0, help="how far it stands out from the footprint")
 
     def __attrs_post_init__(self) -> None:
         if not self.segments:
@@ -75,12 +75,13 @@ class Bumper(Sensor):
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """1 where a segment is pressed, else 0 `(N, k)`."""
-        mounts, mine = np.unique(view.mount, axis=0, return_inverse=True)
+        reach = np.broadcast_to(self.reach, (view.rows, 1))
+        mounts, mine = np.unique(np.concatenate((view.mount, reach), axis=1), axis=0, return_inverse=True)
         zones: list[Shape] = []
         which = np.zeros((len(mounts), len(self.segments)), dtype=np.int64)
         there = np.zeros(which.shape, dtype=np.bool_)
         for i, mount in enumerate(mounts.tolist()):
-            for j, zone in enumerate(_zones(view.shape, (mount[0], mount[1], mount[2]), self.segments, self.reach)):
+            for j, zone in enumerate(_zones(view.shape, tuple(mount[:3]), self.segments, mount[3])):
                 if zone is not None:  # a sector in which there is no outline is never pressed
                     which[i, j], there[i, j] = len(zones), True
                     zones.append(zone)
@@ -93,7 +94,7 @@ class Bumper(Sensor):
 
 @functools.lru_cache(maxsize=4096)
 def _zones(
-    shape: Shape, mount: tuple[float, float, float], segments: tuple[Sector, ...], reach: float
+    shape: Shape, mount: tuple[float, ...], segments: tuple[Sector, ...], reach: float
 ) -> tuple[Shape | None, ...]:
     """What presses each segment, in the body's frame: its part of the outline, as thick as the bumper stands out."""
     x, y, heading = mount
