@@ -67,7 +67,7 @@ class Child:
         self._main = threading.main_thread().ident or 0
         self._busy_since: float | None = None  # when the present step, or replay, began
         self._in_step = False
-        self._wanted: int | None = None  # the number of the frame that the session has, if it wants the next
+        self._is_wanted = False  # a frame, by the session
         self._number = 0
         self._changed = True
         self._last_frame = 0.0
@@ -85,7 +85,7 @@ class Child:
             if kind != JSON:
                 continue
             command = json.loads(data)
-            if command["do"] in _AT_ONCE:
+            if command.get("do") in _AT_ONCE:
                 self._at_once(command)
             else:
                 self._commands.put(command)
@@ -97,7 +97,8 @@ class Child:
             faulthandler.dump_traceback_later(LONGEST_SILENCE, exit=True, file=2)
             self._writer.send(self._sign_of_life(command))
         elif name == "frame":
-            self._wanted = int(command["after"])
+            self._is_wanted = True
+            self._changed = self._changed or bool(command["now"])
             self._commands.put({"do": ""})  # wakes an idle loop
         elif name == "interrupt":
             if self._in_step:
@@ -135,7 +136,7 @@ class Child:
             self._busy_since = time.monotonic()
             simulation, remark = recipe.simulation()
             player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
-            if tick:
+            if tick or len(inputs):
                 player.inputs = inputs
                 player.resume(tick)
         except AmorsimError as error:
@@ -167,7 +168,7 @@ class Child:
         wait = LONGEST_SLEEP
         if does.is_running:
             wait = min(wait, does.pace.wait(now))
-        if self._wanted is not None and self._changed:
+        if self._is_wanted and self._changed:
             wait = min(wait, max(0.0, self._last_frame + LEAST_BETWEEN_FRAMES - now))
         self._listen(wait)
         if does.is_running and does.pace.wait(time.monotonic()) <= 0.0:
@@ -179,7 +180,7 @@ class Child:
         try:
             command = self._commands.get(timeout=wait) if wait > 0.0 else self._commands.get_nowait()
             while True:
-                if command["do"]:
+                if command.get("do") != "":
                     self._carry_out(command)
                 command = self._commands.get_nowait()
         except queue.Empty:
@@ -259,15 +260,15 @@ class Child:
             self._writer.send({"push": "inputs", "first": first, "inputs": [one.to_json() for one in news]})
 
     def _is_frame_due(self) -> bool:
-        return self._wanted is not None and time.monotonic() - self._last_frame >= LEAST_BETWEEN_FRAMES
+        return self._is_wanted and time.monotonic() - self._last_frame >= LEAST_BETWEEN_FRAMES
 
     def _show(self) -> None:
         """Send a frame if the session has none that is as new, and has waited long enough since the last."""
         if self._changed and self._is_frame_due():
+            # Before the frame is made: what is wanted, or changes, meanwhile asks for another.
+            self._changed = self._is_wanted = False
             does = self._does
             self._number += 1
-            self._changed = False
-            self._wanted = None
             self._last_frame = time.monotonic()
             flags = (FrameFlag.RUNNING if does.is_running else 0) | (FrameFlag.ENDED if does.has_ended else 0)
             speed = float("inf") if does.pace.factor is None else does.pace.factor

@@ -64,6 +64,7 @@ class Link:
         self._on_frame, self._on_end = on_frame, on_end
         self._numbers = itertools.count(1)
         self._open: dict[int, concurrent.futures.Future[Answer]] = {}
+        self._pings: set[int] = set()  # which of the open ones are signs of life
         self._lock = threading.Lock()
         self._has_ended = False
         # In a session of its own, where there are such: Ctrl-C in the terminal is for the session alone.
@@ -114,8 +115,19 @@ class Link:
                 raise AmorsimError("the simulation has ended by itself")
             number = next(self._numbers)
             self._open[number] = answer
+            if command.get("do") == "ping":
+                self._pings = {number, *(ping for ping in self._pings if ping in self._open)}
         self._writer.send({**command, "id": number})
         return answer
+
+    def give_up(self, reason: str) -> None:
+        """Answer what waits with an `AmorsimError`, signs of life apart; a late answer is thrown away."""
+        with self._lock:
+            waiting = [number for number in self._open if number not in self._pings]
+            answers = [self._open.pop(number) for number in waiting]
+        for answer in answers:
+            if answer.set_running_or_notify_cancel():
+                answer.set_exception(AmorsimError(reason))
 
     def tell(self, command: Mapping[str, Any]) -> None:
         """Send what has no answer."""

@@ -94,7 +94,8 @@ class Player:
         self.remarks = []
         self.epoch += 1
         if self._out is not None:
-            self._recording = RunSession(simulation, next_folder(self._out) if is_again else self._out)
+            is_taken = is_again and self._out.exists()
+            self._recording = RunSession(simulation, next_folder(self._out) if is_taken else self._out)
         self._keep()
 
     def _keep(self) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import contextlib
+import math
 import secrets
 import threading
 import time
@@ -16,7 +17,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.errors import AmorsimError
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.runs.folder import next_folder
 from amorsim.ui.link import Link
 from amorsim.ui.project import place_for, save_run
 from amorsim.ui.protocol import FRAME_HEADER, FrameFlag, Scene, with_flags
@@ -30,10 +32,16 @@ Answer = dict[str, Any]
 LOOKING = ("state", "scene", "parameters", "history", "events", "image", "folder")
 """Commands that need no controls."""
 
-_INNER = ("job", "write_scenario", "remark")  # for the session alone
+DRIVING = (
+    *("select", "run", "pause", "step", "speed", "reset", "scrub", "continue"),
+    *("hand_over", "drive", "command", "stop", "set", "restore"),
+)
+"""Commands that only the window with the controls may give, but for ``select``."""
+
 _OWN = ("controls", "restart", "save_run", "save_scenario")
 
 BETWEEN_PINGS = 0.5  # [s]
+FRESH = 0.1  # [s] that a frame is new for
 LONGEST_INTERRUPT = 1.0  # [s] that a controller gets to be broken off
 LONGEST_ANSWER = 600.0  # [s]
 LONGEST_START = 300.0  # [s], compiling included
@@ -68,13 +76,14 @@ class Session:
         self._windows: dict[str, None] = {}
         self._holder = ""
         self._asking: list[str] = []
-        # Of the newest frame: the session's number, the child's, and its bytes.
-        self._number, self._child_number, self._frame = 0, 0, b""
+        self._number, self._frame = 0, b""  # of the newest frame, and its bytes
+        self._frame_at = -math.inf  # when it came, as long as nothing was done since
         self._is_frame_asked = False
         self._waiters: list[tuple[int, asyncio.AbstractEventLoop, asyncio.Future[bytes]]] = []
         self._epoch = 0
         self._hang: dict[str, Any] | None = None  # what the child, or its end, tells of a controller that hangs
         self._state: Answer = {}
+        self._kept: dict[str, Answer] = {}  # commands whose effect outlasts a child
         self._is_closed = threading.Event()
         self._closing = threading.Lock()
 
@@ -111,7 +120,6 @@ class Session:
             self._scene, self.remarks = ready["scene"], ready["remarks"]
             self._hang = None
             self._is_frame_asked = False
-            self._child_number = 0
             if self._waiters:
                 self._want_frame()
 
@@ -201,8 +209,9 @@ class Session:
         try:
             if window not in self._windows:
                 raise AmorsimError("this window is not known any more; load the page again")
-            if name in _INNER:
-                raise AmorsimError(f"there is no command {name!r}")
+            known = (*LOOKING, *DRIVING, *_OWN)
+            if name not in known:
+                raise AmorsimError(f"there is no command {name!r}.{did_you_mean(str(name), known)}")
             if name == "controls":
                 return self._controls(window, command)
             if name not in LOOKING and self._holder != window and name != "select":
@@ -213,7 +222,9 @@ class Session:
                 return await self._told_state(command)
             if self._hang is not None:
                 raise AmorsimError(f"the simulation does not answer: {self._hang['text']}")
-            return await asyncio.wrap_future(self._send(command))
+            answer = await asyncio.wrap_future(self._send(command))
+            self._frame_at = -math.inf
+            return answer
         except AmorsimError as error:
             return {"ok": False, "error": str(error)}
 
@@ -222,7 +233,9 @@ class Session:
         try:
             if command.get("do") in _OWN:
                 return self._own(command)
-            return self._send(command).result(LONGEST_ANSWER)
+            answer = self._send(command).result(LONGEST_ANSWER)
+            self._frame_at = -math.inf
+            return answer
         except AmorsimError as error:
             return {"ok": False, "error": str(error)}
 
@@ -230,6 +243,8 @@ class Session:
         link = self._link
         if link is None or self._is_closed.is_set():
             raise AmorsimError("the simulation has ended")
+        if command.get("do") in ("speed", "select"):
+            self._kept[command["do"]] = dict(command)
         return link.send(command)
 
     def _own(self, command: Table) -> Answer:
@@ -289,28 +304,32 @@ class Session:
         """
         loop = asyncio.get_running_loop()
         with self._lock:
-            if self._number > after:
+            is_newer = self._number > after
+            if self._frame and is_newer and (self._hang or time.monotonic() - self._frame_at < FRESH):
                 return self._frame
             waiter: asyncio.Future[bytes] = loop.create_future()
             self._waiters.append((after, loop, waiter))
-            self._want_frame()
+            self._want_frame(now=is_newer)
         try:
             return await waiter
         finally:
             with self._lock:
                 self._waiters = [one for one in self._waiters if one[2] is not waiter]
 
-    def _want_frame(self) -> None:
+    def _want_frame(self, *, now: bool = False) -> None:
+        """Ask for the next frame; `now` for one even where nothing has changed since the last."""
         link = self._link
-        if not self._is_frame_asked and link is not None and link.is_alive:
+        if (now or not self._is_frame_asked) and link is not None and link.is_alive:
             self._is_frame_asked = True
-            link.tell({"do": "frame", "after": self._child_number})
+            link.tell({"do": "frame", "now": now})
 
     def _take_frame(self, data: bytes) -> None:
         header = FRAME_HEADER.unpack_from(data)
         with self._lock:
             self._is_frame_asked = False
-            self._child_number, self._epoch = header[2], header[3]
+            self._epoch, self._frame_at = header[3], time.monotonic()
+            if self._link is not None:
+                self._link.tick = header[8]
             self._publish(data, header[9])
 
     def _publish(self, data: bytes, flags: int) -> None:
@@ -360,6 +379,8 @@ class Session:
         self._hang = {"status": status, "text": text, "tick": tick, "robot": robot, "stack": stack}
         if is_new:
             self._mark_hang()
+        if self._link is not None:  # whoever has asked already gets no answer either
+            self._link.give_up(f"the simulation does not answer: {text}")
 
     def _ended(self, link: Link) -> None:
         """The child's end that nobody asked for."""
@@ -387,11 +408,16 @@ class Session:
                     self._demand({"do": "hand_over", "robot": name, "to": "hand"})
                 self._remark("restarted", "the step was broken off and taken back")
                 return {"ok": True, "again": False}
-        tick, inputs = link.tick, list(link.inputs)
+        inputs = list(link.inputs)
+        tick = max([link.tick, *(one["tick"] for one in inputs)])
         inputs += [{"tick": tick, "do": "hand_over", "robot": name, "value": "hand", "path": ""} for name in without]
         link.close(0.0)
         self._epoch += 1
+        if self._out is not None and self._out.exists():
+            self._out = next_folder(self._out)
         self._begin({"inputs": inputs, "tick": tick})
+        for kept in list(self._kept.values()):
+            self._send(kept)
         self._remark("restarted", "it was started again, and led to where it was")
         return {"ok": True, "again": True}
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from tests.ui.sessions import start as start  # a fixture
 from tests.ui.windows import CHROMIUM, FLAGS, Server, Window, write_scenario
 
 

@@ -1,0 +1,318 @@
+"""The session and its child process: driven, watched, broken off, ended."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import amorsim as am
+from amorsim.ui.protocol import Dynamic, FrameFlag, RobotFlag, unpack_frame
+from amorsim.ui.recipe import Recipe
+from amorsim.ui.session import Session
+from tests.ui.sessions import Make, write_project
+
+PATIENCE = 1.0
+
+
+def done(session: Session, do: str, **keys: Any) -> dict[str, Any]:
+    answer = session.request({"do": do, **keys})
+    assert answer["ok"], answer
+    return answer
+
+
+def until(what: Any, timeout: float = 20.0) -> Any:
+    deadline = time.monotonic() + timeout
+    while not (found := what()):
+        assert time.monotonic() < deadline, "it never came"
+        time.sleep(0.02)
+    return found
+
+
+def frame(session: Session, after: int = -1) -> Dynamic:
+    return unpack_frame(asyncio.run(asyncio.wait_for(session.newest_frame(after), 10.0)))
+
+
+def state(session: Session, window: str) -> dict[str, Any]:
+    return asyncio.run(session.ask(window, {"do": "state"}))
+
+
+def is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
+    """One long story, for a start takes seconds: look, run, drive, change, look back, go on, save."""
+    session = start()
+    scene = session.scene
+    assert [robot["name"] for robot in scene["robots"]] == ["other", "rover"]
+    assert [robot["controller"] for robot in scene["robots"]] == ["manual", "own.py:Circling"]
+    assert len(scene["maps"][scene["map"]]["segments"] or ()) == 4
+    first = frame(session)
+    assert (first.tick, first.flags, len(first.true_pose)) == (0, 0, 2)
+
+    # It runs as fast as it is told, and frames come as it goes.
+    done(session, "select", robot="rover")
+    done(session, "speed", factor=20.0)
+    done(session, "run")
+    until(lambda: frame(session).tick >= 20)
+    running = frame(session)
+    assert running.flags & FrameFlag.RUNNING
+    assert running.selected_robot == 1
+    assert running.speed == 20.0
+    done(session, "pause")
+    tick = frame(session).tick
+    assert done(session, "step", steps=3)["tick"] == tick + 3
+
+    # The hand.
+    done(session, "hand_over", robot="rover", to="hand")
+    done(session, "drive", robot="rover", forward=0.3)
+    done(session, "step", steps=10)
+    by_hand = frame(session)
+    assert by_hand.robot_flags[1] & RobotFlag.BY_HAND
+    assert by_hand.selected.command[0] > 3.0
+    done(session, "stop")
+    done(session, "hand_over", robot="rover", to="controller")
+
+    # A parameter, there and back.
+    path = "errors.drive.wheel_radius_left.scale"
+    assert done(session, "set", robot="rover", path=path, value=1.05)["value"] == 1.05
+    forms = {form["path"]: form for form in done(session, "parameters", robot="rover")["parameters"]}
+    assert (forms[path]["value"], forms[path]["scenario"]) == (1.05, 1.0)
+    assert forms[path]["true"] == pytest.approx(1.05 * 0.0825)
+    answer = session.request({"do": "set", "robot": "rover", "path": "drive.track", "value": -1.0})
+    assert "expected a number [m] > 0" in answer["error"]
+    done(session, "step", steps=20)
+    done(session, "save_scenario", name="changed")
+    changed = am.load(tmp_path / "changed.toml")
+    assert changed.robots[0].errors["drive.wheel_radius_left"].scale == 1.05
+    assert 'map = "room.wld"' in (tmp_path / "changed.toml").read_text()
+    done(session, "restore", robot="rover")
+
+    # The past, and another future.
+    newest = frame(session).newest
+    assert done(session, "scrub", tick=10) == {
+        "ok": True,
+        "tick": 10,
+        "exact": True,
+        "can_continue": True,
+        "reason": "",
+    }
+    assert frame(session).flags & FrameFlag.SCRUBBED
+    assert done(session, "scrub", tick=None)["tick"] == newest
+    done(session, "scrub", tick=newest - 15)
+    epoch = frame(session).epoch
+    assert done(session, "continue")["tick"] == newest - 15
+    assert frame(session).epoch > epoch
+    done(session, "step", steps=30)
+    ticks = done(session, "history", robot="rover", max_points=5)["ticks"]
+    assert len(ticks) <= 5
+    assert ticks[-1] == newest + 15
+    kinds = [line["kind"] for line in done(session, "events")["events"]]
+    assert kinds == ["handed_over", "handed_over", "parameter_set", "saved"][: len(kinds)]
+    assert "handed_over" in kinds
+
+    # What was seen is what is saved.
+    answer = done(session, "save_run", name="runs/first")
+    assert answer["same"] is True
+    outcome = am.reproduce(answer["folder"])
+    assert (outcome.is_exact, outcome.steps) == (True, newest + 15), str(outcome)
+
+    pid = session._link.pid  # type: ignore[union-attr]
+    began = time.monotonic()
+    session.close()
+    assert time.monotonic() - began < 2.0
+    assert not is_running(pid)
+
+
+def test_windows_and_the_controls(start: Make) -> None:
+    session = start()
+    first, second = session.open_window(), session.open_window()
+
+    def ask(window: str, do: str, **keys: Any) -> dict[str, Any]:
+        return asyncio.run(session.ask(window, {"do": do, **keys}))
+
+    assert ask(first, "step")["ok"]
+    assert "another window has the controls" in ask(second, "step")["error"]
+    assert ask(second, "state")["holder"] == first
+    assert "another window has the controls" in ask(second, "controls", want="take")["error"]
+    assert ask(second, "controls", want="ask")["asking"] == [second]
+    assert ask(first, "state")["asking"] == [second]
+    assert ask(first, "controls", want="give", to=second)["holder"] == second
+    assert ask(second, "step")["ok"]
+    assert "no command 'job'" in ask(second, "job")["error"]
+    assert "not known" in ask("somebody", "state")["error"]
+
+    # A window that goes while its robot drives.
+    assert ask(second, "hand_over", robot="rover")["ok"]
+    assert ask(second, "drive", robot="rover", forward=0.3)["ok"]
+    assert ask(second, "step")["ok"]
+    assert ask(second, "select", robot="rover")["ok"]
+    session.close_window(second)
+    assert session.holder == ""
+    assert ask(first, "controls", want="take")["holder"] == first
+    assert ask(first, "step")["ok"]
+    assert frame(session).selected.command.tolist() == [0.0, 0.0]
+
+    # Names that lead out of the project's folder, and other nonsense.
+    for name in ("../run", "/tmp/run", "a/../../b", "C:\\run", "", ".hidden", "a" * 200, 7, "run\0"):
+        assert "expected a name" in ask(first, "save_run", name=name)["error"]
+    for command in (
+        {"do": "speed", "factor": 0},
+        {"do": "step", "steps": -1},
+        {"do": "select", "robot": 9},
+        {"do": "set", "robot": "rover", "path": "drive.nothing", "value": 1.0},
+        {"do": "set", "robot": "rover", "path": "errors", "value": 1.0},
+        {"do": "set", "robot": "rover", "path": "name", "value": 1.0},
+        {"do": "set", "robot": "rover", "path": "controller", "value": 1.0},
+        {"do": "set", "robot": "rover", "path": "errors.drive.track.scale", "value": "1"},
+        {"do": "command", "robot": "rover", "channels": [1.0]},
+        {"do": "hand_over", "robot": "rover", "to": "me"},
+        {"do": "image", "name": "../../x"},
+        {"do": "fly"},
+        {"do": "end"},
+        {"do": ["run"]},
+        {},
+    ):
+        answer = asyncio.run(session.ask(first, command))
+        assert not answer["ok"], command
+        assert "Traceback" not in answer["error"]
+
+
+def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) -> None:
+    session = start()
+    number = frame(session).number
+
+    async def impatient() -> None:
+        for _ in range(50):
+            waiting = asyncio.ensure_future(session.newest_frame(number))
+            await asyncio.sleep(0.001)
+            waiting.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await waiting
+
+    asyncio.run(impatient())
+    assert session._waiters == []
+    # A loop that has gone takes no frame with it.
+    with pytest.raises(asyncio.TimeoutError):
+        asyncio.run(asyncio.wait_for(session.newest_frame(number), 0.01))
+    done(session, "speed", factor=None)
+    done(session, "run")
+    # Nobody looks, and it runs all the same.
+    before = done(session, "state")["tick"]
+    until(lambda: done(session, "state")["tick"] > before or done(session, "state")["status"] == "ended")
+    until(lambda: frame(session).flags & FrameFlag.ENDED)
+    assert frame(session).tick == 600
+
+
+@pytest.mark.parametrize("controller", ["Raising", "Endless", "Sleeping", "Exiting"])
+def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: str) -> None:
+    session = start(f"own.py:{controller}", patience=PATIENCE)
+    window = session.open_window()
+    frame(session)
+    done(session, "select", robot="rover")
+    done(session, "hand_over", robot="other", to="hand")
+    done(session, "command", robot="other", channels=[1.0, 1.0])
+    done(session, "speed", factor=None)
+    done(session, "run")
+    status = {"Raising": "fault", "Exiting": "gone"}.get(controller, "hang")
+    told = until(lambda: (s := state(session, window))["status"] == status and s)
+    fault = told["fault"]
+    if status != "gone":  # nothing is left to tell where it was
+        assert fault["robot"] == "rover"
+        assert "own.py" in fault["stack"]
+        assert {"Raising": "by design", "Endless": "while clock.tick == 40", "Sleeping": "time.sleep(3600)"}[
+            controller
+        ] in fault["stack"]
+    if status == "hang":
+        assert until(lambda: frame(session).flags & FrameFlag.HANG)
+        assert "does not answer" in asyncio.run(session.ask(window, {"do": "step"}))["error"]
+    if controller == "Raising":
+        done(session, "hand_over", robot="rover", to="hand")
+    else:
+        began = time.monotonic()
+        answer = done(session, "restart", without=["rover"])
+        assert answer["again"] == (controller != "Endless")
+        assert time.monotonic() - began < 30.0
+    told = state(session, window)
+    assert (told["status"], sorted(told["by_hand"])) == ("paused", ["other", "rover"])
+    # The last sign of life of a child that is gone may be some ticks old; otherwise it is as it was.
+    assert told["tick"] <= 40 if status == "gone" else told["tick"] == 40
+    done(session, "run")
+    until(lambda: frame(session).flags & FrameFlag.ENDED)
+    ended = frame(session)
+    assert (ended.tick, ended.robot_flags[1] & RobotFlag.BY_HAND) == (600, RobotFlag.BY_HAND)
+    if controller != "Exiting":
+        # A run that is saved has the same past, the controller's failure left out.
+        answer = done(session, "save_run", name="after")
+        assert answer["same"] is True
+        assert am.reproduce(answer["folder"]).is_exact
+
+
+def test_what_a_controller_prints_goes_to_the_log(start: Make, capfd: pytest.CaptureFixture[str]) -> None:
+    session = start("own.py:printing")
+    done(session, "step", steps=3)
+    until(lambda: "J" * 100 in capfd.readouterr().err)
+
+
+def test_faults_of_a_scenario_are_told_as_run_tells_them(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    with pytest.raises(am.AmorsimError, match="there is no such key, but") as told:
+        Session(Recipe(name=str(path), changes=["robots.0.nme=3"])).start()
+    with pytest.raises(am.ScenarioError) as directly:
+        am.load(path, ["robots.0.nme=3"])
+    assert str(told.value) == str(directly.value)
+
+
+def test_a_folder_is_written_as_it_goes(start: Make, tmp_path: Path) -> None:
+    session = start(out=tmp_path / "out")
+    done(session, "step", steps=5)
+    done(session, "command", robot="other", channels=[2.0, 1.0])
+    done(session, "step", steps=20)
+    done(session, "reset")
+    done(session, "step", steps=7)
+    assert session.folder == str(tmp_path / "out-2")
+    session.close()
+    for name, steps in (("out", 25), ("out-2", 7)):
+        outcome = am.reproduce(tmp_path / name)
+        assert (outcome.is_exact, outcome.steps) == (True, steps), str(outcome)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc"), reason="processes are looked for in /proc")  # noqa: PTH112
+def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
+    import signal
+    import subprocess
+    import sys
+
+    path = write_project(tmp_path)
+    script = (
+        "import sys, time\n"
+        "from pathlib import Path\n"
+        "from amorsim.ui.recipe import Recipe\n"
+        "from amorsim.ui.session import Session\n"
+        f"session = Session(Recipe(name={str(path)!r}), out=Path({str(tmp_path / 'out')!r}))\n"
+        "session.start()\n"
+        "session.request({'do': 'speed', 'factor': 5.0})\n"
+        "session.request({'do': 'run'})\n"
+        "time.sleep(1.0)\n"
+        "print(session._link.pid, flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as parent:
+        assert parent.stdout is not None
+        pid = int(parent.stdout.readline())
+        assert is_running(pid)
+        parent.send_signal(signal.SIGKILL)
+        parent.wait()
+        began = time.monotonic()
+        until(lambda: not is_running(pid))
+        assert time.monotonic() - began < 2.0
+    # It ended in order: the run it left is whole.
+    assert am.reproduce(tmp_path / "out").is_exact
