@@ -67,7 +67,9 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
         known = ", ".join(fields)
         raise LookupError(f"there is no parameter {name!r}, but: {known}.{did_you_mean(name, fields)}")
     value = getattr(thing, name)
-    if not rest and live and not describe(type(thing))[name].live:
+    parameter = describe(type(thing))[name]
+    # What fixes shapes is equal in all rows of a group, so it can neither change nor differ from replica to replica.
+    if parameter.static or (not rest and live and not parameter.live):
         raise LookupError(f"{name!r} of {type(thing).__name__} is fixed once a simulation is made")
     if value is None and name == "pose":
         value = Pose()

@@ -144,3 +144,27 @@ def test_in_python_the_same_is_refused():
         robot(colour="nothing")
     with pytest.raises(ParameterError, match="colour"):
         Obstacle(name="o", shape=robot().shape, colour="nothing")
+
+
+def test_mounts_and_numbers_have_errors(folder, registry):
+    text = TEXT.replace(
+        'colour = "red"', "errors = { sensors.finder.mount.heading_deg = 1.5, sensors.finder.fov_deg = 90 }"
+    )
+    rover = read_text(text, folder, registry).robots[0]
+    assert set(rover.errors) == {"sensors.finder.mount.heading", "sensors.finder.fov"}
+
+
+@pytest.mark.parametrize("path", ["finder.slots", "bumper.segments.0.end_deg"])
+def test_what_fixes_shapes_has_no_error(folder, registry, path):
+    text = (
+        TEXT[: TEXT.index("[[robots]]")]
+        + f"""
+[[robots]]
+model = "pioneer2dx"
+pose = {{ x = 1.0, y = 1.0 }}
+sensors = {{ finder = {{ use = "fiducial" }}, bumper = {{ use = "bumper" }} }}
+errors = {{ sensors.{path} = 3.0 }}
+"""
+    )
+    with pytest.raises(ScenarioError, match=rf"errors\.sensors\.{path}: .*is fixed once a simulation is made"):
+        read_text(text, folder, registry)
