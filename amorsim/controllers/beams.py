@@ -10,8 +10,9 @@ import numpy.typing as npt
 from amorsim.contracts import Mount, RobotModel, SensorModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
+from amorsim.kernels import poses
 
-__all__ = ["beams_of", "range_sensor", "turned_beams"]
+__all__ = ["beams_of", "range_sensor", "turned_beams", "with_directions"]
 
 Array = npt.NDArray[np.float64]
 
@@ -66,3 +67,12 @@ def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
     back = np.zeros((rows, k, 3))
     back[:, :, 2] = -course
     return compose(back.reshape(-1, 3), beams.reshape(-1, 3)).reshape(rows, k, 3)
+
+
+def with_directions(beams: Array) -> Array:
+    """Beams `(N, k, 5)`: their poses, and cosine and sine of their headings."""
+    rows, k, _ = beams.shape
+    headings = np.ascontiguousarray(beams[:, :, 2])
+    cosine, sine = np.empty((rows, k)), np.empty((rows, k))
+    poses.directions(headings, cosine, sine)
+    return np.concatenate((beams, cosine[:, :, None], sine[:, :, None]), axis=2)

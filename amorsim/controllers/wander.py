@@ -21,7 +21,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
+from amorsim.controllers.beams import beams_of, range_sensor, turned_beams, with_directions
 from amorsim.controllers.driving import (
     at_rest,
     command_along,
@@ -41,6 +41,7 @@ Array = npt.NDArray[np.float64]
 _PLACES = 32  # that the robot remembers, 0.7 m apart
 _SWAY_MAX = math.radians(2.0)
 _GAP_MAX = math.radians(30.0)  # a blind angle that a robot may have which sees all around
+_WORK = 40  # rays that deciding for a robot costs as much as
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 
 
@@ -101,7 +102,7 @@ class Wander(Controller):
         elif not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
             body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[1] - 1), _SWAY_MAX)
         return {
-            "beams": beams,
+            "beams": with_directions(beams),
             "half_angle": np.array(np.broadcast_to(half_angle, (context.rows, 1)), dtype=np.float64),
             "body": body,
             "memory": np.zeros((context.rows, wandering.MEMORY_COLUMNS)),
@@ -121,12 +122,15 @@ class Wander(Controller):
         reading = readings[self.sensor]
         joints = joints_of(robot, readings)
         is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
+        beams = state["beams"]
+        if robot.drive.course(joints) is not None:
+            beams = with_directions(turned_beams(robot, beams[:, :, :3], joints))
         twist = np.empty((robot.rows, 3))
-        wandering.wander(
+        asked = (
             reading.measured,
             reading.age,
             heading_poses(robot, estimate.pose, joints),
-            turned_beams(robot, state["beams"], joints),
+            beams,
             state["half_angle"],
             _ARC_SAMPLES if is_cone else 1,
             state["body"],
@@ -137,8 +141,8 @@ class Wander(Controller):
             clock.dt,
             state["memory"],
             state["trail"],
-            twist,
         )
+        draws.share(_WORK, lambda first, end: wandering.wander(*asked, first, end, twist))
         return command_along(robot, twist, joints)
 
 

@@ -97,6 +97,16 @@ class Draws:
         kept._block = self._block if self._round == self._rounds[0] else 0
         return kept
 
+    def share(self, work_per_row: int, work: Callable[[int, int], None]) -> None:
+        """Call ``work(first, end)`` for slices that make up all rows, on the engine's threads where that pays.
+
+        For kernels that work on each row by itself; `work_per_row` is about how many rays a row costs as much as.
+        """
+        if self._workers is None:
+            work(0, len(self._keys))
+        else:
+            self._workers.share(len(self._keys), work_per_row, work)
+
     def normal(self, k: int = 1) -> Array:
         """Standard normal draws `(N, k)`, independent in all rows, columns, calls and ticks."""
         return self._fill(philox.fill_normal, k)

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid import NONE, ONE, Grid, is_occupied
-from amorsim.kernels.lines import FACE, INSIDE, PASSED, RINGS, Lines, ring_walls, side_of
+from amorsim.kernels.lines import FACE, INSIDE, PASSED, Lines, side_of, walls_about
 from amorsim.kernels.rays import cast_ray, cell_of, direction, march, rounding, to_frame
 
 __all__ = ["cast_cones"]
@@ -35,7 +35,8 @@ _WIDEST = 1.5  # [rad] half a cone's angle; wider ones are cast ray by ray
 _FEW = 8  # rays of a cone up to which all are cast
 _NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
 _MOST = 64  # walls that a cone may hear
-_NEXT = 1e-3  # [rays] within which a wall that ends beside a ray counts as met
+_NEXT = 0.05  # [rays] within which a wall that ends beside a ray counts as met; so rough are bearings
+_AT_ONCE = 32  # walls that are looked at together
 _SAFETY = 1e-9  # relative, on every bound that leaves something out
 
 
@@ -208,11 +209,50 @@ def _nearest(
 
 
 @kernel
-def _is_beyond(walls: Floats, m: int, x: float, y: float, out_x: float, out_y: float) -> bool:
-    """Whether all that a segment occupies lies farther out, in a direction from a point, than that point."""
-    begin = out_x * (walls[m, 0] - x) + out_y * (walls[m, 1] - y)
-    end = begin + (out_x * walls[m, 2] + out_y * walls[m, 3]) * walls[m, 4]
-    return bool(min(begin, end) > 1.4143 * walls[m, 5])
+def _look_along(
+    ends: Floats,
+    start: int,
+    stop: int,
+    x: float,
+    y: float,
+    left_x: float,
+    left_y: float,
+    right_x: float,
+    right_y: float,
+    maybe: NDArray[np.uint8],
+) -> None:
+    """Write whether walls start..stop-1 may be in a cone: not wholly beyond one of its edges.
+
+    `ends` is of `lines.walls_about`; (left_x, left_y) and (right_x, right_y) are square to the edges, outward.
+    """
+    for i in range(start, stop):
+        x0 = ends[0, i] - x
+        y0 = ends[1, i] - y
+        x1 = ends[2, i] - x
+        y1 = ends[3, i] - y
+        left = min(left_x * x0 + left_y * y0, left_x * x1 + left_y * y1)
+        right = min(right_x * x0 + right_y * y0, right_x * x1 + right_y * y1)
+        maybe[i - start] = max(left, right) <= ends[4, i]
+
+
+@kernel
+def _bearing(x: float, y: float) -> float:
+    """The angle [rad] of a direction, to 4e-6: good for telling which rays are about it.
+
+    The arc tangent of z up to 1 is z times a polynomial in z * z, here fitted at Chebyshev's points.
+    """
+    low = min(abs(x), abs(y))
+    high = max(abs(x), abs(y))
+    z = low / high if high > 0.0 else 0.0
+    w = z * z
+    angle = 0.05733179602962784 - 0.01342247840194614 * w
+    angle = 0.19558996708261733 + w * (-0.12111113029350314 + w * angle)
+    angle = z * (0.9999955182994817 + w * (-0.3329888274017294 + w * angle))
+    if abs(y) > abs(x):
+        angle = 0.5 * math.pi - angle
+    if x < 0.0:
+        angle = math.pi - angle
+    return angle if y >= 0.0 else -angle
 
 
 @kernel
@@ -220,8 +260,8 @@ def _rays_between(
     x0: float, y0: float, x1: float, y1: float, half_angle: float, step: float, rays: int
 ) -> tuple[int, int]:
     """First and last ray of a cone from one direction anticlockwise to another; the last before the first if none."""
-    low = math.atan2(y0, x0)
-    high = math.atan2(y1, x1)
+    low = _bearing(x0, y0)
+    high = _bearing(x1, y1)
     if high < low:
         if high >= -half_angle - step:
             low -= 2.0 * math.pi
@@ -276,16 +316,18 @@ def _hear(
     cos_b: Floats,
     sin_b: Floats,
     range_max: float,
-    heads: Integers,
-    following: Integers,
-    width: float,
+    found: Integers,
+    ends: Floats,
+    away: Floats,
+    count: int,
     aside: float,
+    maybe: NDArray[np.uint8],
     walls: Floats,
     spans: Integers,
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
 
-    The walls are in rings `width` [m] wide about a place `aside` [m] of here (`amorsim.kernels.lines.ring_walls`).
+    The first `count` of `found`, `ends` and `away` are of `lines.walls_about`, told from `aside` [m] of here.
     `walls` (most, 3) and `spans` (most, 3) are room for what of them may be heard: the line that bounds rays, and how
     near it comes; first and last ray, and the one to which it is nearest.
     """
@@ -299,15 +341,15 @@ def _hear(
     left_y = cos_h * edge[0] - sin_h * edge[1]
     right_x = sin_h * edge[0] - cos_h * edge[1]
     right_y = -cos_h * edge[0] - sin_h * edge[1]
-    for ring in range(RINGS + 1):
-        if ring * width - aside > most:
+    for chunk in range(0, count, _AT_ONCE):
+        if away[chunk] - aside > most:
             break
-        then = heads[ring]
-        while then >= 0:
-            m = then
-            then = following[m]
-            if _is_beyond(lines.walls, m, x, y, left_x, left_y) or _is_beyond(lines.walls, m, x, y, right_x, right_y):
+        following = min(count, chunk + _AT_ONCE)
+        _look_along(ends, chunk, following, x, y, left_x, left_y, right_x, right_y, maybe)
+        for i in range(chunk, following):
+            if not maybe[i - chunk]:
                 continue
+            m = found[i]
             what, a, b, x0, y0, x1, y1, near, start, stop = side_of(lines.walls, m, x, y, cos_h, sin_h, most)
             if what == PASSED:
                 continue
@@ -324,7 +366,7 @@ def _hear(
             if a * sin_b[0, first] < b * cos_b[0, first]:
                 best = last
                 if a * sin_b[0, last] > b * cos_b[0, last]:
-                    best = min(max(int(np.rint((math.atan2(b, a) + half_angle) / step)), first), last)
+                    best = min(max(int(np.rint((_bearing(a, b) + half_angle) / step)), first), last)
             dx = cos_b[0, best]
             dy = sin_b[0, best]
             nearness = a * dx + b * dy
@@ -428,12 +470,15 @@ def cast_cones(
     resolution = grid.resolution
     edge = np.array([math.cos(half_angle), math.sin(half_angle)])
     has_lines = lines.walls.shape[0] > 0 and half_angle < _WIDEST and cos_b.shape[1] > _FEW
-    heads = np.empty(RINGS + 1, dtype=np.int64)
+    found = np.empty(lines.walls.shape[0], dtype=np.int64)
     following = np.empty(lines.walls.shape[0], dtype=np.int64)
+    ends = np.empty((5, lines.walls.shape[0]))
+    away = np.empty(lines.walls.shape[0])
+    maybe = np.empty(_AT_ONCE, dtype=np.uint8)
     walls = np.empty((_MOST, 3))
     spans = np.empty((_MOST, 3), dtype=np.int64)
-    # Where walls were put in order, and how far out.
-    here_x, here_y, here_reach = 0.0, 0.0, -1.0
+    # Where walls were put in order, how far out, and how many there are.
+    here_x, here_y, here_reach, count = 0.0, 0.0, -1.0, 0
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         cos_h = math.cos(poses[n, 2] - yaw)
@@ -449,7 +494,7 @@ def cast_cones(
             aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
             if not aside + reach <= here_reach:
                 here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
-                ring_walls(lines, x, y, here_reach, heads, following)
+                count = walls_about(lines, x, y, here_reach, found, ends, away, following)
             heard, least = _hear(
                 grid,
                 lines,
@@ -464,10 +509,12 @@ def cast_cones(
                 cos_b,
                 sin_b,
                 reach,
-                heads,
-                following,
-                here_reach / RINGS * (1.0 - _SAFETY),
+                found,
+                ends,
+                away,
+                count,
                 aside * (1.0 + _SAFETY),
+                maybe,
                 walls,
                 spans,
             )

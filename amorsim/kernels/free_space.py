@@ -35,9 +35,9 @@ _ABEAM_COUNT = 8  # directions about abeam, twice that far between
 def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
     """Where something was seen, into `points` (p, 2) [m] in the robot's frame; inf for no return.
 
-    `ranges` (k,) [m] are seen from `beams` (k, 3), poses in the robot's frame. With a `half_angle` [rad] a
-    return may come from anywhere on an arc: there are `p // k` points on each, less those that another cone
-    saw past.
+    `ranges` (k,) [m] are seen from `beams` (k, 5), poses in the robot's frame with cosine and sine of their headings.
+    With a `half_angle` [rad] a return may come from anywhere on an arc: there are `p // k` points on each, less those
+    that another cone saw past.
     """
     k = ranges.shape[0]
     samples = points.shape[0] // k
@@ -48,11 +48,14 @@ def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats)
             points[index, 1] = math.inf
             if not math.isfinite(ranges[j]):
                 continue
-            bearing = beams[j, 2]
+            c = beams[j, 3]
+            s = beams[j, 4]
             if samples > 1:
-                bearing += half_angle * (2.0 * n / (samples - 1) - 1.0)
-            x = beams[j, 0] + ranges[j] * math.cos(bearing)
-            y = beams[j, 1] + ranges[j] * math.sin(bearing)
+                bearing = beams[j, 2] + half_angle * (2.0 * n / (samples - 1) - 1.0)
+                c = math.cos(bearing)
+                s = math.sin(bearing)
+            x = beams[j, 0] + ranges[j] * c
+            y = beams[j, 1] + ranges[j] * s
             if samples == 1 or not _seen_past(ranges, beams, half_angle, j, x, y):
                 points[index, 0] = x
                 points[index, 1] = y
@@ -68,7 +71,7 @@ def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: fl
         dy = y - beams[j, 1]
         distance = math.sqrt(dx * dx + dy * dy)
         if distance + _DOUBT < ranges[j]:
-            along = dx * math.cos(beams[j, 2]) + dy * math.sin(beams[j, 2])
+            along = dx * beams[j, 3] + dy * beams[j, 4]
             if along >= distance * math.cos(half_angle):
                 return True
     return False

@@ -24,15 +24,14 @@ __all__ = [
     "FACE",
     "INSIDE",
     "PASSED",
-    "RINGS",
     "SAFETY",
     "Lines",
     "bound_scan",
     "bucket_of",
     "lines_of",
     "no_lines",
-    "ring_walls",
     "side_of",
+    "walls_about",
 ]
 
 Floats = NDArray[np.float64]
@@ -46,8 +45,7 @@ _BLOCK = 16  # segments whose distance is asked for at once
 _MOST = 6  # segments seen by a scan, for each of its beams, from which on bounds cost more than they save
 _EDGE = 1e-12  # [of a quarter turn] by which a rectangle covers more than it does
 
-RINGS = 48
-"""By which walls are put in order of their distance."""
+_RINGS = 48  # by which walls are put in order of their distance
 
 # What a segment shows: nothing within reach, its side, its end, or it is all around.
 PASSED, FACE, END, INSIDE = range(4)
@@ -95,32 +93,40 @@ def _near_blocks(lines: Lines, x: float, y: float, reach: float, found: Integers
 
     `away` gets how far [m] each block is; both are as long as there are blocks.
     """
-    ends = np.zeros(RINGS + 2, dtype=np.int64)
-    scale = RINGS / reach
+    ends = np.zeros(_RINGS + 2, dtype=np.int64)
+    scale = _RINGS / reach
     for block in range(lines.boxes.shape[0]):
         away[block] = _distance(lines, block, x, y)
         if away[block] <= reach:
-            ends[min(int(away[block] * scale), RINGS) + 1] += 1
-    for ring in range(RINGS + 1):
+            ends[min(int(away[block] * scale), _RINGS) + 1] += 1
+    for ring in range(_RINGS + 1):
         ends[ring + 1] += ends[ring]
     for block in range(lines.boxes.shape[0]):
         if away[block] <= reach:
-            ring = min(int(away[block] * scale), RINGS)
+            ring = min(int(away[block] * scale), _RINGS)
             found[ends[ring]] = block
             ends[ring] += 1
-    return int(ends[RINGS])
+    return int(ends[_RINGS])
 
 
 @kernel
-def ring_walls(lines: Lines, x: float, y: float, reach: float, heads: Integers, following: Integers) -> None:
-    """Put the segments that may occupy something within reach into rings of ``reach / RINGS`` about a point.
+def walls_about(
+    lines: Lines, x: float, y: float, reach: float, found: Integers, ends: Floats, away: Floats, following: Integers
+) -> int:
+    """How many segments may occupy something within reach of a point; into `found` which, by rings, the nearest first.
 
-    ``heads[i]`` is one of those that are i such widths away at least, ``following[m]`` the one after segment m in its
-    ring; -1 where there is none. That is `RINGS` + 1 heads, and as many to follow as there are segments.
+    Parameters
+    ----------
+    ends
+        (5, M) gets x and y of both ends of each, and how far it reaches beyond them in any direction.
+    away
+        (M,) gets how far [m] each is at least; never less than the one before.
+    following
+        (M,): room to work in. There are M segments.
     """
     walls = lines.walls
-    scale = RINGS / reach
-    heads[:] = -1
+    scale = _RINGS / reach
+    heads = np.full(_RINGS + 1, -1, dtype=np.int64)
     for block in range(lines.boxes.shape[0]):
         if _distance(lines, block, x, y) > reach:
             continue
@@ -132,9 +138,24 @@ def ring_walls(lines: Lines, x: float, y: float, reach: float, heads: Integers, 
             beside = max(max(along, -along - walls[m, 4]) - walls[m, 5], 0.0)
             square = across * across + beside * beside
             if square <= reach * reach:
-                ring = min(int(math.sqrt(square) * scale), RINGS)
+                ring = min(int(math.sqrt(square) * scale), _RINGS)
                 following[m] = heads[ring]
                 heads[ring] = m
+    count = 0
+    for ring in range(_RINGS + 1):
+        least = ring / scale * (1.0 - SAFETY) if ring > 0 else 0.0
+        m = heads[ring]
+        while m >= 0:
+            found[count] = m
+            away[count] = least
+            ends[0, count] = walls[m, 0]
+            ends[1, count] = walls[m, 1]
+            ends[2, count] = walls[m, 0] + walls[m, 2] * walls[m, 4]
+            ends[3, count] = walls[m, 1] + walls[m, 3] * walls[m, 4]
+            ends[4, count] = 1.4143 * walls[m, 5]
+            count += 1
+            m = following[m]
+    return count
 
 
 @kernel

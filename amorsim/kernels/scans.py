@@ -26,8 +26,8 @@ __all__ = ["cast_scans"]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_FEW = 12  # beams of a scan below which bounds cost more than they save
-_FINE, _COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for all rows and of one for each
+_FEW = 12  # beams of a scan, or rows of a table, below which preparing them costs more than it saves
+_FINE, _COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for many rows and of one for few
 _LANES = 64  # beams that go together
 _STEPS = 8  # cells they go at most; few need more
 
@@ -215,7 +215,7 @@ def cast_scans(
     slack = 2.0 * rounding(grid, 1.0, 1.0)
     beams = out.shape[1]
     has_lines = lines.walls.shape[0] > 0 and beams >= _FEW
-    scale = _FINE if cos_b.shape[0] == 1 else _COARSE
+    scale = _FINE if cos_b.shape[0] == 1 and poses.shape[0] >= _FEW else _COARSE
     starts = np.empty(int(4.0 * scale) + 1, dtype=np.int64)
     order = np.arange(beams)
     lanes = (beams + _LANES - 1) // _LANES * _LANES

@@ -255,6 +255,8 @@ def wander(
     dt: float,
     memory: Floats,
     trail: Floats,
+    first: int,
+    end: int,
     out: Floats,
 ) -> None:
     """Twists (forward, left, turn) [m/s, m/s, rad/s] of wandering robots, into `out` (N, 3).
@@ -266,9 +268,9 @@ def wander(
     pose
         Where the robots believe to be, (N, 3); for the trail of places only.
     beams, half_angle, samples
-        Where each range is seen from and which way, poses in the robot's frame (N, k, 3); half the angle of
-        the cone about that [rad] (N, 1); and how many points stand for a return: 1 of a beam, more on the arc
-        of a cone.
+        Where each range is seen from and which way, poses in the robot's frame, cosine and sine of their headings
+        (N, k, 5); half the angle of the cone about that [rad] (N, 1); and how many points stand for a return: 1 of a
+        beam, more on the arc of a cone.
     body
         What the robot knows of its own body, (N, BODY_COLUMNS).
     speed, turn_rate, clearance
@@ -277,9 +279,11 @@ def wander(
         Uniform random numbers, (N, 2).
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
+    first, end
+        The rows that are worked on.
     """
     points = np.empty((ranges.shape[1] * samples, 2))
-    for i in range(ranges.shape[0]):
+    for i in range(first, end):
         see_points(ranges[i], beams[i], half_angle[i, 0], points)
         _wander_row(
             points,

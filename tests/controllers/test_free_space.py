@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from amorsim.controllers.beams import with_directions
 from amorsim.kernels.free_space import choose_direction, find_opening, free_way, nearest_point, see_points
 
 EMPTY_TRAIL = np.zeros((8, 2))
@@ -15,7 +16,8 @@ HALF_CIRCLE = np.radians([-90.0, 90.0])
 
 def scan(beams, ranges, half_angle=0.0, samples=1):
     points = np.empty((len(ranges) * samples, 2))
-    see_points(np.array(ranges, dtype=float), np.array(beams, dtype=float), half_angle, points)
+    placed = with_directions(np.array(beams, dtype=float)[None])[0]
+    see_points(np.array(ranges, dtype=float), placed, half_angle, points)
     return points
 
 
