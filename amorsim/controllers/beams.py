@@ -42,7 +42,10 @@ def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
 
 
 def beams_of(model: SensorModel, rows: int) -> Array:
-    """Where each value is seen from and which way: poses `(N, k, 3)` in the robot's frame."""
+    """Where each value is seen from and which way: poses in the robot's frame, cosine and sine of their headings.
+
+    `(N, k, 5)`: x, y [m], heading [rad], and the two.
+    """
     bearings = model.sensor.bearings()
     assert bearings is not None
     k = bearings.shape[1]
@@ -55,7 +58,7 @@ def beams_of(model: SensorModel, rows: int) -> Array:
     mount = np.empty((rows, k, 3))
     for column, value in enumerate((model.mount.x, model.mount.y, model.mount.heading)):
         mount[:, :, column] = value
-    return compose(mount.reshape(-1, 3), on_mount.reshape(-1, 3)).reshape(rows, k, 3)
+    return with_directions(compose(mount.reshape(-1, 3), on_mount.reshape(-1, 3)).reshape(rows, k, 3))
 
 
 def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
@@ -66,11 +69,11 @@ def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
     rows, k, _ = beams.shape
     back = np.zeros((rows, k, 3))
     back[:, :, 2] = -course
-    return compose(back.reshape(-1, 3), beams.reshape(-1, 3)).reshape(rows, k, 3)
+    return with_directions(compose(back.reshape(-1, 3), beams[:, :, :3].reshape(-1, 3)).reshape(rows, k, 3))
 
 
 def with_directions(beams: Array) -> Array:
-    """Beams `(N, k, 5)`: their poses, and cosine and sine of their headings."""
+    """Beams `(N, k, 5)` as `beams_of` gives them, of their poses `(N, k, 3)`."""
     rows, k, _ = beams.shape
     headings = np.ascontiguousarray(beams[:, :, 2])
     cosine, sine = np.empty((rows, k)), np.empty((rows, k))

@@ -21,7 +21,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.beams import beams_of, range_sensor, turned_beams, with_directions
+from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.controllers.driving import (
     at_rest,
     command_along,
@@ -102,7 +102,7 @@ class Wander(Controller):
         elif not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
             body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[1] - 1), _SWAY_MAX)
         return {
-            "beams": with_directions(beams),
+            "beams": beams,
             "half_angle": np.array(np.broadcast_to(half_angle, (context.rows, 1)), dtype=np.float64),
             "body": body,
             "memory": np.zeros((context.rows, wandering.MEMORY_COLUMNS)),
@@ -122,15 +122,12 @@ class Wander(Controller):
         reading = readings[self.sensor]
         joints = joints_of(robot, readings)
         is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
-        beams = state["beams"]
-        if robot.drive.course(joints) is not None:
-            beams = with_directions(turned_beams(robot, beams[:, :, :3], joints))
         twist = np.empty((robot.rows, 3))
         asked = (
             reading.measured,
             reading.age,
             heading_poses(robot, estimate.pose, joints),
-            beams,
+            turned_beams(robot, state["beams"], joints),
             state["half_angle"],
             _ARC_SAMPLES if is_cone else 1,
             state["body"],
