@@ -79,6 +79,7 @@ def command(
     from amorsim.core.errors import AmorsimError
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.run import run as run_scenario
+    from amorsim.simulation.warm import compile_first
 
     if replicas is not None and replica:
         raise AmorsimError("--replicas and --replica exclude each other: the first counts them, the second names them")
@@ -86,10 +87,11 @@ def command(
         raise AmorsimError(f"--replicas: expected a whole number > 0, got {replicas}")
     if quiet:
         warnings.simplefilter("ignore")
-    else:
-        _announce_compiling()
+    is_cold = _compile_beside(quiet)
     read = read_scenario(scenario, resolution=resolution, changes=changes or [])
     read = _with_options(read, seed, duration)
+    if is_cold:
+        compile_first(read)
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
     simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:
@@ -117,13 +119,17 @@ def _with_options(scenario: Scenario, seed: int | None, duration: float | None) 
     return scenario
 
 
-def _announce_compiling() -> None:
+def _compile_beside(quiet: bool) -> bool:
+    """Say so and get help where kernels have to be compiled; whether they have."""
     from amorsim.kernels.compile import is_cold
     from amorsim.simulation.warm import compile_beside
 
-    if is_cold():
+    if not is_cold():
+        return False
+    if not quiet:
         say("compiling the kernels, once after installing (some ten seconds) ...")
-        compile_beside()
+    compile_beside()
+    return True
 
 
 @contextlib.contextmanager

@@ -1,7 +1,7 @@
 """Compiling in two processes at once: what a first step needs last is compiled beside what it needs first.
 
 On a machine of two cores this shortens the wait after installing. The kernels' cache is where the two meet: each loads
-what the other has compiled already.
+what the other has compiled already, and waits for what it is just compiling (`amorsim.kernels.claims`).
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ import numpy as np
 
 from amorsim.contracts import MapLoader
 from amorsim.core.map import Map
+from amorsim.kernels.claims import take_turns
 from amorsim.kernels.draft import FREE
 from amorsim.kernels.grid import Grid
 from amorsim.plugins.hooks import hookimpl
 from amorsim.plugins.manager import default_registry, make_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.read import loads
+from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["compile_beside", "main"]
+__all__ = ["compile_beside", "compile_first", "main"]
 
 LONGEST = 120.0  # [s]
 _beside: list[subprocess.Popen[bytes]] = []
@@ -38,7 +40,7 @@ ROOM_FOR_ONE = 1 | 1 << 7 | 1 << 14 | 1 << 21
 
 
 def compile_beside() -> None:
-    """Start a process that compiles what a wandering robot needs besides its map and its laser."""
+    """Start a process that compiles what a wandering robot needs besides its map and its laser, and share the work."""
     if (os.cpu_count() or 1) < 2:
         return
     with contextlib.suppress(OSError):  # it only saves time
@@ -51,6 +53,13 @@ def compile_beside() -> None:
                 stderr=subprocess.DEVNULL,
             )
         )
+        take_turns()
+
+
+def compile_first(scenario: Scenario) -> None:
+    """Compile what scans a map, while a process beside compiles what a simulation asks for before it scans."""
+    if _beside:
+        scenario.map.cast_rays(np.zeros((1, 3)), np.zeros(1), 1.0)
 
 
 @attrs.frozen(kw_only=True)
@@ -85,6 +94,7 @@ def main() -> None:
     deadline = threading.Timer(LONGEST, os._exit, (1,))  # nobody waits for this process, so it must end by itself
     deadline.daemon = True
     deadline.start()
+    take_turns()
     path = default_registry().file("scenario", "demo")
     document = tomllib.loads(path.read_text(encoding="utf-8"))
     document["world"] = {"map": str(path), "use": "open_space"}
