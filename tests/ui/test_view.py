@@ -1,0 +1,187 @@
+"""`amorsim view` as a process: its address, its mistakes, its end."""
+
+from __future__ import annotations
+
+import http.client
+import importlib.util
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+import amorsim as am
+from amorsim.cli import main
+from amorsim.ui.protocol import FRAME_HEADER
+from tests.ui.sessions import write_project
+
+pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+
+
+class View:
+    """`amorsim view` with these arguments, once it has told its address."""
+
+    def __init__(self, *arguments: str, cwd: Path, command: str = "view") -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "amorsim", command, *arguments, "--no-open"],
+            cwd=cwd,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        assert self.process.stdout is not None
+        self.lines = []
+        while line := self.process.stdout.readline():
+            self.lines.append(line)
+            if line.startswith("http://"):
+                break
+        else:
+            raise AssertionError(self.process.communicate())
+        self.address = line.strip()
+        # The child that it started, and none else.
+        self.children = [int(pid) for pid in _children(self.process.pid)]
+
+    def end(self, number: signal.Signals) -> tuple[float, str]:
+        """Send a signal; how long it took until the process and its child were gone [s], and what it said then."""
+        began = time.monotonic()
+        self.process.send_signal(number)
+        said, _ = self.process.communicate(timeout=10.0)
+        while any(_is_running(pid) for pid in self.children):
+            assert time.monotonic() - began < 10.0, "an orphan is left"
+            time.sleep(0.01)
+        return time.monotonic() - began, said
+
+
+def _children(pid: int) -> list[str]:
+    return [
+        word
+        for task in Path(f"/proc/{pid}/task").iterdir()
+        for word in (task / "children").read_text(encoding="ascii").split()
+    ]
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.fixture
+def views() -> Iterator[list[View]]:
+    started: list[View] = []
+    yield started
+    for view in started:
+        if view.process.poll() is None:
+            view.process.kill()
+            view.process.communicate()
+
+
+def get(address: str, path: str, **headers: str) -> int:
+    parts = urlsplit(address)
+    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=10.0)
+    connection.request("GET", path, headers=headers)
+    status = connection.getresponse().status
+    connection.close()
+    return status
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP], ids=["ctrl-c", "closed terminal"])
+def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list[View], number: signal.Signals) -> None:
+    scenario = write_project(tmp_path)
+    view = View(scenario.name, "--out", "out", cwd=tmp_path, command="view" if number == signal.SIGINT else "runsim")
+    views.append(view)
+    assert len(view.children) == 1
+    address = urlsplit(view.address)
+    assert address.hostname == "127.0.0.1"
+    assert get(view.address, f"{address.path}?{address.query}") in (200, 303, 307)
+    assert get(view.address, "/") == 401
+    _drive(view)
+    seconds, said = view.end(number)
+    assert seconds < 2.0
+    if number == signal.SIGINT:
+        assert view.process.returncode == 0
+        assert "results: out" in said
+    outcome = am.reproduce(tmp_path / "out")
+    assert outcome.is_exact
+    assert outcome.steps > 3
+
+
+def _drive(view: View) -> None:
+    """Let it run, as a window does."""
+    import asyncio
+    import json
+
+    import websockets
+
+    async def talk() -> None:
+        parts = urlsplit(view.address)
+        connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=10.0)
+        connection.request("GET", f"{parts.path}?{parts.query}")
+        cookie = (connection.getresponse().getheader("set-cookie") or "").partition(";")[0]
+        connection.close()
+        origin = f"http://{parts.netloc}"
+        async with websockets.connect(
+            f"ws://{parts.netloc}/amorsim/socket",
+            additional_headers={"Cookie": cookie},
+            origin=origin,  # type: ignore[arg-type]
+        ) as socket:
+            await socket.send(json.dumps({"id": 1, "do": "speed", "factor": 5.0}))
+            await socket.send(json.dumps({"id": 2, "do": "run"}))
+            while True:
+                said: Any = await asyncio.wait_for(socket.recv(), 10.0)
+                if isinstance(said, bytes):
+                    header = FRAME_HEADER.unpack_from(said)
+                    await socket.send(json.dumps({"drawn": header[2]}))
+                    if header[7] > 5:
+                        return
+
+    asyncio.run(talk())
+
+
+@pytest.fixture
+def amorsim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Any:
+    def command(*arguments: str) -> tuple[Any, str]:
+        monkeypatch.setattr(sys, "argv", ["amorsim", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return end.value.code, capsys.readouterr().err
+
+    return command
+
+
+def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *rest: None if name == "nicegui" else find(name, *rest)
+    )
+    status, said = amorsim("view", "demo")
+    assert status == 2
+    assert said.splitlines() == ['the window needs the extra "ui"; install it with: pip install "amorsim[ui]"']
+
+
+def test_mistakes_are_told_as_run_tells_them(amorsim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    scenario = write_project(tmp_path)
+    scenario.write_text(scenario.read_text() + "\n[robots.sensors.laser]\nbeems = 3\nfov_deg = 'wide'\n")
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "file").touch()
+    assert amorsim("view", "scenario.toml", "--no-open") == amorsim("run", "scenario.toml", "--quiet")
+    for arguments, says in (
+        (("nothing.toml",), "nothing.toml"),
+        (("demo", "--out", "taken"), "the folder holds files already"),
+        (("demo", "--port", "70000"), "--port: expected a whole number from 0 to 65535"),
+        (("demo", "--duration", "-1"), "--duration: expected a number"),
+    ):
+        status, said = amorsim("view", *arguments, "--no-open")
+        assert status == 2, said
+        assert says in said
+        assert "Traceback" not in said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["own.py", "room.wld", "scenario.toml", "taken"]
