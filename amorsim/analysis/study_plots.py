@@ -1,7 +1,8 @@
-"""The pictures of experiments: the end points of UMBmark, and what each error does to odometry."""
+"""The pictures of experiments: the end points of UMBmark, and what each error does to odometry and to readings."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +14,10 @@ from amorsim.analysis.figures import TRUE, tidy
 
 if TYPE_CHECKING:
     from amorsim.studies.attribution import Attribution
+    from amorsim.studies.reading_attribution import ReadingAttribution
     from amorsim.studies.umbmark import Umbmark
 
-__all__ = ["plot_attribution", "plot_umbmark"]
+__all__ = ["plot_attribution", "plot_readings", "plot_umbmark"]
 
 Array = npt.NDArray[np.float64]
 
@@ -109,8 +111,51 @@ def plot_attribution(found: Attribution, path: Path) -> None:
         f"true path (broad), and where it would be\nbelieved to be by each error alone{scaled}", loc="left", fontsize=10
     )
 
-    places = np.arange(len(cases))
-    for axis, values in ((sizes, [case.error for case in cases]), (shares, [100.0 * case.share for case in cases])):
+    names, errors = [case.name for case in cases], [case.error for case in cases]
+    _draw_bars(sizes, shares, names, errors, [case.share for case in cases], colours)
+    sizes.set_title("final error alone [m]", loc="left", fontsize=10)
+    shares.set_title("share of the error of all [%]", loc="left", fontsize=10)
+    figure.suptitle(f"what each error does to the odometry of {found.robot}", x=0.01, ha="left")
+    figure.savefig(path, dpi=110)
+
+
+def plot_readings(found: ReadingAttribution, path: Path) -> None:
+    """Write the picture of what each error does to a sensor's readings: their size by time, and its shares.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    # What a user reads of angles is in degrees.
+    scale = math.degrees(1.0) if found.unit.startswith("rad") else 1.0
+    unit = found.unit.replace("rad", "deg")
+    figure = Figure(figsize=(12.0, 5.0), layout="constrained")
+    times, sizes, shares = figure.subplots(1, 3, width_ratios=[2.0, 1.0, 1.0], squeeze=False)[0]
+    tidy(times)
+    cases = [*found.cases, found.together]
+    colours = [_COLOURS[i % len(_COLOURS)] for i in range(len(found.cases))] + ["#111827"]
+    for i, (case, colour) in enumerate(zip(cases, colours, strict=True)):
+        dash = "-" if case is found.together else _DASHES[i % len(_DASHES)]
+        times.plot(found.time, scale * case.by_step, color=colour, linestyle=dash, linewidth=1.2)
+    times.set_xlabel("time [s]")
+    times.set_ylabel(f"error of a value [{unit}]")
+    times.set_ylim(bottom=0.0)
+    times.set_title("root mean square of all values and replicas, by step", loc="left", fontsize=10)
+    names, errors = [case.name for case in cases], [scale * case.error for case in cases]
+    _draw_bars(sizes, shares, names, errors, [case.share for case in cases], colours)
+    sizes.set_title(f"alone [{unit}]", loc="left", fontsize=10)
+    shares.set_title("share of the error of all [%]", loc="left", fontsize=10)
+    figure.suptitle(f"what each error does to the readings of {found.robot}'s {found.sensor}", x=0.01, ha="left")
+    figure.savefig(path, dpi=110)
+
+
+def _draw_bars(
+    sizes: Any, shares: Any, names: list[str], errors: list[float], parts: list[float], colours: list[str]
+) -> None:
+    """The sizes of errors on one axis, and on another their shares, as bars with numbers."""
+    places = np.arange(len(names))
+    for axis, values in ((sizes, errors), (shares, [100.0 * part for part in parts])):
         tidy(axis)
         axis.grid(visible=False, axis="y")
         axis.barh(places, values, color=colours)
@@ -120,20 +165,16 @@ def plot_attribution(found: Attribution, path: Path) -> None:
         low, high = min(0.0, *values), max(0.0, *values)
         room = 0.45 * ((high - low) or 1.0)  # for the numbers
         axis.set_xlim(low - room if low < 0.0 else 0.0, high + room)
-    sizes.set_yticklabels([case.name for case in cases], fontsize=8)
+    sizes.set_yticklabels(names, fontsize=8)
     shares.set_yticklabels([])
-    for place, case in zip(places.tolist(), cases, strict=True):
-        sizes.annotate(f" {case.error:.3g}", (case.error, place), va="center", fontsize=8)
-        text = f"{100.0 * case.share:.1f} %"
-        ahead = case.share >= 0.0
+    for place, error, part in zip(places.tolist(), errors, parts, strict=True):
+        sizes.annotate(f" {error:.3g}", (error, place), va="center", fontsize=8)
+        text = f"{100.0 * part:.1f} %"
+        ahead = part >= 0.0
         shares.annotate(
             f" {text}" if ahead else f"{text} ",
-            (100.0 * case.share, place),
+            (100.0 * part, place),
             va="center",
             ha="left" if ahead else "right",
             fontsize=8,
         )
-    sizes.set_title("final error alone [m]", loc="left", fontsize=10)
-    shares.set_title("share of the error of all [%]", loc="left", fontsize=10)
-    figure.suptitle(f"what each error does to the odometry of {found.robot}", x=0.01, ha="left")
-    figure.savefig(path, dpi=110)

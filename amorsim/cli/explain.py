@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ from amorsim.cli.console import say
 from amorsim.cli.study import claim_folder, draw, free_folder, read_study, significant, table, write_text
 
 if TYPE_CHECKING:
+    from amorsim.scenario.spec import Scenario
     from amorsim.studies.attribution import Attribution
 
 __all__ = ["command"]
@@ -26,6 +28,10 @@ def command(
         typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-errors-<number>]"),
     ] = None,
     robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    sensor: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Explain the readings of this sensor, in place of odometry."),
+    ] = None,
     replicas: Annotated[int, typer.Option(metavar="N", help="How often what is random is drawn.")] = 20,
     seed: Annotated[
         int | None, typer.Option(metavar="N", help="Seed of all draws, in place of the scenario's.")
@@ -35,15 +41,19 @@ def command(
         typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
     ] = None,
 ) -> None:
-    """Show what each error does to odometry: the same drive with each alone, and with all together.
+    """Show what each error does to odometry, or to a sensor's readings: each alone, and all together.
 
     Each entry of the robot's errors, each element of its ground and each one of its encoder's noise is an error.
+    Of a sensor, each entry of the robot's errors that touches it and each element of its noise is one.
     All draw the same alone as in company, so that their shares add up.
     """
     from amorsim.studies.attribution import attribute_errors
 
     free_folder(out)
     read = read_study(scenario, changes, seed)
+    if sensor is not None:
+        _explain_readings(read, sensor, robot, replicas, out)
+        return
     found = attribute_errors(read, robot=robot, replicas=replicas)
     say(_report(found, replicas))
     folder = claim_folder(out, read, "errors")
@@ -56,6 +66,32 @@ def command(
     say(f"\nfinal errors: {folder / 'final-errors.csv'}" + (f", picture: {path}" if has_plot else ""))
 
 
+def _explain_readings(scenario: Scenario, sensor: str, robot: str | None, replicas: int, out: Path | None) -> None:
+    from amorsim.studies.reading_attribution import attribute_readings
+
+    found = attribute_readings(scenario, sensor, robot=robot, replicas=replicas)
+    # What a user reads of angles is in degrees.
+    scale = math.degrees(1.0) if found.unit.startswith("rad") else 1.0
+    unit = found.unit.replace("rad", "deg")
+    cases = (*found.cases, found.together)
+    rows = [
+        [case.name, significant(scale * case.error), f"{100.0 * case.share:.1f} %", f"{100.0 * case.changed:.1f} %"]
+        for case in cases
+    ]
+    rows.insert(-1, ["interaction", "", f"{100.0 * found.interaction:.1f} %", ""])
+    say(f"{found.robot}, {sensor}: error of a value, root mean square over all readings of {replicas} replicas")
+    lines = table(["error", f"alone [{unit}]", "share", "returns lost or made up"], rows).splitlines()
+    say("\n".join(line.rstrip() for line in lines))
+    folder = claim_folder(out, scenario, "errors")
+    lines = ["time," + ",".join(case.name for case in cases)]
+    for i, time in enumerate(found.time.tolist()):
+        lines.append(f"{time:.6f}," + ",".join(f"{case.by_step[i]:.6g}" for case in cases))
+    write_text(folder / "reading-errors.csv", "\n".join(lines) + "\n")
+    path = folder / "errors.png"
+    has_plot = draw(path, lambda plots: plots.plot_readings(found, path))
+    say(f"\nerrors by step: {folder / 'reading-errors.csv'}" + (f", picture: {path}" if has_plot else ""))
+
+
 def _report(found: Attribution, replicas: int) -> str:
     rows = [[case.name, significant(case.error), f"{100.0 * case.share:.1f} %"] for case in found.cases]
     rows.append(["interaction", "", f"{100.0 * found.interaction:.1f} %"])
@@ -65,5 +101,5 @@ def _report(found: Attribution, replicas: int) -> str:
         table(["error", "alone [m]", "share"], rows),
     ]
     if found.left_out:
-        lines.append(f"no part in odometry: {', '.join(found.left_out)}")
+        lines.append(f"no part in odometry: {', '.join(found.left_out)}; --sensor NAME explains a sensor's readings")
     return "\n".join(lines)

@@ -59,7 +59,7 @@ class Attribution:
     together
         All errors at once; its share is 1.
     left_out
-        Paths of errors that have no part in odometry.
+        Paths of errors that have no part in odometry, and the zones of the floor, which are nowhere in an empty world.
     """
 
     robot: str
@@ -140,7 +140,10 @@ def attribute_errors(scenario: Scenario, *, robot: str | None = None, replicas: 
         reference=reference[:, 0],
         cases=tuple(case(name) for name in everything),
         together=case(together),
-        left_out=tuple(f"errors.{path}" for path in chosen.errors if f"errors.{path}" not in kept),
+        left_out=(
+            *(f"errors.{path}" for path in chosen.errors if f"errors.{path}" not in kept),
+            *(f"zones.{zone.name}" for zone in scenario.zones),
+        ),
     )
 
 

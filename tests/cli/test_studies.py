@@ -174,6 +174,24 @@ def test_explain_errors_shows_the_share_of_each(monkeypatch: pytest.MonkeyPatch)
         assert min(picture.size) > 400
 
 
+def test_explain_errors_shows_what_a_sensors_errors_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    status, output = amorsim(
+        "amorsim explain-errors demo --sensor compass --out s --replicas 2 --set simulation.duration=3", monkeypatch
+    )
+    assert status == 0, output
+    assert re.search(r"^sensors\.compass\.noise\.gaussian +\S+ +", output, re.MULTILINE)
+    assert "alone [deg]" in output
+    assert re.search(r"^all together +\S+ +100\.0 % +0\.0 %$", output, re.MULTILINE)
+    rows = _rows("s/reading-errors.csv")
+    assert len(rows) == 30
+    assert float(rows[-1]["time"]) == pytest.approx(3.0)
+    with Image.open("s/errors.png") as picture:
+        assert min(picture.size) > 400
+    status, output = amorsim("amorsim explain-errors demo --sensor campass", monkeypatch)
+    assert status == 2
+    assert "Did you mean 'compass'?" in output
+
+
 def test_without_a_name_there_is_a_folder_for_each(monkeypatch: pytest.MonkeyPatch) -> None:
     for _ in range(2):
         assert amorsim("amorsim calibrate demo --what compass --runs 2", monkeypatch)[0] == 0
