@@ -122,6 +122,7 @@ class SensorShape(TypedDict):
     name: str
     kind: str  # as registered: "laser", "sonar", "compass" ...
     unit: str
+    columns: list[list[str]]  # name and unit of what values are in turn, where they are not all in `unit`
     size: int
     mounts: list[list[float]]
     bearings: list[float] | None

@@ -143,7 +143,7 @@ class SceneBuilder:
             "model": robot.model,
             "drive": _registered("drive", robot.drive),
             "footprint": _outline(robot.shape),
-            "wheels": _wheels(robot.drive),
+            "wheels": _wheels(robot.drive, drive),
             "channels": [*_drive_channels(robot.drive), *_device_channels(robot.sensors)],
             "joints": [joint.name for joint in robot.drive.joints],
             "twist": _fastest(drive, robot.drive),
@@ -178,26 +178,38 @@ def _outline(shape: Shape) -> Outline:
     return {"polygon": shape.outline.tolist()}
 
 
-def _wheels(drive: Drive) -> list[list[float]]:
-    """The wheels of drives whose parameters say where they are."""
-    track = getattr(drive, "track", None)
-    radii = [getattr(drive, f"wheel_radius_{side}", None) for side in ("left", "right")]
-    if track is None or None in radii:
+def _wheels(drive: Drive, stacked: Drive) -> list[list[float]]:
+    """The wheels that roll, where they touch the ground, and those of a car that steer."""
+    places = stacked.contacts(np.zeros((1, len(drive.joints))))[0]
+    if not places.any():  # a drive that does not say
         return []
-    return [
-        [0.0, sign * track / 2.0, 0.0, float(radius or 0.0)] for sign, radius in zip((1.0, -1.0), radii, strict=True)
-    ]
-
-
-def _rate_max(drive: Drive) -> float | None:
-    limit = getattr(drive, "rate_max", None)
-    return float(limit) if isinstance(limit, (int, float)) and math.isfinite(limit) else None
+    radii = np.broadcast_to(stacked.rolling_radius(), (1, len(places)))[0]
+    wheels = [[x, y, 0.0, radius] for (x, y), radius in zip(places.tolist(), radii.tolist(), strict=True)]
+    wheelbase, track = _number(drive, "wheelbase"), _number(drive, "track")
+    if "steering" in drive.channels and wheelbase and track:
+        steered = [[wheelbase, side * track / 2.0, 0.0, wheels[0][3]] for side in (1.0, -1.0)]
+        wheels += [wheel for wheel in steered if wheel not in wheels]
+    return wheels
 
 
 def _drive_channels(drive: Drive) -> list[Channel]:
-    limit = _rate_max(drive)
-    low = None if limit is None else -limit
-    return [{"name": name, "unit": "rad/s", "low": low, "high": limit} for name in drive.channels]
+    """The drive's channels with their limits, as far as its fields have names that tell them."""
+    fixed = [joint.name for joint in drive.joints if not joint.rolls]
+    channels: list[Channel] = []
+    for name in drive.channels:
+        position = _number(drive, f"{name}_max") if name in fixed else None
+        limit = position or _number(drive, f"{name}_rate_max") or _number(drive, "rate_max")
+        if limit is not None and not math.isfinite(limit):
+            limit = None
+        channels.append(
+            {
+                "name": name,
+                "unit": "rad" if position else "rad/s",
+                "low": None if limit is None else -limit,
+                "high": limit,
+            }
+        )
+    return channels
 
 
 def _device_channels(sensors: Mapping[str, MountedSensor]) -> list[Channel]:
@@ -209,17 +221,22 @@ def _device_channels(sensors: Mapping[str, MountedSensor]) -> list[Channel]:
 
 
 def _fastest(drive: Drive, nominal: Drive) -> list[float]:
-    """The fastest of each part of a velocity alone: what its command asks of the joints, against their limit."""
-    limit = _rate_max(nominal)
-    if limit is None:
-        return list(FASTEST)
-    joints = np.zeros((1, len(nominal.joints)))
-    found = []
-    for wanted in np.eye(3):
-        command = np.asarray(drive.command_for(wanted[None, :].copy(), joints), dtype=float)
-        largest = float(np.abs(command).max(initial=0.0))
-        found.append(limit / largest if largest > 1e-9 else 0.0)
-    return found
+    """The fastest of each part of a velocity alone: as the drive tells, or by what its command asks of the joints."""
+    limit = _number(nominal, "rate_max")
+    found = list(FASTEST)
+    if limit is not None and math.isfinite(limit):
+        joints = np.zeros((1, len(nominal.joints)))
+        for part, wanted in enumerate(np.eye(3)):
+            command = np.asarray(drive.command_for(wanted[None, :].copy(), joints), dtype=float)
+            largest = float(np.abs(command).max(initial=0.0))
+            found[part] = limit / largest if largest > 1e-9 else 0.0
+    speeds = drive.top_speeds()
+    if speeds is not None:
+        told = speeds[0].tolist()
+        found = [told[0], found[1] if drive.course(np.zeros((1, len(nominal.joints)))) is None else 0.0, told[1]]
+        if drive.curvature_max() is not None:  # what rolls along a curve does not go aside
+            found[1] = 0.0
+    return [speed if math.isfinite(speed) else default for speed, default in zip(found, (1.0, 1.0, 1.0), strict=True)]
 
 
 def sensor_shapes(robot: Robot) -> list[SensorShape]:
@@ -242,6 +259,7 @@ def _sensor(name: str, unit: MountedSensor, drive: Drive) -> SensorShape:
         "name": name,
         "kind": _registered("sensor", sensor),
         "unit": sensor.unit,
+        "columns": [[column, unit_] for column, unit_ in sensor.columns().items()],
         "size": size,
         "mounts": mounts.tolist(),
         "bearings": looks,
