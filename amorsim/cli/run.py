@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import sys
 import time
 import warnings
@@ -16,6 +17,7 @@ import typer
 from amorsim.cli.console import complain, say
 
 if TYPE_CHECKING:
+    from amorsim.runs.film import Film
     from amorsim.runs.session import RunSummary
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
@@ -69,6 +71,18 @@ def command(
             "`amorsim check SCENARIO --resolved` prints all there are.",
         ),
     ] = None,
+    gif: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also make a moving picture of the first replica: a .gif file.")
+    ] = None,
+    gif_size: Annotated[int, typer.Option(metavar="PIXELS", help="Longer side of the moving picture.")] = 480,
+    gif_rate: Annotated[float, typer.Option(metavar="N", help="Its frames a second, at most 25.")] = 10.0,
+    gif_speed: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="How much faster than the simulated time it is shown. [default: 1, or so fast that it takes 20 s]",
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate a scenario and write what happened into a folder.
@@ -97,12 +111,37 @@ def command(
     if not quiet:
         for warning in (*read.map.warnings, *([remark] if remark else ())):
             complain(f"{read.map.name}: {warning}")
+    film = None
+    if gif is not None:
+        film = _film(simulation, gif, gif_size, gif_rate, gif_speed)
     with _progress(quiet) as progress:
-        summary = run_scenario(simulation.scenario, out, progress=progress, simulation=simulation)
+        on_step = progress if film is None else functools.partial(_filmed, film, progress)
+        summary = run_scenario(simulation.scenario, out, progress=on_step, simulation=simulation)
+    if film is not None:
+        film.save()
     if not quiet:
         _report(simulation, summary)
+        if film is not None:
+            say(f"moving picture: {film.path}")
     if not summary.is_complete:
         raise typer.Exit(130)
+
+
+def _film(simulation: Simulation, path: Path, size: int, rate: float, speed: float | None) -> Film:
+    from amorsim.core.errors import AmorsimError
+    from amorsim.core.parameters import ParameterError
+    from amorsim.runs.film import Film
+
+    try:
+        return Film(simulation, path, simulation.scenario.duration, size=size, rate=rate, speed=speed)
+    except ParameterError as error:
+        raise AmorsimError(f"--{error.name}: {error.problem}") from None
+
+
+def _filmed(film: Film, progress: Progress | None, share: float) -> None:
+    film.keep()
+    if progress is not None:
+        progress(share)
 
 
 def _with_options(scenario: Scenario, seed: int | None, duration: float | None) -> Scenario:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from amorsim.motions.doors import SlidingDoor, SwingDoor
+from amorsim.motions.pedestrian import Pedestrian
 from amorsim.motions.routes import Loop, Oscillate, Waypoints
 from amorsim.motions.track import Track
 from amorsim.motions.user import ObstacleState, UserMotion
@@ -12,6 +13,7 @@ __all__ = [
     "Loop",
     "ObstacleState",
     "Oscillate",
+    "Pedestrian",
     "SlidingDoor",
     "SwingDoor",
     "Track",

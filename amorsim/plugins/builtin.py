@@ -70,6 +70,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.motion("oscillate", "amorsim.motions.routes:Oscillate")
     registry.motion("wander", "amorsim.motions.wander:Wander")
     registry.motion("track", "amorsim.motions.track:Track")
+    registry.motion("pedestrian", "amorsim.motions.pedestrian:Pedestrian")
     registry.motion("swing_door", "amorsim.motions.doors:SwingDoor")
     registry.motion("sliding_door", "amorsim.motions.doors:SlidingDoor")
 
@@ -102,3 +103,5 @@ def amorsim_register(registry: Registry) -> None:
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
     registry.scenario("demo", _PACKAGE / "scenarios" / "demo.toml")
+    for name in ("crowd", "doors", "swarm"):
+        registry.scenario(name, _PACKAGE / "scenarios" / f"{name}.toml")

@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -17,6 +17,7 @@ from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.marks import COLOURS
 from amorsim.render.things import Thing, draw_lamp, draw_landmark, draw_obstacle, draw_thing
+from amorsim.render.words import Font, font, in_words, round_length
 
 __all__ = ["RobotPath", "Thing", "draw_map", "draw_run"]
 
@@ -28,7 +29,6 @@ _NAMES_SHOWN = 5  # in the legend; every robot has its label where it ended
 
 Points = NDArray[np.float64]
 _Box = tuple[float, float, float, float]
-_Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 
 def _points(value: Any) -> Points:
@@ -126,7 +126,7 @@ class _Page:
         self._unit = size / 1600  # [px] a line 1 px wide in a picture of 1600 px
         self._margin = round(34 * self._unit) + 2
         self._line_height = max(16, round(40 * self._unit))
-        self._font = _font(0.62 * self._line_height)
+        self._font = font(0.62 * self._line_height)
         self._low, self._high = self._view()
         self._lay_out(size)
         self._canvas = Canvas(*self._size)
@@ -147,8 +147,8 @@ class _Page:
             plot_width, plot_height = (max(1, round(side * self._scale)) for side in (width, height))
             # Below a plot as narrow as a corridor there still has to be room for words.
             page_width = max(plot_width + 2 * self._margin, round(0.6 * size))
-            self._bar = _round_length(page_width / 7 / self._scale)
-            bar_text = _in_words(self._bar)
+            self._bar = round_length(page_width / 7 / self._scale)
+            bar_text = in_words(self._bar)
             bar_room = self._bar * self._scale + self._font.getlength(bar_text) + 1.5 * self._line_height
             self._legend = self._wrapped(items, page_width - 2 * self._margin, bar_room)
         self._size = (page_width, top + plot_height + bottom)
@@ -255,9 +255,9 @@ class _Page:
         for text, place, anchor in words:
             pen.text(place, text, COLOURS["text"], self._font, anchor=anchor)
         if self._title:
-            font = _font(0.85 * self._line_height)
-            title = _shortened(self._title, font, self._size[0] - 2 * self._margin)
-            pen.text((self._margin, 0.55 * self._plot[1]), title, COLOURS["text"], font, anchor="lm")
+            large = font(0.85 * self._line_height)
+            title = _shortened(self._title, large, self._size[0] - 2 * self._margin)
+            pen.text((self._margin, 0.55 * self._plot[1]), title, COLOURS["text"], large, anchor="lm")
         if len(self._paths) > 1:
             self._write_names(pen)
         return image
@@ -346,7 +346,7 @@ class _Page:
             (right, y + tick),
         ]
         self._canvas.line(np.array(bar), COLOURS["text"], 2.5 * self._unit)
-        return _in_words(self._bar), (left - 0.3 * self._line_height, y), "rm"
+        return in_words(self._bar), (left - 0.3 * self._line_height, y), "rm"
 
     def _write_names(self, pen: ImageDraw.ImageDraw) -> None:
         """A robot's name beside where it ended, clear of other names and ends where it can be."""
@@ -424,25 +424,7 @@ def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
     return grown
 
 
-def _round_length(about: float) -> float:
-    """The greatest of 1, 2 and 5 times a power of ten that is not more than `about`."""
-    power = 10.0 ** math.floor(math.log10(about))
-    return max(digit * power for digit in (1, 2, 5) if digit * power <= about * (1 + 1e-9))
-
-
-def _in_words(metres: float) -> str:
-    for unit, size in (("km", 1000.0), ("m", 1.0), ("cm", 0.01)):
-        if metres >= size * (1 - 1e-9):
-            return f"{metres / size:g} {unit}"
-    return f"{metres * 1000:g} mm"
-
-
-def _font(height: float) -> _Font:
-    """Pillow's own font, of about a height [px]."""
-    return ImageFont.load_default(max(8, round(height)))
-
-
-def _shortened(text: str, font: _Font, width: float) -> str:
+def _shortened(text: str, font: Font, width: float) -> str:
     """The text on one line, its end left out if it is too wide."""
     text = " ".join(text.split())
     if font.getlength(text) <= width:

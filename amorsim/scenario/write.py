@@ -19,6 +19,7 @@ from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.document import document_of
 from amorsim.scenario.maps import save_map
 from amorsim.scenario.spec import Scenario
+from amorsim.scenario.starts import series_of
 
 __all__ = ["document_of", "document_text", "with_copies", "write_document"]
 
@@ -142,9 +143,9 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
         if "map" in robot.get("knowledge", {}):
             robot["knowledge"]["map"] = copies.of(robot["knowledge"]["map"])
         copies.of_program(robot.get("controller", {}))
-    for obstacle, written in zip(scenario.obstacles, document.get("obstacles", ()), strict=True):
+    for (first, *_), written in zip(series_of(scenario.obstacles), document.get("obstacles", ()), strict=True):
         copies.of_program(written.get("motion", {}))
-        _copy_files(obstacle.motion, written.get("motion", {}), copies)
+        _copy_files(first.motion, written.get("motion", {}), copies)
     return document
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from amorsim.contracts import Mount
 from amorsim.controllers import Pursuit
-from amorsim.motions import Loop, Oscillate, SlidingDoor, SwingDoor, Track, Waypoints
+from amorsim.motions import Loop, Oscillate, Pedestrian, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.noise import Bump
 from amorsim.plugins.manager import make_registry
 from amorsim.sensors.fiducial import Fiducial
@@ -51,6 +51,7 @@ EXAMPLES: dict[type, Any] = {
     Loop: Loop(**_ROUTE, blocked="skip"),
     Oscillate: Oscillate(**_ROUTE),
     Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
+    Pedestrian: Pedestrian(goals=((4.0, 4.0), (6.0, 3.0)), order="random", blocked="skip"),
     SwingDoor: SwingDoor(**_DOOR),
     SlidingDoor: SlidingDoor(**_DOOR, blocked="skip"),
 }

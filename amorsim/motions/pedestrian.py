@@ -1,0 +1,164 @@
+"""People on foot, by the social force model of D. Helbing and P. Molnár."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Motion, State, View, parameter
+from amorsim.kernels.social_force import social_forces
+from amorsim.motions.ways import blocked_for, displacement, facing
+
+__all__ = ["Pedestrian"]
+
+Array = npt.NDArray[np.float64]
+
+_RAYS = 24
+_BEARINGS: Array = np.array([2.0 * math.pi * ray / _RAYS for ray in range(_RAYS)])
+_TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
+_LOOK = 10.0
+"""So many times its range away a wall's repulsion is nothing."""
+
+
+@attrs.frozen(kw_only=True)
+class Pedestrian(Motion):
+    """Walks from goal to goal, kept away from others and from walls by social forces.
+
+    He speeds up towards his goal within `relaxation`; others repel him along ellipses that stretch over their next
+    step, walls by their nearest points, and what is behind his back counts less. The numbers are those of D. Helbing
+    and P. Molnár, Social force model for pedestrian dynamics, Physical Review E 51 (1995) 4282-4286; distances here go
+    to the other's outline, so that robots of any size are heeded. With `relative`, ellipses stretch over steps relative
+    to his own, as A. Johansson, D. Helbing and P. Shukla (Advances in Complex Systems 10, 2007) have it: then he also
+    steps aside for what stands in his way.
+    """
+
+    goals: tuple[tuple[float, float], ...] = parameter(
+        (), unit="m", help="places [x, y] in the world; none: on and on in the direction he looks at the start"
+    )
+    order: str = parameter(
+        "loop",
+        choices=("loop", "random", "once"),
+        help="which goal is next: in turn, any other, or none after the last",
+    )
+    near: float = parameter(0.5, unit="m", gt=0, help="how near to a goal he has reached it")
+    speed: float = parameter(1.34, unit="m/s", ge=0, help="desired speed, mean over pedestrians")
+    speed_std: float = parameter(0.26, unit="m/s", ge=0, help="its standard deviation over pedestrians")
+    relaxation: float = parameter(0.5, unit="s", gt=0, help="in which he takes up his speed")
+    strength: float = parameter(2.1, unit="m^2/s^2", ge=0, help="of the repulsion by others")
+    range: float = parameter(0.3, unit="m", gt=0, help="of the repulsion by others")
+    step: float = parameter(2.0, unit="s", ge=0, help="how far ahead others' ways are seen")
+    relative: bool = parameter(False, help="whether others' ways are taken relative to his own, not over the ground")
+    wall_strength: float = parameter(10.0, unit="m^2/s^2", ge=0, help="of the repulsion by walls")
+    wall_range: float = parameter(0.2, unit="m", gt=0, help="of the repulsion by walls")
+    sight: float = parameter(
+        math.radians(200.0), unit="rad", ge=0, le=2.0 * math.pi, help="angle of sight, half of it to either side"
+    )
+    behind: float = parameter(0.5, ge=0, le=1, help="weight of who is out of sight")
+    waver: float = parameter(0.1, unit="m/s/sqrt(s)", ge=0, help="random changes of his velocity, in a second")
+    avoid_robots: bool = parameter(True, help="whether robots repel him; if not, he walks as if there were none")
+    blocked: str = parameter(
+        "wait",
+        choices=("wait", "skip"),
+        help="what he does when somebody stands in his way: go on trying, or take the next goal",
+    )
+    patience: float = parameter(5.0, unit="s", ge=0, help="how long he is blocked before he takes the next goal")
+
+    def start(self, context: Context) -> State:
+        """Velocity, desired speed and first goal; drawn in the first step, as far as they are random."""
+        rows = context.rows
+        return {
+            "velocity": np.zeros((rows, 2)),
+            "speed": np.zeros((rows, 1)),
+            "goal": np.zeros((rows, 1), dtype=np.int64),
+            "ahead": np.concatenate((np.cos(context.pose[:, 2:]), np.sin(context.pose[:, 2:])), axis=1),
+            "blocked": np.zeros((rows, 1)),
+        }
+
+    def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
+        """A step of the model: the desired speed is taken up exponentially, forces count as they are at its start."""
+        normal, uniform = draws.normal(3), draws.uniform(1)
+        is_first = view.tick == 0
+        speed = np.maximum(self.speed + self.speed_std * normal[:, :1], 0.0)
+        state["speed"] = np.where(is_first, speed, state["speed"])
+        wanted = self._way(view, dt, state, uniform, is_first)
+        force = self._forces(view, wanted)
+        # What was in the way has taken that part of his speed.
+        velocity = state["velocity"] * view.free
+        decay = np.exp(-dt / self.relaxation)
+        target = state["speed"] * wanted + self.relaxation * force
+        velocity = target + (velocity - target) * decay + self.waver * np.sqrt(dt) * normal[:, 1:]
+        size = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
+        most = 1.3 * state["speed"]
+        velocity = velocity * np.where(size > most, most / np.where(size > 0.0, size, 1.0), 1.0)
+        state["velocity"] = velocity
+        dx, dy = velocity[:, :1] * dt, velocity[:, 1:] * dt
+        return displacement(view, dx, dy, facing(view, dx, dy, np.full((view.rows, 1), 4.0 * dt)))
+
+    def _way(self, view: View, dt: float, state: State, uniform: Array, is_first: npt.NDArray[np.bool_]) -> Array:
+        """The direction `(N, 2)` that each wants to go in; none for those that are where they want to be."""
+        count = len(np.shape(self.goals)) > 1 and np.shape(self.goals)[1]
+        if not count:
+            return state["ahead"]
+        goals = np.asarray(self.goals)
+        goal = state["goal"]
+        if self.order == "random":
+            drawn = np.minimum((uniform * count).astype(np.int64), count - 1)
+            goal = np.where(is_first, drawn, goal)
+        dx, dy = self._to(goals, goal, view)
+        reached = dx * dx + dy * dy < self.near * self.near
+        if self.blocked == "skip":
+            waited = blocked_for(view, dt, state)
+            gives_up = waited >= self.patience - 1e-9
+            state["blocked"] = np.where(gives_up, 0.0, waited)
+            reached = reached | (gives_up & (view.free < 1.0))
+        others = max(count - 1, 1)
+        following = (goal + 1) % count
+        if self.order == "once":
+            following = np.minimum(goal + 1, count - 1)
+        elif self.order == "random":  # any but this one
+            following = (goal + 1 + np.minimum((uniform * others).astype(np.int64), others - 1)) % count
+        goal = np.where(reached & ~is_first, following, goal)
+        state["goal"] = goal
+        dx, dy = self._to(goals, goal, view)
+        distance = np.sqrt(dx * dx + dy * dy)
+        # At the last goal he stands.
+        stays = (distance < self.near) & np.asarray(self.order == "once" or count == 1)
+        scale = np.where(stays, 0.0, 1.0 / np.where(distance > 0.0, distance, 1.0))
+        return np.concatenate((dx * scale, dy * scale), axis=1)
+
+    def _to(self, goals: Array, goal: npt.NDArray[np.int64], view: View) -> tuple[Array, Array]:
+        rows = np.arange(len(goals))[:, None]
+        return goals[rows, goal, 0] - view.body_pose[:, :1], goals[rows, goal, 1] - view.body_pose[:, 1:2]
+
+    def _forces(self, view: View, wanted: Array) -> Array:
+        bodies = view.bodies()
+        level: Array = np.zeros((view.rows, 3))  # glances count from the world's x axis
+        level[:, :2] = view.body_pose[:, :2]
+        look: Array = np.empty((view.rows, 1))
+        look[:] = _LOOK * self.wall_range
+        walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)
+        heeded = np.ones((view.rows, len(bodies.reach)), dtype=bool)
+        if not self.avoid_robots:
+            heeded = heeded & ~bodies.is_robot
+        half = np.cos(0.5 * self.sight)
+        others, wall = (self.strength, self.range, self.step), (self.wall_strength, self.wall_range)
+        relative = np.full((view.rows, 1), float(self.relative))
+        parts = (*others, *wall, half, self.behind, relative)
+        numbers = np.concatenate([np.asarray(part) for part in parts], axis=1)
+        out = np.empty((view.rows, 2))
+        social_forces(
+            np.ascontiguousarray(bodies.poses),
+            np.ascontiguousarray(bodies.twists),
+            np.ascontiguousarray(bodies.reach),
+            heeded,
+            bodies.own,
+            np.ascontiguousarray(wanted),
+            walls,
+            _TABLE,
+            numbers,
+            out,
+        )
+        return out

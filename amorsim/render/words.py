@@ -1,0 +1,32 @@
+"""Words and lengths in pictures."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+from PIL import ImageFont
+
+__all__ = ["Font", "font", "in_words", "round_length"]
+
+Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
+
+
+@functools.lru_cache(maxsize=16)
+def font(height: float) -> Font:
+    """Pillow's own font, of about a height [px]."""
+    return ImageFont.load_default(max(8, round(height)))
+
+
+def round_length(about: float) -> float:
+    """The greatest of 1, 2 and 5 times a power of ten that is not more than `about`."""
+    power = 10.0 ** math.floor(math.log10(about))
+    return max(digit * power for digit in (1, 2, 5) if digit * power <= about * (1 + 1e-9))
+
+
+def in_words(metres: float) -> str:
+    """A length as people say it: 2 km, 5 m, 20 cm, 1 mm."""
+    for unit, size in (("km", 1000.0), ("m", 1.0), ("cm", 0.01)):
+        if metres >= size * (1 - 1e-9):
+            return f"{metres / size:g} {unit}"
+    return f"{metres * 1000:g} mm"

@@ -1,0 +1,94 @@
+"""A simulation on film: every so many steps a frame of the first replica's true world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from amorsim.core.errors import RunError
+from amorsim.core.parameters import ParameterError
+from amorsim.render.animation import Animation, Shown
+from amorsim.scenario.spec import Obstacle, Robot
+from amorsim.simulation.simulation import Simulation
+
+__all__ = ["Film"]
+
+LONGEST = 20.0  # [s] that a film takes whose speed is not told
+FASTEST = 25.0  # frames a second
+
+
+class Film:
+    """Films the first replica of a simulation; `keep` is called after each step, `save` at the end.
+
+    Parameters
+    ----------
+    simulation
+        From its present step on.
+    path
+        Of the GIF.
+    duration
+        How long it will go on [s].
+    size
+        Longer side of the picture [px].
+    rate
+        Frames a second, as shown; at most 25.
+    speed
+        How much faster than the simulated time it is shown; without it, 1, or so fast that it takes 20 s.
+
+    Raises
+    ------
+    ParameterError
+        If a number makes no sense, or the name does not end in ``.gif``.
+    RunError
+        If the file's folder is not there.
+    """
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        path: Path,
+        duration: float,
+        *,
+        size: int = 480,
+        rate: float = 10.0,
+        speed: float | None = None,
+    ) -> None:
+        if path.suffix.lower() != ".gif":
+            raise ParameterError("gif", f"expected the name of a file that ends in .gif, got {str(path)!r}")
+        if not path.parent.is_dir():
+            raise RunError(f"{path}: there is no folder {path.parent}")
+        if not 0.0 < rate <= FASTEST:
+            raise ParameterError("gif-rate", f"expected frames a second > 0 and <= {FASTEST:g}, got {rate!r}")
+        if speed is not None and not 0.0 < speed < 1e6:
+            raise ParameterError("gif-speed", f"expected a number > 0, got {speed!r}")
+        self.path = path
+        self._simulation = simulation
+        self._speed = max(1.0, duration / LONGEST) if speed is None else speed
+        self._every = max(1, round(self._speed / rate / simulation.dt))
+        self._steps = 0
+        scenario, robots = simulation.scenario, set(simulation.names)
+        bodies: dict[str, Robot | Obstacle] = {body.name: body for body in scenario.robots}
+        bodies |= {body.name: body for body in scenario.obstacles}
+        world = simulation._fleet.world
+        shown = [
+            Shown(outline=bodies[name].shape.outline, is_robot=name in robots, colour=bodies[name].colour)
+            for name in world.names
+        ]
+        try:
+            self._animation = Animation(simulation.scenario.map, shown, size=size)
+        except ParameterError as error:
+            raise ParameterError("gif-size", error.problem) from None
+        self._take()
+
+    def _take(self) -> None:
+        world = self._simulation._fleet.world
+        self._animation.add(float(self._simulation.ticks[0]) * self._simulation.dt, world.poses[: world.count])
+
+    def keep(self) -> None:
+        """Take the step that was just made, if it is one to show."""
+        self._steps += 1
+        if self._steps % self._every == 0:
+            self._take()
+
+    def save(self) -> None:
+        """Write the file."""
+        self._animation.save(self.path, self._speed)

@@ -1,0 +1,117 @@
+"""Pedestrians: at their speed in the open, off the walls, around one another and around robots, if they are told to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.motions import Pedestrian
+from tests import building
+from tests.motions.worlds import DT, obstacle, track, world
+
+CALM = {"waver": 0.0, "speed_std": 0.0}
+BODY = am.Shape.circle(0.22)
+
+
+def walker(name: str, x: float, y: float, **changes: object) -> am.Obstacle:
+    return obstacle(Pedestrian(**(CALM | changes)), name=name, shape=BODY, pose=am.Pose(x=x, y=y))
+
+
+def test_he_takes_up_his_speed_exponentially_and_comes_to_his_goal() -> None:
+    # In the middle of a large room walls push by less than 1e-9 m/s^2.
+    sim = world(walker("thing", 4.0, 10.0, goals=((14.0, 10.0),)), size=20.0)
+    poses = track(sim, 120)
+    speeds = np.diff(poses[:, 0]) / DT
+    expected = 1.34 * (1.0 - np.exp(-DT * np.arange(1, 21) / 0.5))
+    assert speeds[:20] == pytest.approx(expected, abs=1e-6)
+    assert poses[-1, 0] == pytest.approx(14.0, abs=0.75)  # at the last goal he stands
+    assert speeds[-1] < 0.01
+
+
+def test_desired_speeds_are_spread_over_pedestrians() -> None:
+    # 300 replicas: the mean of 300 draws is within 4 * 0.26 / sqrt(300), their deviation within 4 / sqrt(600) of it.
+    sim = world(walker("thing", 10.0, 10.0, goals=((18.0, 10.0),), speed_std=0.26), size=20.0, replicas=300)
+    sim.step()
+    speeds = sim._fleet.obstacles[0].state["speed"][:, 0]
+    assert np.mean(speeds) == pytest.approx(1.34, abs=4 * 0.26 / np.sqrt(300))
+    assert np.std(speeds) == pytest.approx(0.26, rel=4 / np.sqrt(600))
+
+
+def test_without_goals_he_goes_on_as_he_looks_and_walls_keep_him_off() -> None:
+    sim = world(walker("thing", 7.0, 5.0), robot=building.robot(pose=am.Pose(x=1.0, y=9.0)))
+    poses = track(sim, 100)
+    assert poses[:, 1] == pytest.approx(5.0, abs=1e-6)
+    # Before the wall its push and his drive cancel: 10 / 0.2 exp(-d / 0.2) = 1.34 / 0.5.
+    assert 10.0 - poses[-1, 0] == pytest.approx(0.2 * np.log(50.0 / 2.68), abs=0.02)
+    assert not sim.events
+
+
+@pytest.mark.parametrize("avoids", [True, False])
+def test_he_goes_round_a_robot_or_does_not_mind_it(avoids: bool) -> None:
+    robot = building.robot(shape=am.Shape.circle(0.3), pose=am.Pose(x=5.0, y=5.05), on_collision="continue")
+    sim = world(walker("thing", 2.0, 5.0, goals=((8.0, 5.0),), avoid_robots=avoids, relative=True), robot=robot)
+    poses = track(sim, 80)
+    met = {event.other for event in sim.events if event.name == "thing"}
+    if avoids:
+        assert not met
+        assert poses[-1, 0] > 7.0
+        assert poses[:, 1].min() < 4.7
+    else:
+        assert met == {"rover"}
+        assert poses[-1, 0] < 4.6
+
+
+def test_two_that_meet_pass_one_another() -> None:
+    a = walker("a", 3.0, 5.0, goals=((8.0, 5.0),))
+    b = walker("b", 8.0, 5.1, goals=((3.0, 5.0),))
+    sim = world(a, b)
+    ways = []
+    for _ in range(70):
+        sim.step()
+        ways.append([sim.obstacle(name).true_pose[:2].copy() for name in "ab"])
+    ways = np.array(ways)
+    assert not sim.events
+    assert np.linalg.norm(ways[:, 0] - ways[:, 1], axis=1).min() > 0.44
+    assert ways[-1, 0, 0] > 7.0
+    assert ways[-1, 1, 0] < 4.0
+
+
+def test_goals_in_turn_and_at_random_and_given_up() -> None:
+    goals = ((2.0, 5.0), (5.0, 8.0), (8.0, 5.0))
+    sim = world(walker("thing", 5.0, 5.0, goals=goals, order="random"), replicas=60)
+    sim.step()
+    goal = sim._fleet.obstacles[0].state["goal"]
+    assert set(goal.ravel().tolist()) == {0, 1, 2}
+    seen = [set() for _ in range(60)]
+    last, changed = goal.copy(), 0
+    for _ in range(150):
+        sim.step()
+        goal = sim._fleet.obstacles[0].state["goal"]
+        changed += int((goal != last).sum())
+        last = goal.copy()
+        for row, number in enumerate(goal[:, 0].tolist()):
+            seen[row].add(number)
+    assert changed > 60
+    assert sum(len(numbers) == 3 for numbers in seen) > 10
+    once = track(world(walker("thing", 5.0, 5.0, goals=goals, order="once")), 150)
+    assert once[-1, :2] == pytest.approx([8.0, 5.0], abs=0.8)
+
+
+def test_a_crowd_is_the_same_alone_and_among_replicas_and_after_a_snapshot() -> None:
+    crowd = am.load("crowd")
+    many = am.Simulation(crowd, replicas=[0, 5])
+    alone = am.Simulation(crowd, replicas=[5])
+    for sim in (many, alone):
+        sim.run(1.0)
+    snapshot = many.snapshot()
+    for sim in (many, alone):
+        sim.run(1.0)
+    digest = many.digest(5)
+    assert alone.digest(5) == digest != many.digest(0)
+    many.restore(snapshot)
+    many.run(1.0)
+    assert many.digest(5) == digest
+    threaded = am.Simulation(crowd, replicas=[5], threads=2)
+    threaded.run(2.0)
+    assert threaded.digest(5) == digest

@@ -1,0 +1,75 @@
+"""Moving pictures: frames of the right size, number and length, in which bodies are where they are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import amorsim as am
+from amorsim.render.animation import Animation, Shown
+from amorsim.runs.film import Film
+from tests import building
+
+SQUARE = np.array([(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)])
+
+
+def reddish(image: Image.Image) -> np.ndarray:
+    pixels = np.asarray(image.convert("RGB")).astype(int)
+    return (pixels[:, :, 0] > 180) & (pixels[:, :, 1] < 90) & (pixels[:, :, 2] < 90)
+
+
+def test_bodies_are_drawn_where_they_are(tmp_path: Path) -> None:
+    room = building.room(6.0, 4.0)
+    film = Animation(room, [Shown(outline=SQUARE, is_robot=True, colour="#ff0000")], size=316)
+    for step in range(5):
+        film.add(0.5 * step, np.array([[1.0 + step, 1.0, 0.3 * step]]))
+    film.save(tmp_path / "a.gif", speed=2.0)
+    with Image.open(tmp_path / "a.gif") as gif:
+        assert gif.n_frames == 5
+        assert gif.size[0] == 316
+        for step in range(5):
+            gif.seek(step)
+            assert gif.info["duration"] == (250 if step < 4 else 1000)
+            rows, columns = np.nonzero(reddish(gif))
+            # 50 px to the metre, from 8 px on; rows count downwards.
+            assert columns.mean() == pytest.approx(8 + 50 * (1.0 + step), abs=2)
+            assert rows.mean() == pytest.approx(8 + 50 * 3.0, abs=2)
+
+
+def test_a_turned_map_is_upright() -> None:
+    cells = np.zeros((40, 60))
+    turned = am.Map.from_array(cells, resolution=0.1, origin=(1.0, 2.0, np.pi / 2))
+    film = Animation(turned, [Shown(outline=SQUARE, is_robot=False, colour="#ff0000")], size=316)
+    film.add(0.0, np.array([[1.0 - 1.0, 2.0 + 5.0, 0.0]]))  # 5 m along the map's rows, 1 m up
+    rows, columns = np.nonzero(reddish(film.frame(0)))
+    assert (columns.mean(), rows.mean()) == pytest.approx((8 + 50 * 5.0, 8 + 50 * 3.0), abs=2)
+
+
+def test_a_film_of_a_run_takes_the_frames_it_needs(tmp_path: Path) -> None:
+    sim = am.Simulation(building.scenario())
+    film = Film(sim, tmp_path / "run.gif", 100.0, size=200)  # 5 times as fast, so that it takes 20 s
+    for _ in range(50):
+        sim.step()
+        film.keep()
+    film.save()
+    with Image.open(tmp_path / "run.gif") as gif:
+        assert gif.n_frames == 11
+        assert gif.info["duration"] == 100
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "message"),
+    [
+        ("run.png", {}, "gif: expected the name of a file that ends in .gif"),
+        ("run.gif", {"size": 50}, "gif-size: expected at least 120 pixels"),
+        ("run.gif", {"rate": 0.0}, "gif-rate: expected frames a second"),
+        ("run.gif", {"speed": -1.0}, "gif-speed: expected a number > 0"),
+        ("none/run.gif", {}, "there is no folder"),
+    ],
+)
+def test_what_makes_no_film(tmp_path: Path, name: str, settings: dict[str, float], message: str) -> None:
+    with pytest.raises(am.AmorsimError, match=message):
+        Film(am.Simulation(building.scenario()), tmp_path / name, 10.0, **settings)
