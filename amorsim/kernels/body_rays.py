@@ -20,6 +20,8 @@ __all__ = ["cast_bodies"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+_SECTORS = 64  # of a turn, by which is remembered how far is seen; a power of two
+
 
 @kernel
 def _turn(cos: float, sin: float) -> float:
@@ -170,6 +172,33 @@ def _window_of_beams(
 
 
 @kernel
+def _farthest(ranges: Floats, turns: Floats, by_sector: bool, sectors: Floats) -> float:
+    """The farthest of what is seen already, and into `sectors` that of each part of a turn, -inf without beams."""
+    sectors[:] = -math.inf
+    farthest = 0.0
+    for b in range(ranges.shape[0]):
+        farthest = max(farthest, ranges[b])
+        if by_sector:
+            sector = int(turns[b] * (_SECTORS / 4.0)) & (_SECTORS - 1)
+            sectors[sector] = max(sectors[sector], ranges[b])
+    return farthest
+
+
+@kernel
+def _is_hidden(sectors: Floats, cos_0: float, sin_0: float, x: float, y: float, away: float, circle: float) -> bool:
+    """Whether a circle around (x, y) is farther than all that is seen in the sectors it lies in."""
+    middle = _turn(cos_0 * x + sin_0 * y, cos_0 * y - sin_0 * x)
+    # Turns grow at most as fast as angles, and an arc is at most half of pi times its sine.
+    wide = 0.5 * math.pi * circle / away + 1e-9
+    first = math.floor((middle - wide) * (_SECTORS / 4.0))
+    last = math.floor((middle + wide) * (_SECTORS / 4.0))
+    farthest = -math.inf
+    for sector in range(first, last + 1):
+        farthest = max(farthest, sectors[sector & (_SECTORS - 1)])
+    return bool(farthest <= away - circle)
+
+
+@kernel
 def cast_bodies(
     bodies: Bodies,
     body_pose: Floats,
@@ -232,6 +261,7 @@ def cast_bodies(
     found = np.empty(beams)
     enters = np.empty(beams)
     leaves = np.empty(beams)
+    sectors = np.empty(_SECTORS)
     in_order = False
     for i in range(rows):
         beam_row = min(i, cos_b.shape[0] - 1)
@@ -244,6 +274,11 @@ def cast_bodies(
         sin_h = math.sin(origins[i, 2])
         cos_0 = cos_h * cos_b[beam_row, 0] - sin_h * sin_b[beam_row, 0]
         sin_0 = sin_h * cos_b[beam_row, 0] + cos_h * sin_b[beam_row, 0]
+        # Nothing counts that is farther than all that is seen already, there or anywhere.
+        by_sector = in_order and stride == 1
+        farthest = _farthest(out[i], turns, by_sector, sectors)
+        if farthest < limit:
+            limit = farthest
         aimed = False
         origin_slack = rounding_slack(abs(origin_x) + abs(origin_y))
         around = limit + widest * (1.0 + 1e-9) + origin_slack
@@ -269,6 +304,8 @@ def cast_bodies(
                 resume = beams
                 windowed = in_order and circle < away
                 if windowed:
+                    if by_sector and _is_hidden(sectors, cos_0, sin_0, x, y, away, circle):
+                        continue
                     start, stop, resume = _window_of_beams(turns, cos_0, sin_0, x, y, away, circle)
                     if start >= stop and resume >= beams:
                         continue

@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["fill_normal", "fill_uniform", "pair", "philox"]
+__all__ = ["fill_normal", "fill_uniform", "normals", "pairs", "philox"]
+
+Floats = npt.NDArray[np.float64]
 
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
 _MULTIPLIER_1 = np.uint64(0xCD9E8D57)
@@ -48,17 +50,40 @@ def _unit(high: np.uint64, low: np.uint64) -> float:
 
 
 @kernel
-def pair(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int) -> tuple[float, float]:
-    """Two uniform draws in (0, 1) from a row's block number `block` of the tick."""
-    w0, w1, w2, w3 = philox(
-        np.uint64(block),
-        np.uint64(counter[row, 2]),
-        np.uint64(counter[row, 1]),
-        np.uint64(counter[row, 0]),
-        key & _LOW,
-        key >> _HALF_WORD,
-    )
-    return _unit(w0, w1), _unit(w2, w3)
+def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int, first: Floats, second: Floats) -> None:
+    """Two uniform draws in (0, 1) from each of a row's blocks of the tick, from number `block` on, into two arrays.
+
+    A loop that does nothing else, and words known to be of 32 bits: so several blocks go side by side.
+    """
+    tick = np.uint64(counter[row, 2])
+    episode = np.uint64(counter[row, 1])
+    replica = np.uint64(counter[row, 0])
+    for b in range(first.shape[0]):
+        w0, w1, w2, w3 = philox(
+            np.uint64(block + b) & _LOW, tick & _LOW, episode & _LOW, replica & _LOW, key & _LOW, key >> _HALF_WORD
+        )
+        first[b] = _unit(w0, w1)
+        second[b] = _unit(w2, w3)
+
+
+@kernel
+def normals(first: Floats, second: Floats) -> None:
+    """Turn pairs of uniform draws into pairs of standard normal ones, in place, by Box and Muller's transform."""
+    for b in range(first.shape[0]):
+        first[b] = math.sqrt(-2.0 * math.log(first[b]))
+    for b in range(first.shape[0]):
+        angle = 2.0 * math.pi * second[b]
+        second[b] = first[b] * math.sin(angle)
+        first[b] = first[b] * math.cos(angle)
+
+
+@kernel
+def _lay_out(first: Floats, second: Floats, out: Floats) -> None:
+    for b in range(out.shape[0] // 2):
+        out[2 * b] = first[b]
+        out[2 * b + 1] = second[b]
+    if out.shape[0] % 2:
+        out[-1] = first[-1]
 
 
 @kernel
@@ -66,24 +91,21 @@ def fill_uniform(
     keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], block: int, out: npt.NDArray[np.float64]
 ) -> None:
     """Uniform draws in (0, 1) into `out` (N, k): row i from key i and its counter (replica, episode, tick)."""
+    first = np.empty((out.shape[1] + 1) // 2)
+    second = np.empty((out.shape[1] + 1) // 2)
     for i in range(out.shape[0]):
-        for j in range(0, out.shape[1], 2):
-            first, second = pair(keys[i], counter, i, block + j // 2)
-            out[i, j] = first
-            if j + 1 < out.shape[1]:
-                out[i, j + 1] = second
+        pairs(keys[i], counter, i, block, first, second)
+        _lay_out(first, second, out[i])
 
 
 @kernel
 def fill_normal(
     keys: npt.NDArray[np.uint64], counter: npt.NDArray[np.uint32], block: int, out: npt.NDArray[np.float64]
 ) -> None:
-    """Standard normal draws into `out` (N, k) by Box and Muller's transform, two from each block."""
+    """Standard normal draws into `out` (N, k), two from each block."""
+    first = np.empty((out.shape[1] + 1) // 2)
+    second = np.empty((out.shape[1] + 1) // 2)
     for i in range(out.shape[0]):
-        for j in range(0, out.shape[1], 2):
-            first, second = pair(keys[i], counter, i, block + j // 2)
-            radius = math.sqrt(-2.0 * math.log(first))
-            angle = 2.0 * math.pi * second
-            out[i, j] = radius * math.cos(angle)
-            if j + 1 < out.shape[1]:
-                out[i, j + 1] = radius * math.sin(angle)
+        pairs(keys[i], counter, i, block, first, second)
+        normals(first, second)
+        _lay_out(first, second, out[i])

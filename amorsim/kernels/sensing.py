@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.philox import pair
+from amorsim.kernels.philox import normals, pairs
 from amorsim.kernels.poses import displaced, wrap
 
 __all__ = [
@@ -111,19 +111,32 @@ def _sense(
 
 
 @kernel
-def _scatter(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, part: Floats, values: Floats) -> None:
-    """Put Gaussian noise on values, as `philox.fill_normal` and `readings.scatter` do one after the other."""
-    for j in range(0, len(values), 2):
-        first, second = pair(key, counter, row, j // 2)
-        radius = math.sqrt(-2.0 * math.log(first))
-        angle = 2.0 * math.pi * second
-        for half in range(min(2, len(values) - j)):
-            value = values[j + half]
-            if math.isfinite(value):
-                deviation = part[0] + part[1] * abs(value)
-                if deviation > 0.0:
-                    noise = radius * (math.cos(angle) if half == 0 else math.sin(angle))
-                    values[j + half] = value + deviation * noise
+def _noisy(value: float, part: Floats, noise: float) -> float:
+    deviation = part[0] + part[1] * abs(value)
+    return value + deviation * noise if deviation > 0.0 and abs(value) < np.inf else value
+
+
+@kernel
+def _scatter(
+    key: np.uint64,
+    counter: npt.NDArray[np.uint32],
+    row: int,
+    part: Floats,
+    values: Floats,
+    first: Floats,
+    second: Floats,
+) -> None:
+    """Put Gaussian noise on values, as `philox.fill_normal` and `readings.scatter` do one after the other.
+
+    `first` and `second` are room to work in.
+    """
+    pairs(key, counter, row, 0, first, second)
+    normals(first, second)
+    for b in range(len(values) // 2):
+        values[2 * b] = _noisy(values[2 * b], part, first[b])
+        values[2 * b + 1] = _noisy(values[2 * b + 1], part, second[b])
+    if len(values) % 2:
+        values[-1] = _noisy(values[-1], part, first[-1])
 
 
 @kernel
@@ -161,8 +174,12 @@ def read(
         Range finders have put what they see there.
     """
     rows = body.shape[0]
+    most = (table[:, _SIZE].max() + 1) // 2
+    one = np.empty(most)
+    other = np.empty(most)
     for d in range(table.shape[0]):
         k = table[d, _SIZE]
+        half = (k + 1) // 2
         for i in range(first, end):
             at = table[d, _VALUES] * rows + i * k
             _sense(table[d, _KIND], mounts[d, i], numbers[d, i], body[i], twist[i], joints[i], true[at : at + k])
@@ -172,7 +189,7 @@ def read(
             for c in range(table[d, _FIRST], table[d, _LAST]):
                 number = parts[c, i, 0]
                 if chains[c] == GAUSSIAN:
-                    _scatter(keys[c, i], counter, i, parts[c, i], values)
+                    _scatter(keys[c, i], counter, i, parts[c, i], values, one[:half], other[:half])
                 elif chains[c] == BIAS:
                     for j in range(k):
                         values[j] = values[j] - (0.0 - number)
