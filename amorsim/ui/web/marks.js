@@ -88,6 +88,10 @@ export function trace(context, footprint, x, y, heading) {
   context.closePath();
 }
 
+/** Half of how wide a footprint is. */
+export const waist = (footprint) => footprint.circle ?? Math.max(...footprint.polygon.map(([, v]) => Math.abs(v)));
+
+/** How far a footprint goes from its base point. */
 export const reach = (footprint) =>
   footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
 
@@ -115,7 +119,7 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
     context.fillRect(-wheel.radius, -wheel.width / 2, 2 * wheel.radius, wheel.width);
     context.restore();
   }
-  const size = Math.max(0.45 * robot.reach, px(camera, 5));
+  const size = Math.max(0.7 * robot.waist, px(camera, 5));
   context.beginPath();
   context.moveTo(size, 0);
   context.lineTo(-0.35 * size, 0.5 * size);

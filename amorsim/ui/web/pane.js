@@ -3,7 +3,7 @@
 import { fixed, h, niceStep, say } from "./dom.js";
 import { drawCrowd } from "./crowd.js";
 import { drawEllipse, drawFloor, drawGrid, drawMap, drawMarks, drawObstacles, drawRobot, drawTrail } from "./marks.js";
-import { drawReadings, isRange } from "./readings.js";
+import { drawReadings, isDrawn } from "./readings.js";
 
 /** What a pane shows of the world (`true`) or of what the robot knows (`estimated`). */
 export class Layer {
@@ -46,7 +46,7 @@ export class Layer {
     const pose = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
     if (options.trails) drawTrail(context, camera, isTrue ? state.trueTrail : state.estimatedTrail, this.kind, theme);
     robot.sensors.forEach((sensor, s) => {
-      if (!isRange(sensor) || !this.shows(sensor.name) || !frame.sensors[s]) return;
+      if (!isDrawn(sensor) || !this.shows(sensor.name) || !frame.sensors[s]) return;
       const values = isTrue ? frame.sensors[s].true : frame.sensors[s].measured;
       const shape = isTrue ? (state.trueSensors[s] ?? sensor) : sensor;
       drawReadings(context, camera, shape, pose, values, isTrue ? "true" : "measured", theme);

@@ -1,6 +1,6 @@
 // What `amorsim/ui/protocol.py` packs, unpacked: the bytes of a frame, and a scene made ready for drawing.
 
-import { reach } from "./marks.js";
+import { reach, waist } from "./marks.js";
 
 const HEADER = 80;
 const MAGIC = 0x31666d61; // "amf1", little endian
@@ -71,6 +71,7 @@ export function readScene(raw) {
   const kinds = raw.kinds.map((kind) => ({
     ...kind,
     reach: reach(kind.footprint),
+    waist: waist(kind.footprint),
     wheels: kind.wheels.map(([x, y, heading, radius]) => ({ x, y, heading, radius, width: 0.4 * radius })),
   }));
   return {

@@ -14,10 +14,13 @@ export const KINDS = ["true", "measured", "estimated", "difference"];
 export function quantitiesOf(robot) {
   const find = (kind) => robot.sensors.findIndex((sensor) => sensor.kind === kind && sensor.size === 1);
   const [compass, gyro] = [find("compass"), find("gyro")];
+  // A receiver at the base point measures the pose itself; elsewhere its readings are rows of their own.
+  const gps = robot.sensors.findIndex(({ kind, mounts: [[x, y]] }) => kind === "gps" && x === 0 && y === 0);
+  const fix = (frame, k) => (gps >= 0 ? (frame.sensors[gps]?.measured[k] ?? NaN) : NaN);
   const reading = (frame, s, which) => (s >= 0 ? (frame.sensors[s]?.[which][0] ?? NaN) : NaN);
   const list = [
-    plain("x", "x", "m", 3, (f, i) => [f.truePoses[3 * i], NaN, f.estimatedPoses[3 * i]]),
-    plain("y", "y", "m", 3, (f, i) => [f.truePoses[3 * i + 1], NaN, f.estimatedPoses[3 * i + 1]]),
+    plain("x", named("x", robot, gps), "m", 3, (f, i) => [f.truePoses[3 * i], fix(f, 0), f.estimatedPoses[3 * i]]),
+    plain("y", named("y", robot, gps), "m", 3, (f, i) => [f.truePoses[3 * i + 1], fix(f, 1), f.estimatedPoses[3 * i + 1]]),
     angle("heading", named("heading", robot, compass), (f, i) => [
       f.truePoses[3 * i + 2],
       reading(f, compass, "measured"),
@@ -53,23 +56,31 @@ export function quantitiesOf(robot) {
     list.push(plain(`joint.${joint}`, label, "rad/s", 3, (f) => [f.trueRates[j], f.measuredRates[j], NaN]));
   });
   robot.sensors.forEach((sensor, s) => {
-    if (s === compass || s === gyro) return;
+    if (s === compass || s === gyro || s === gps) return;
     if (isRange(sensor)) {
       const least = (values) => (values?.length ? values.reduce((a, b) => (b < a || Number.isNaN(a) ? b : a)) : NaN);
       const of = (f) => [least(f.sensors[s]?.true), least(f.sensors[s]?.measured), NaN];
       list.push(plain(`sensor.${sensor.name}`, `${sensor.name}, nearest`, sensor.unit, 3, of));
       return;
     }
-    for (let k = 0; k < Math.min(sensor.size, 6); k++) {
-      const label = sensor.size > 1 ? `${sensor.name} ${robot.joints.length === sensor.size ? robot.joints[k].replaceAll("_", " ") : k}` : sensor.name;
+    // Of a table its first line, which is that of the nearest thing; of many values the first.
+    for (let k = 0; k < Math.min(sensor.size, sensor.columns.length || 8); k++) {
+      const [name, unit] = sensor.columns[k] ?? [valueName(robot, sensor, k), sensor.unit];
       const of = (f) => [f.sensors[s]?.true[k] ?? NaN, f.sensors[s]?.measured[k] ?? NaN, NaN];
       const key = `sensor.${sensor.name}.${k}`;
-      if (sensor.unit === "rad") list.push(angle(key, label, of));
-      else if (sensor.unit === "rad/s") list.push(degrees(key, label, "°/s", of));
-      else list.push(plain(key, label, sensor.unit, sensor.unit === "count" ? 0 : 3, of));
+      const label = `${sensor.name} ${name}`.trim();
+      if (unit === "rad") list.push(angle(key, label, of));
+      else if (unit === "rad/s") list.push(degrees(key, label, "°/s", of));
+      else list.push(plain(key, label, unit, ["m", "m/s", "m/s^2"].includes(unit) ? 3 : 0, of));
     }
   });
   return list;
+}
+
+/** What a value of several is called: by the joint that is counted, or by its number. */
+function valueName(robot, sensor, k) {
+  if (sensor.size === 1) return "";
+  return robot.joints.length === sensor.size ? robot.joints[k].replaceAll("_", " ") : String(k);
 }
 
 const named = (label, robot, sensor) => (sensor >= 0 ? `${label} (${robot.sensors[sensor].name})` : label);

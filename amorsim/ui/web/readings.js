@@ -1,5 +1,7 @@
 // Range readings as they are drawn: where each beam begins, looks and ends. Also asked by the pointer.
 
+import { DASHES } from "./theme.js";
+
 /** World poses of a sensor's mounts on a robot at `pose`, one a value (a ring) or one for all (a scan). */
 function mountPoses(sensor, pose) {
   const c = Math.cos(pose[2]);
@@ -7,7 +9,28 @@ function mountPoses(sensor, pose) {
   return sensor.mounts.map(([u, v, heading]) => [pose[0] + u * c - v * s, pose[1] + u * s + v * c, pose[2] + heading]);
 }
 
-export const isRange = (sensor) => sensor.range_max !== null && sensor.range_max !== undefined;
+/** Whether each value of a sensor is how far it is to something along a beam. */
+export const isRange = (sensor) => sensor.unit === "m" && sensor.range_max !== null && sensor.bearings !== null;
+
+const place = (sensor, name) => sensor.columns.findIndex(([column]) => column === name);
+
+/** Whether each line of a sensor's table is something seen at a range and a bearing. */
+export const isFinder = (sensor) => place(sensor, "range") >= 0 && place(sensor, "bearing") >= 0;
+
+export const isDrawn = (sensor) => isRange(sensor) || isFinder(sensor);
+
+/** The things that a finder sees: `visit(line, x0, y0, x, y)`, from the mount to each. */
+function eachFound(sensor, pose, values, visit) {
+  const [x0, y0, heading] = mountPoses(sensor, pose)[0];
+  const [range, bearing, wide] = [place(sensor, "range"), place(sensor, "bearing"), sensor.columns.length];
+  for (let at = 0; at + wide <= values.length; at += wide) {
+    const angle = heading + values[at + bearing];
+    const far = values[at + range];
+    if (Number.isFinite(far) && Number.isFinite(angle)) {
+      visit(at / wide, x0, y0, x0 + far * Math.cos(angle), y0 + far * Math.sin(angle));
+    }
+  }
+}
 
 /**
  * The beams of a range sensor: `visit(i, x, y, angle, range, met)`; a reading of infinity reaches `range_max` and has
@@ -29,8 +52,26 @@ export function eachBeam(sensor, pose, values, visit) {
 /** Draw a sensor's readings from a pose: a scan as the area seen and its ends, a ring of cones as sectors. */
 export function drawReadings(context, camera, sensor, pose, values, kind, theme) {
   if (!pose.every(Number.isFinite)) return;
-  if (sensor.half_angle) drawCones(context, camera, sensor, pose, values, kind, theme);
+  if (isFinder(sensor)) drawFound(context, camera, sensor, pose, values, kind, theme);
+  else if (sensor.half_angle) drawCones(context, camera, sensor, pose, values, kind, theme);
   else drawScan(context, camera, sensor, pose, values, kind, theme);
+}
+
+function drawFound(context, camera, sensor, pose, values, kind, theme) {
+  const size = 5 / camera.scale;
+  context.strokeStyle = theme[kind];
+  context.lineWidth = 1.2 / camera.scale;
+  context.setLineDash(DASHES[kind].map((d) => d / camera.scale));
+  context.beginPath();
+  eachFound(sensor, pose, values, (line, x0, y0, x, y) => {
+    context.moveTo(x0, y0);
+    context.lineTo(x, y);
+  });
+  context.stroke();
+  context.setLineDash([]);
+  context.beginPath();
+  eachFound(sensor, pose, values, (line, x0, y0, x, y) => context.rect(x - size, y - size, 2 * size, 2 * size));
+  context.stroke();
 }
 
 function drawCones(context, camera, sensor, pose, values, kind, theme) {

@@ -11,7 +11,7 @@ import { build } from "./layout.js";
 import { Numbers } from "./numbers.js";
 import { pick } from "./pick.js";
 import { FLAG, ROBOT, readFrame, readScene } from "./protocol.js";
-import { isRange } from "./readings.js";
+import { isDrawn } from "./readings.js";
 import { Connection } from "./socket.js";
 import { Stage } from "./stage.js";
 import { startTheme } from "./theme.js";
@@ -128,7 +128,7 @@ export class Simulator {
     say(this.parts.numbersTitle, this.robot.name);
     this.numbers.setRobot(this.robot);
     this.driving.setRobot(this.robot);
-    const ranges = this.robot.sensors.filter(isRange);
+    const ranges = this.robot.sensors.filter(isDrawn);
     this.parts.sensors.replaceChildren(
       ...ranges.map((sensor) => {
         const button = h("button", { class: "tool", "aria-pressed": String(this.stage.truth.shows(sensor.name)) }, sensor.name);
