@@ -13,6 +13,8 @@ const BUTTONS = [
   ["back", "back (S or ↓)", "▼"],
 ];
 
+const DIZZY = 3; // rad/s: faster nobody steers by hand
+
 /** Whether keys typed here are meant for something else than driving. */
 export function takesKeys(element) {
   if (!element) return false;
@@ -167,7 +169,8 @@ export class Driving {
   send() {
     this.showHeld();
     if (!this.held.size) return this.stop();
-    const [forward, left, turn] = this.robot.twist;
+    const [forward, left, fastest] = this.robot.twist;
+    const turn = Math.min(fastest, DIZZY);
     const both = (a, b) => (this.held.has(a) ? 1 : 0) - (this.held.has(b) ? 1 : 0);
     const back = both("ahead", "back") < 0;
     return this.ask({
