@@ -156,7 +156,7 @@ def test_a_bump_at_a_time(dt):
 @pytest.mark.parametrize("steps", [1, 20])
 def test_a_rough_floor_has_its_bumps_by_the_metre(steps):
     """The number of bumps on 2 m, three on each: a Poisson distribution of mean 6, in one step or in twenty."""
-    rows = 20_000
+    rows = 50_000
     samples = Samples(Bump(height=0.01, rate=3.0), rows=rows, k=2)
     total = np.zeros((rows, 2))
     for _ in range(steps):
