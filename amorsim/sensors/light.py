@@ -107,7 +107,10 @@ class Light(Sensor):
         else:
             falloff = 1.0 / np.maximum(away * away, 1e-12)
         reached = np.where(np.abs(bearing) < half_angle, falloff * np.cos(bearing * (0.5 * math.pi) / half_angle), 0.0)
-        farthest = away.reshape(view.rows, k).max(axis=1, keepdims=True)
+        # Those that it does not reach need not look for it.
+        farthest = np.where(reached > 0.0, away, 0.0).reshape(view.rows, k).max(axis=1, keepdims=True)
+        if not farthest.any():
+            return reached
         # A lamp is in nobody's way, so a ray that ends with it has met whatever hides it.
         free = view.cast(origins, np.ascontiguousarray(bearing), farthest)
         return np.where(free < away, 0.0, reached)
