@@ -56,6 +56,7 @@ def _simulate(
     forward: float = 0.0,
     turn: float = 0.0,
     zones: Sequence[am.Zone] = (),
+    landmarks: Sequence[am.Landmark] = (),
     **mounted: float,
 ) -> am.Simulation:
     """A robot with one noisy sensor, under way with the given speed [m/s] and turning rate [rad/s]."""
@@ -73,7 +74,8 @@ def _simulate(
         pose=am.Pose(x=pose[0], y=pose[1], heading=pose[2]),
     )
     sim = am.Simulation(
-        am.Scenario(map=field or _room(), robots=[robot], zones=zones, dt=dt, seed=1), replicas=replicas
+        am.Scenario(map=field or _room(), robots=[robot], zones=zones, landmarks=landmarks, dt=dt, seed=1),
+        replicas=replicas,
     )
     for replica in sim.replicas:
         sim.robot("rover", replica).drive(forward=forward, turn=turn)
@@ -368,7 +370,41 @@ def _ages() -> Figure:
 
 
 DEG = math.pi / 180.0
+
+
+def _missed() -> Figure:
+    """A finder that drives towards a wall with marks on it: what it finds of those that are in sight."""
+    places = [(5.95, 2.2), (5.2, 0.3), (3.0, 3.9), (1.8, 0.6)]
+    marks = [am.Landmark(id=i, x=x, y=y) for i, (x, y) in enumerate(places, start=1)]
+    sim = _simulate(
+        am.sensors.Fiducial(slots=6, range_max_id=8.0),
+        noise.Missed(probability=0.02, per_metre=0.12),
+        forward=0.2,
+        dt=0.2,
+        landmarks=marks,
+    )
+    times, true, found = [], [], []
+    for _ in range(100):
+        sim.step()
+        reading = sim.robot("rover").readings["sensor"]
+        times.append(sim.time)
+        true.append(reading.true.reshape(-1, 3)[:, 0])
+        found.append(reading.measured.reshape(-1, 3)[:, 0])
+    figure = Figure(figsize=(8.0, 3.4), layout="constrained")
+    axis: Any = figure.subplots()
+    seen, told = np.array(true), np.array(found)
+    axis.plot(times, np.where(np.isfinite(seen), seen, np.nan), "o", mfc="none", mec=TRUE, mew=0.8, ms=5.0)
+    axis.plot(times, np.where(np.isfinite(told), told, np.nan), ".", color=MEASURED, ms=3.5)
+    axis.plot([], [], "o", mfc="none", mec=TRUE, label="in sight")
+    axis.plot([], [], ".", color=MEASURED, label="found")
+    axis.set(xlabel="time [s]", ylabel="range [m]")
+    axis.spines[["top", "right"]].set_visible(False)
+    axis.legend(frameon=False, fontsize=9)
+    return figure
+
+
 DRAWN: dict[str, Callable[[], Figure]] = {
+    "missed": _missed,
     "gaussian": lambda: _approach(noise.Gaussian(std=0.05, proportional=0.02)),
     "bias": lambda: _approach(noise.Bias(value=0.3)),
     "scale": lambda: _approach(noise.Scale(factor=1.1)),

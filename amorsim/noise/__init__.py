@@ -15,6 +15,7 @@ from amorsim.noise.diffusion import Diffusion
 from amorsim.noise.dropout import Dropout
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.latency_jitter import LatencyJitter
+from amorsim.noise.missed import Missed
 from amorsim.noise.motion_distortion import MotionDistortion
 from amorsim.noise.odometry_model import OdometryModel
 from amorsim.noise.outliers import Outliers
@@ -40,6 +41,7 @@ __all__ = [
     "Dropout",
     "Gaussian",
     "LatencyJitter",
+    "Missed",
     "MotionDistortion",
     "OdometryModel",
     "Outliers",

@@ -45,6 +45,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.noise("quantize", "amorsim.noise.quantize:Quantize")
     registry.noise("saturate", "amorsim.noise.saturate:Saturate")
     registry.noise("dropout", "amorsim.noise.dropout:Dropout")
+    registry.noise("missed", "amorsim.noise.missed:Missed")
     registry.noise("outliers", "amorsim.noise.outliers:Outliers")
     registry.noise("stuck", "amorsim.noise.stuck:Stuck")
     registry.noise("angle_random_walk", "amorsim.noise.angle_random_walk:AngleRandomWalk")

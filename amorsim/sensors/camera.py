@@ -16,12 +16,12 @@ from PIL import ImageColor
 from amorsim.contracts import Aim, Context, Draws, Drive, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, wrap_angle
+from amorsim.sensors.tables import table_of
 
 __all__ = ["Camera"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 _COLUMNS: Mapping[str, str] = types.MappingProxyType(
     {"colour": "id", "left": "px", "right": "px", "top": "px", "bottom": "px", "range": "m", "bearing": "rad"}
 )
@@ -113,7 +113,7 @@ class Camera(Sensor):
         state["head"] = head + np.clip(np.clip(command, low, high) - head, -most, most)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Blobs, nearest first `(N, 7 * slots)`."""
+        """Blobs, nearest first `(N, 7 * slots)`; beside them ``slot``, ``range`` and ``empty``."""
         pan, tilt, zoom = (state["head"][:, i : i + 1] for i in range(3))
         pixel = (self.fov + (self.fov_min - self.fov) * zoom) / self.width  # [rad]
         turned = np.zeros((view.rows, 3))
@@ -144,7 +144,7 @@ class Camera(Sensor):
         place = np.arange(len(row)) - np.searchsorted(row, row)
         kept = place < self.slots
         values[row[kept], place[kept]] = lines[order][kept]
-        return values.reshape(view.rows, -1), _NOTHING
+        return table_of(values, 5, (-1.0, *(np.inf,) * (len(_COLUMNS) - 1)))
 
 
 @functools.lru_cache(maxsize=256)

@@ -12,11 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.sensors.tables import table_of
 
 __all__ = ["Fiducial"]
 
 Array = npt.NDArray[np.float64]
-_NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 _COLUMNS: Mapping[str, str] = types.MappingProxyType({"range": "m", "bearing": "rad", "id": "id"})
 
 
@@ -57,7 +57,7 @@ class Fiducial(Sensor):
         return _COLUMNS
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges, bearings and identities in turn `(N, 3 * slots)`."""
+        """Ranges, bearings and identities in turn `(N, 3 * slots)`; beside them ``slot``, ``range`` and ``empty``."""
         fov: Any = self.fov
         range_max: Any = self.range_max
         seen = view.landmarks(self.slots, range_max, 0.5 * fov)
@@ -66,4 +66,4 @@ class Fiducial(Sensor):
         values[:, :, 1] = seen.bearing
         is_far = (seen.range > self.range_max_id) & (seen.id > 0)
         values[:, :, 2] = np.where(is_far, 0, seen.id)
-        return values.reshape(view.rows, -1), _NOTHING
+        return table_of(values, 0, (np.inf, np.inf, -1.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from amorsim.contracts import Mount
@@ -29,6 +30,7 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
     ("noise", "bump"): _WHEELS,
     ("noise", "cross_talk"): {"inf": "changed", "side": {"heard": 1.0}},
     ("noise", "diffusion"): {"inf": "absent"},
+    ("noise", "missed"): {"side": {"slot": 0.0, "range": 2.0, "empty": np.inf}},
     ("noise", "odometry_model"): _WHEELS,
     ("noise", "slip"): _WHEELS,
     ("noise", "specular_loss"): {"side": {"incidence": 0.5}},

@@ -1,0 +1,50 @@
+"""Things in sight that a device does not find."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.core.errors import ComponentError
+
+__all__ = ["Missed"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class Missed(Noise):
+    """Empties a slot now and then: a mark or a blob that is in sight is not found, and all that is told of it is lost.
+
+    For sensors whose readings are tables with a slot for each thing seen: finders of marks and cameras. Each slot is
+    emptied independently of the others and of earlier samples, with the probability ``probability + per_metre *
+    range``. The others keep their slots. The element has no column, as it is for all of them.
+
+    Parameters
+    ----------
+    probability
+        That a thing beside the sensor is missed.
+    per_metre
+        What each metre of its range adds to that [1/m].
+    """
+
+    probability: float = parameter(0.0, ge=0, le=1, help="that a thing beside the sensor is missed")
+    per_metre: float = parameter(0.0, unit="1/m", ge=0, help="what each metre of its range adds to that")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The values `(N, k)`, some slots of them empty; `ComponentError` where no slots are told."""
+        if "slot" not in side:
+            raise ComponentError(
+                "Missed: expected a sensor that finds things and has a slot for each (fiducial, camera), got one that "
+                "does not; take the element out of its chain"
+            )
+        slot = side["slot"][0].astype(np.int64)  # the same in all rows
+        _, begins = np.unique(slot, return_index=True)
+        away = side["range"][:, begins]
+        chance = self.probability + self.per_metre * np.where(np.isfinite(away), away, 0.0)
+        lost = draws.uniform(len(begins)) < chance
+        return np.where(lost[:, slot], side["empty"], values)

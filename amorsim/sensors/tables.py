@@ -1,0 +1,28 @@
+"""Readings that are tables with a slot for each thing found."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.sensors.side import Side
+
+__all__ = ["table_of"]
+
+Array = npt.NDArray[np.float64]
+
+
+def table_of(values: Array, range_: int, empty: tuple[float, ...]) -> tuple[Array, Side]:
+    """Values `(N, slots, columns)` as a sensor returns them `(N, slots * columns)`, and what their chain may need.
+
+    That is for each value the ``slot`` that it is in, the ``range`` [m] of what the slot holds, which is column
+    `range_`, and what an ``empty`` slot reads.
+    """
+    rows, slots, columns = values.shape
+    size = slots * columns
+    side = Side(
+        slot=lambda: np.tile(np.repeat(np.arange(slots, dtype=np.float64), columns), (rows, 1)),
+        range=lambda: np.repeat(values[:, :, range_], columns, axis=1),
+        empty=lambda: np.tile(np.tile(empty, slots), (rows, 1)),
+    )
+    return values.reshape(rows, size), side
