@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.grid import Grid, is_occupied
+from amorsim.kernels.grid import ONE, Grid, is_occupied
 from amorsim.kernels.lines import SAFETY, Lines, bound_scan, bucket_of
 from amorsim.kernels.rays import cell_of, direction, march, rounding, to_frame
 
@@ -34,7 +34,7 @@ _STEPS = 8  # cells they go at most; few need more
 # Where the quantities of these beams start in the one array of numbers and the one of whole numbers. Constant distances
 # tell the compiler that they do not overlap.
 _DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * _LANES for i in range(9))
-_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y = (i * _LANES for i in range(5))
+_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST = (i * _LANES for i in range(6))
 
 # States: on its way; has entered an occupied cell by a line of either axis; must go on alone, from its place in the
 # word or from the start.
@@ -78,10 +78,14 @@ def _aim(
     cos_s: Floats,
     sin_s: Floats,
     nearness: Floats,
+    slack: float,
     f: Floats,
     q: Integers,
 ) -> None:
-    """Write direction, cell and next crossings of the beams from number `first` on, at the end of what is free."""
+    """Write direction, cell and next crossings of the beams from number `first` on, one cell beyond what is free.
+
+    The cell in which that ends is free itself. Walls begin most often in the next one, which may be in another word.
+    """
     resolution = grid.resolution
     start_x = x / resolution
     start_y = y / resolution
@@ -97,37 +101,52 @@ def _aim(
         inverse_y = 1.0 / dy
         f[i + _DX] = dx
         f[i + _DY] = dy
-        f[i + _BETWEEN_X] = abs(inverse_x)
-        f[i + _BETWEEN_Y] = abs(inverse_y)
-        f[i + _COL] = col
-        f[i + _ROW] = row
-        f[i + _NEXT_X] = (col + (1.0 if dx > 0.0 else 0.0) - start_x) * inverse_x
-        f[i + _NEXT_Y] = (row + (1.0 if dy > 0.0 else 0.0) - start_y) * inverse_y
+        between_x = abs(inverse_x)
+        between_y = abs(inverse_y)
+        next_x = (col + (1.0 if dx > 0.0 else 0.0) - start_x) * inverse_x
+        next_y = (row + (1.0 if dy > 0.0 else 0.0) - start_y) * inverse_y
         part_x = place_x - col
         part_y = place_y - row
         # Not so near a grid line that the cell is in doubt; false of nan.
         sure = (part_x > doubt) & (part_x < 1.0 - doubt) & (part_y > doubt) & (part_y < 1.0 - doubt)
         sure &= (place_x > 0.0) & (place_x < grid.cols) & (place_y > 0.0) & (place_y < grid.rows)
-        q[i + _STATE] = _LIVE if sure else _UNSTARTED
+        by_x = next_x <= next_y
+        then_col = col + ((1.0 if dx > 0.0 else -1.0) if by_x else 0.0)
+        then_row = row + (0.0 if by_x else (1.0 if dy > 0.0 else -1.0))
+        goes = abs(next_x - next_y) > slack * (between_x + between_y)
+        goes &= (then_col >= 0.0) & (then_col < grid.cols) & (then_row >= 0.0) & (then_row < grid.rows)
+        f[i + _BETWEEN_X] = between_x
+        f[i + _BETWEEN_Y] = between_y
+        f[i + _NEXT_X] = next_x + (between_x if by_x else 0.0)
+        f[i + _NEXT_Y] = next_y + (0.0 if by_x else between_y)
+        f[i + _COL] = then_col if goes else col
+        f[i + _ROW] = then_row if goes else row
+        q[i + _FIRST] = _BY_X if by_x else _BY_Y
+        q[i + _STATE] = (_LIVE if goes else _ALONE) if sure else _UNSTARTED
         q[i + _STEP_X] = 1 if dx > 0.0 else -1
         q[i + _STEP_Y] = _ROW_UNIT if dy > 0.0 else -_ROW_UNIT
 
 
 @kernel
 def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
-    """Write the words that the live beams are in, and their places in them; where all is free the word is 0."""
+    """Write the words that the beams are in, and their places in them; where all is free the word is 0.
+
+    A live beam whose cell is occupied has come to its end.
+    """
     for i in range(_LANES):
         word: Any = np.uint64(0)
         place = 0
-        if q[i + _STATE] == _LIVE:
+        if q[i + _STATE] != _UNSTARTED:
             col = int(f[i + _COL])
             row = int(f[i + _ROW])
+            place = (row & 7) * _ROW_UNIT + (col & 7)
             entry: Any = np.int64(grid.supers[np.uint64((row >> 12) * grid.super_cols + (col >> 12))])
             if entry >= 0:
                 entry = np.int64(grid.tables[np.uint64(entry), np.uint64(((row >> 6) & 63) * 64 + ((col >> 6) & 63))])
                 if entry >= 0:
                     word = grid.pages[np.uint64(entry), np.uint64(((row >> 3) & 7) * 8 + ((col >> 3) & 7))]
-            place = (row & 7) * _ROW_UNIT + (col & 7)
+            if q[i + _STATE] == _LIVE and (word >> np.uint64((row & 7) * 8 + (col & 7))) & ONE:
+                q[i + _STATE] = q[i + _FIRST]
         q[i + _WORD] = np.int64(word)
         q[i + _PLACE] = place
 
@@ -225,7 +244,7 @@ def cast_scans(
     cos_s = np.ones(lanes)
     sin_s = np.zeros(lanes)
     f = np.empty(9 * _LANES)
-    q = np.empty(5 * _LANES, dtype=np.int64)
+    q = np.empty(6 * _LANES, dtype=np.int64)
     sorted_row = -1
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
@@ -252,7 +271,7 @@ def cast_scans(
             bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, nearness)
         for first in range(0, beams, _LANES):
             if bounded:
-                _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, f, q)
+                _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, slack, f, q)
                 _fetch(grid, f, q)
                 _walk(slack, f, q)
                 _measure(resolution, x, y, reach, f, q)
