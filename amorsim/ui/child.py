@@ -38,6 +38,7 @@ __all__ = ["Child", "main"]
 
 LONGEST_SLEEP = 0.05  # [s], after which an idle loop looks about
 LEAST_BETWEEN_FRAMES = 0.025  # [s]
+LONGEST_STEP = 0.4  # [s] that a controller gets to return once all is to end
 LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
 # Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
 LONGEST_SILENCE = 60.0  # [s]
@@ -101,8 +102,7 @@ class Child:
             self._changed = self._changed or bool(command["now"])
             self._commands.put({"do": ""})  # wakes an idle loop
         elif name == "interrupt":
-            if self._in_step:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._main), ctypes.py_object(Interrupted))
+            self._interrupt()
         else:
             self.end()
 
@@ -124,9 +124,15 @@ class Child:
         """Let the first thread end, and see to it that the process does."""
         self._is_ending.set()
         self._commands.put({"do": ""})
-        timer = threading.Timer(LONGEST_END, os._exit, (1,))
-        timer.daemon = True
-        timer.start()
+        for seconds, then, arguments in ((LONGEST_STEP, self._interrupt, ()), (LONGEST_END, os._exit, (1,))):
+            timer = threading.Timer(seconds, then, arguments)
+            timer.daemon = True
+            timer.start()
+
+    def _interrupt(self) -> None:
+        """Break off the controller that the first thread is in, if Python can."""
+        if self._in_step and self._where():
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._main), ctypes.py_object(Interrupted))
 
     # ------------------------------------------------------------------------------------------- the simulating thread
 
@@ -206,6 +212,8 @@ class Child:
         does, player = self._does, self._player
         # Frames are rare where it runs as fast as it can; only the step before one needs to be looked at.
         is_watched = does.pace.factor is not None or self._is_frame_due()
+        if self._is_ending.is_set():
+            return
         self._busy_since, self._in_step = time.monotonic(), True
         try:
             made = player.step(watched=is_watched)

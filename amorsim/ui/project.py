@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.runs.folder import new_folder
 from amorsim.ui.recipe import Recipe
 
-__all__ = ["place_for", "save_run"]
+__all__ = ["Saver", "place_for"]
 
 _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.() -]{0,99}")
 
@@ -41,29 +43,81 @@ def place_for(project: Path, name: Any, suffix: str = "") -> Path:
     return path
 
 
-def save_run(project: Path, recipe: Recipe, job: Mapping[str, Any], name: Any, scenario: str) -> dict[str, Any]:
-    """Let another process simulate the same again and write it down (see `amorsim.ui.saving`).
+class Saver:
+    """Saves runs, each in a process of its own (see `amorsim.ui.saving`)."""
 
-    Raises
-    ------
-    AmorsimError
-        If the folder cannot be written.
-    """
-    folder = new_folder(scenario, project) if name is None else place_for(project, name)
-    order = {"recipe": recipe.to_json(), "inputs": job["inputs"], "tick": job["tick"], "folder": str(folder)}
-    done = subprocess.run(
-        [sys.executable, "-m", "amorsim.ui.saving"],
-        input=json.dumps(order) + "\n",
-        capture_output=True,
-        text=True,
-        check=False,
-        start_new_session=True,
-    )
-    try:
-        answer = json.loads(done.stdout.splitlines()[-1])
-    except (IndexError, ValueError):
-        raise AmorsimError(f"{folder}: the run could not be saved\n{done.stderr.strip()[-2000:]}") from None
-    if not answer["ok"]:
-        raise AmorsimError(answer["error"])
-    same = None if job["digest"] is None else answer["digest"] == job["digest"]
-    return {"ok": True, "folder": str(folder), "same": same}
+    def __init__(self, project: Path, recipe: Recipe) -> None:
+        self._project = project
+        self._recipe = recipe
+        self._running: set[subprocess.Popen[str]] = set()
+        self._lock = threading.Lock()
+        self._is_closed = False
+
+    def save(self, job: Mapping[str, Any], name: Any, scenario: str) -> dict[str, Any]:
+        """Let a process simulate the same again and write it down; waits for it.
+
+        Parameters
+        ----------
+        job
+            ``inputs``, ``tick`` and ``digest``, as the child gives them.
+        name
+            Of the folder in the project's folder; None for a new one, after the scenario's name.
+
+        Raises
+        ------
+        AmorsimError
+            If the folder cannot be written.
+        """
+        folder = new_folder(scenario, self._project) if name is None else place_for(self._project, name)
+        order = {"recipe": self._recipe.to_json(), "inputs": job["inputs"], "tick": job["tick"], "folder": str(folder)}
+        out, log = self._run(json.dumps(order) + "\n")
+        try:
+            answer = json.loads(out.splitlines()[-1])
+        except (IndexError, ValueError):
+            raise AmorsimError(f"{folder}: the run could not be saved\n{log.strip()[-2000:]}") from None
+        if not answer["ok"]:
+            raise AmorsimError(answer["error"])
+        same = None if job["digest"] is None else answer["digest"] == job["digest"]
+        return {"ok": True, "folder": str(folder), "same": same}
+
+    def _run(self, order: str) -> tuple[str, str]:
+        with self._lock:
+            if self._is_closed:
+                raise AmorsimError("the simulation has ended")
+            process = subprocess.Popen(
+                [sys.executable, "-m", "amorsim.ui.saving"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+                start_new_session=True,
+            )
+            self._running.add(process)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        log: list[str] = []
+        reader = threading.Thread(target=lambda: log.extend(process.stderr or ()), daemon=True)
+        reader.start()
+        with contextlib.suppress(OSError, ValueError):
+            # It stays open: its end is what tells the process to end too.
+            process.stdin.write(order)
+            process.stdin.flush()
+        out = process.stdout.read()
+        process.wait()
+        reader.join()
+        with self._lock:
+            self._running.discard(process)
+        for pipe in (process.stdin, process.stdout, process.stderr):
+            with contextlib.suppress(OSError):
+                pipe.close()
+        return out, "".join(log)
+
+    def close(self) -> None:
+        """Break off what is being saved; its files are whole up to there."""
+        with self._lock:
+            self._is_closed = True
+            for process in self._running:
+                with contextlib.suppress(OSError):
+                    if process.stdin is not None:
+                        process.stdin.close()

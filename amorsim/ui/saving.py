@@ -5,8 +5,12 @@ So nothing is written while nobody asks for it, and the simulation in the window
 
 from __future__ import annotations
 
+import _thread
 import json
+import os
 import sys
+import threading
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +21,8 @@ from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.recipe import Recipe
 
 __all__ = ["main", "save_again"]
+
+LONGEST_END = 1.5  # [s] that it takes to end with whole files
 
 
 def save_again(recipe: Recipe, inputs: Inputs, tick: int, folder: Path) -> str:
@@ -39,6 +45,7 @@ def save_again(recipe: Recipe, inputs: Inputs, tick: int, folder: Path) -> str:
 def main() -> None:
     """Read the order as a line of standard input, and answer with a line."""
     order: Mapping[str, Any] = json.loads(sys.stdin.readline())
+    threading.Thread(target=_end_with_the_session, name="amorsim-end", daemon=True).start()
     answers = sys.stdout
     sys.stdout = sys.stderr  # what a user's controller prints
     try:
@@ -47,8 +54,19 @@ def main() -> None:
         answer: dict[str, Any] = {"ok": True, "digest": digest}
     except AmorsimError as error:
         answer = {"ok": False, "error": str(error)}
+    except KeyboardInterrupt as error:
+        answer = {"ok": False, "error": "\n".join(["it was broken off", *getattr(error, "__notes__", ())])}
     answers.write(json.dumps(answer) + "\n")
     answers.flush()
+    os._exit(0)
+
+
+def _end_with_the_session() -> None:
+    """Break off when nobody waits any more, which the end of standard input tells."""
+    sys.stdin.read()
+    _thread.interrupt_main()
+    time.sleep(LONGEST_END)
+    os._exit(1)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from typing import Any
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.runs.folder import next_folder
 from amorsim.ui.link import Link
-from amorsim.ui.project import place_for, save_run
+from amorsim.ui.project import Saver, place_for
 from amorsim.ui.protocol import FRAME_HEADER, FrameFlag, Scene, with_flags
 from amorsim.ui.recipe import Recipe
 
@@ -68,6 +68,7 @@ class Session:
         self.recipe = recipe
         self.project = (project or Path.cwd()).absolute()
         self.remarks: list[str] = []  # for the user, at the start
+        self._saver = Saver(self.project, recipe)
         self._out = out
         self._patience = patience
         self._lock = threading.RLock()
@@ -126,6 +127,7 @@ class Session:
     def close(self) -> None:
         """End the simulation, with whole files, within two seconds; in any thread, and again if one likes."""
         self._is_closed.set()
+        self._saver.close()
         with self._closing:
             if self._link is not None:
                 self._link.close()
@@ -253,7 +255,7 @@ class Session:
             return self._restart(command)
         if name == "save_run":
             job = self._demand({"do": "job"})
-            answer = save_run(self.project, self.recipe, job, command.get("name"), self.scene["scenario"])
+            answer = self._saver.save(job, command.get("name"), self.scene["scenario"])
             self._remark("saved", f"the run was saved in {answer['folder']}")
             return answer
         file = place_for(self.project, command.get("name"), ".toml")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -316,3 +318,36 @@ def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
         assert time.monotonic() - began < 2.0
     # It ended in order: the run it left is whole.
     assert am.reproduce(tmp_path / "out").is_exact
+
+
+def test_it_ends_in_time_with_whole_files_while_a_controller_does_not_return(start: Make, tmp_path: Path) -> None:
+    session = start("own.py:Endless", out=tmp_path / "out")
+    done(session, "speed", factor=None)
+    done(session, "run")
+    until(lambda: session._link.tick == 40)  # type: ignore[union-attr]
+    began = time.monotonic()
+    session.close()
+    assert time.monotonic() - began < 2.0
+    outcome = am.reproduce(tmp_path / "out")
+    assert (outcome.is_exact, outcome.steps) == (True, 40)
+
+
+@pytest.mark.long
+def test_a_run_that_is_being_saved_is_broken_off_with_the_rest(start: Make, tmp_path: Path) -> None:
+    session = start(duration=100_000.0)
+    done(session, "speed", factor=None)
+    done(session, "run")
+    # So long that the second time takes some seconds too.
+    until(lambda: frame(session).tick > 8000, 60.0)
+    answers: list[dict[str, Any]] = []
+    thread = threading.Thread(target=lambda: answers.append(session.request({"do": "save_run", "name": "saved"})))
+    thread.start()
+    poses = tmp_path / "saved" / "poses.csv"
+    until(lambda: poses.exists() and poses.stat().st_size > 1000)
+    began = time.monotonic()
+    session.close()
+    thread.join(5.0)
+    assert time.monotonic() - began < 2.0
+    assert not answers[0]["ok"]
+    assert json.loads((tmp_path / "saved" / "run.json").read_text())["status"] in ("interrupted", "broken off")
+    assert poses.read_text().endswith("\n")
