@@ -60,13 +60,13 @@ def write_crowd(folder: Path) -> Path:
 
 
 def write_demo(folder: Path) -> Path:
-    """The demo, told its map."""
+    """The demo."""
     import amorsim
 
     scenarios = Path(amorsim.__file__).parent / "scenarios"
     (folder / "office.wld").write_text((scenarios / "office.wld").read_text())
     file = folder / "demo.toml"
-    file.write_text((scenarios / "demo.toml").read_text() + '\n[robots.knowledge]\nmap = "office.wld"\n')
+    file.write_text((scenarios / "demo.toml").read_text())
     return file
 
 

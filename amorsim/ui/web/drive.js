@@ -30,6 +30,7 @@ export class Driving {
     this.held = new Set();
     this.share = 0.5;
     this.isByHand = false;
+    this.isRunning = false;
     this.switch = h("button", { id: "hand", "aria-pressed": "false", onclick: () => this.toggle() }, "drive by hand (M)");
     this.pace = h("input", {
       type: "range", id: "pace", min: "0.05", max: "1", step: "0.05", value: "0.5", "aria-label": "how fast to drive",
@@ -84,7 +85,9 @@ export class Driving {
         return;
       }
       event.preventDefault();
-      if (!event.repeat) this.press(move);
+      if (event.repeat) return;
+      if (!this.isRunning) this.hint("Paused: press Space to run.");
+      this.press(move);
     });
     window.addEventListener("keyup", (event) => KEYS[event.code] && this.release(KEYS[event.code]));
     // Who has lost the keyboard never hears of a key let go: stop at once.

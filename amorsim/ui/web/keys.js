@@ -3,7 +3,21 @@
 import { showKeys } from "./dialogs.js";
 import { takesKeys } from "./drive.js";
 
+/** Who uses the mouse wants the keys for the simulator: what was clicked does not keep them. */
+function freeKeysAfterMouse() {
+  let byMouse = false;
+  const free = (event, kinds) => {
+    const one = event.target.closest?.(kinds);
+    if (byMouse && one && !one.closest("dialog")) setTimeout(() => one.blur());
+  };
+  window.addEventListener("pointerdown", () => (byMouse = true), true);
+  window.addEventListener("keydown", () => (byMouse = false), true);
+  window.addEventListener("pointerup", (event) => free(event, "button, input[type=range]"));
+  window.addEventListener("change", (event) => free(event, "select"));
+}
+
 export function listenToKeys(simulator) {
+  freeKeysAfterMouse();
   const { stage, timebar, driving } = simulator;
   const flip = (name) => stage.setOption(name, !stage.options[name]);
   const pan = (right, down) => {

@@ -99,6 +99,7 @@ export class Simulator {
     this.stage.setFrame(frame);
     if (!(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
     this.timebar.show(frame, this.scene);
+    this.driving.isRunning = Boolean(frame.states & FLAG.running);
     this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
     this.unacknowledged = frame.number;
     if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
