@@ -86,6 +86,9 @@ class Parameter:
     def expectation(self) -> str:
         """What would be right, in words: type, unit and bounds."""
         unit = f" [{self.unit}]" if self.unit not in ("", "sensor") else ""
+        options = [option for option in typing.get_args(self.type) if option not in (str, types.NoneType)]
+        if self.choices and options and str in typing.get_args(self.type):  # a word, or else something measured
+            return " or ".join([*map(repr, self.choices), *map(_type_name, options)]) + unit
         return f"{self.type_name}{unit}" + (f" {self.bounds}" if self.bounds else "")
 
 

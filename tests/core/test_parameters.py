@@ -74,3 +74,13 @@ def test_they_describe_themselves() -> None:
     assert not parameters["count"].live
     assert parameters["length"].live
     assert parameters["length"].help == "how long"
+
+
+def test_a_word_or_something_measured_is_expected_in_these_words() -> None:
+    @attrs.frozen(kw_only=True)
+    class Start:
+        random: str | tuple[float, float] = parameter("anywhere", unit="m", choices=("anywhere",))
+
+    assert describe(Start)["random"].expectation == "'anywhere' or a list of 2, each a number [m]"
+    with pytest.raises(ParameterError, match=r"expected 'anywhere' or a list of 2, each a number \[m\], got True"):
+        Start(random=True)
