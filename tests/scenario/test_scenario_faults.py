@@ -37,7 +37,7 @@ CASES = [
     ("format = 1\nrobots = {}", "robots", "expected a list of tables"),
     ("format = 1\nrobots = [3]", "robots.0", "expected a table"),
     ("[[robots]]", "robots.0.shape", "missing; expected { circle"),
-    ("[[robots]]", "robots.0.drive", "with one of: differential"),
+    ("[[robots]]", "robots.0.drive", "differential, mecanum"),
     ("[[robots]]\nmodel = 'pioner2dx'", "robots.0.model", "Did you mean 'pioneer2dx'?"),
     ("[[robots]]\nmodel = 'none.toml'", "robots.0.model", "none.toml: there is no such file"),
     ("[[robots]]\nmodel = 3", "robots.0.model", "expected the name of a robot model"),
