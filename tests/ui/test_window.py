@@ -410,6 +410,11 @@ def test_the_keyboard_alone_reaches_everything(window: Window) -> None:
     page.keyboard.press("Shift+ArrowRight")
     page.keyboard.press("+")
     assert window.see("stage.camera.x") > before
+    page.keyboard.press("f")
+    page.keyboard.press("Enter")
+    assert "rover" in page.locator(".card").inner_text()
+    page.keyboard.press("Escape")
+    assert page.locator(".card").is_hidden()
 
 
 # ------------------------------------------------------------------------------------------------ controllers that fail

@@ -73,7 +73,7 @@ export class Pane {
       id,
       tabindex: "0",
       role: "img",
-      "aria-label": `${label}. Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows.`,
+      "aria-label": `${label}. Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.`,
     });
     this.element = h("div", { class: "pane" }, this.canvas, this.coordinates);
     this.context = this.canvas.getContext("2d", { alpha: false });
@@ -106,6 +106,7 @@ export class Pane {
     }
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     this.drawScale(state.theme);
+    if (this.canvas.matches(":focus-visible")) this.drawMiddle(state.theme);
   }
 
   /** A cross where an event happened. */
@@ -118,6 +119,21 @@ export class Pane {
     for (const side of [-1, 1]) {
       context.moveTo(mark[0] - size, mark[1] - side * size);
       context.lineTo(mark[0] + size, mark[1] + side * size);
+    }
+    context.stroke();
+  }
+
+  drawMiddle(theme) {
+    const { context, camera } = this;
+    const [x, y] = [camera.width / 2, camera.height / 2];
+    context.strokeStyle = theme.ink;
+    context.lineWidth = 1;
+    context.beginPath();
+    for (const side of [-1, 1]) {
+      context.moveTo(x + 4 * side, y);
+      context.lineTo(x + 11 * side, y);
+      context.moveTo(x, y + 4 * side);
+      context.lineTo(x, y + 11 * side);
     }
     context.stroke();
   }
@@ -187,6 +203,12 @@ export class Pane {
       },
       { passive: false },
     );
+    // By keyboard, what is in the middle is what is pointed at.
+    canvas.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter") return;
+      this.on.pick?.(this, camera.x, camera.y, camera.width / 2, camera.height / 2);
+    });
+    for (const change of ["focus", "blur"]) canvas.addEventListener(change, () => camera.changed());
     canvas.addEventListener("dblclick", () => this.on.fit?.());
   }
 }
