@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from amorsim.scenario.spec import Scenario
 
 __all__ = ["advice"]
+
+_TURN = np.arange(32) * (np.pi / 16.0)
 
 
 def advice(scenario: Scenario) -> list[str]:
@@ -26,4 +30,16 @@ def advice(scenario: Scenario) -> list[str]:
                 )
         if robot.controller is None:
             remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
+    for i, mark in enumerate(scenario.landmarks):
+        x, y = mark.x + mark.radius * np.cos(_TURN), mark.y + mark.radius * np.sin(_TURN)
+        if scenario.map.occupied(np.stack((np.append(x, mark.x), np.append(y, mark.y)), axis=1)).all():
+            remarks.append(
+                f"landmarks.{i}: ({mark.x:g}, {mark.y:g}) m and all within its radius of {mark.radius:g} m is wall, or "
+                "outside the map; nobody can see it"
+            )
+    for i, light in enumerate(scenario.lights):
+        if scenario.map.occupied([[light.x, light.y]])[0]:
+            remarks.append(
+                f"lights.{i}: ({light.x:g}, {light.y:g}) m is in a wall or outside the map; the lamp lights nothing"
+            )
     return remarks

@@ -40,17 +40,17 @@ class Scene:
     landmarks: list[Landmark]
 
 
-def placed(shape: Shape, pose: Pose, grow: float = 0.0) -> shapely.Geometry:
-    """A footprint in the world; round corners are polygons with corners 1e-6 of their radius outside or nearer."""
+def placed(shape: Shape, pose: Pose, grow: float = 0.0, quad_segs: int = 400) -> shapely.Geometry:
+    """A footprint in the world; a quarter of a round corner has `quad_segs` chords."""
     kinds = {1: shapely.Point, 2: shapely.LineString}
     cores = shapely.union_all([kinds.get(len(part), shapely.Polygon)(part) for part in shape.parts])
-    whole = cores.buffer(shape.radius + grow, quad_segs=400) if shape.radius + grow > 0.0 else cores
+    whole = cores.buffer(shape.radius + grow, quad_segs=quad_segs) if shape.radius + grow > 0.0 else cores
     turned = affinity.rotate(whole, pose.heading, origin=(0, 0), use_radians=True)
     return affinity.translate(turned, pose.x, pose.y)
 
 
-def random_scene(seed: int, sensor: am.Sensor, bodies: int = 8, marks: int = 6, **look: object) -> Scene:
-    """A scene by number; every second body carries a mark, and has `look`."""
+def random_scene(seed: int, sensor: am.Sensor, bodies: int = 8, marks: int = 6, quad_segs: int = 400) -> Scene:
+    """A scene by number; every second body carries a mark."""
     random = np.random.default_rng(seed)
     cells = np.zeros((int(SIZE / CELL),) * 2, dtype=bool)
     cells[[0, -1], :] = cells[:, [0, -1]] = True
@@ -72,7 +72,7 @@ def random_scene(seed: int, sensor: am.Sensor, bodies: int = 8, marks: int = 6, 
             placed_bodies.append((shape, pose))
     (shape, pose), others = placed_bodies[0], placed_bodies[1:]
     obstacles = [
-        Obstacle(name=f"body{i}", shape=its, pose=at, fiducial=(i % 2) * (100 + i), **look)
+        Obstacle(name=f"body{i}", shape=its, pose=at, fiducial=(i % 2) * (100 + i))
         for i, (its, at) in enumerate(others)
     ]
     landmarks = [
@@ -86,7 +86,7 @@ def random_scene(seed: int, sensor: am.Sensor, bodies: int = 8, marks: int = 6, 
         sim=sim,
         pose=np.array([pose.x, pose.y, pose.heading]),
         walls=walls,
-        bodies={o.name: placed(o.shape, o.pose) for o in obstacles},
+        bodies={o.name: placed(o.shape, o.pose, quad_segs=quad_segs) for o in obstacles},
         obstacles=obstacles,
         landmarks=landmarks,
     )

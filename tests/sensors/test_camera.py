@@ -150,32 +150,27 @@ def test_a_controller_commands_it_by_channel(tmp_path):
 
 
 def shapely_columns(scene, fov, width, range_max):
-    """Which body each column sees by shapely, through its left edge, its middle and its right edge; -1 for none."""
+    """Which body each column sees by shapely, at its left edge, in its middle and at its right edge; -1 for none."""
     x, y, heading = scene.pose
-    names = list(scene.bodies)
-    start = shapely.Point(x, y)
-    found = np.full((3, width), -1)
-    for part, offset in enumerate((0.0, 0.5, 1.0)):
-        angle = heading + fov / 2 - (np.arange(width) + offset) * fov / width
-        ends = np.stack((x + range_max * np.cos(angle), y + range_max * np.sin(angle)), axis=1)
-        rays = shapely.linestrings(np.stack((np.broadcast_to([x, y], ends.shape), ends), axis=1))
-        distances = np.array(
-            [
-                shapely.distance(shapely.intersection(other, rays), start)
-                for other in (scene.walls, *scene.bodies.values())
-            ]
-        )
-        distances = np.where(np.isnan(distances), np.inf, distances)
-        nearest = distances.argmin(axis=0)
-        found[part] = np.where(np.isfinite(distances.min(axis=0)), nearest - 1, -1)
-    return names, found
+    angle = heading + fov / 2 - 0.5 * np.arange(2 * width + 1) * fov / width
+    ends = np.stack((x + range_max * np.cos(angle), y + range_max * np.sin(angle)), axis=1)
+    rays = shapely.linestrings(np.stack((np.broadcast_to([x, y], ends.shape), ends), axis=1))
+    distances = np.array(
+        [
+            shapely.distance(shapely.intersection(other, rays), shapely.Point(x, y))
+            for other in (scene.walls, *scene.bodies.values())
+        ]
+    )
+    distances = np.where(np.isnan(distances), np.inf, distances)
+    sees = np.where(np.isfinite(distances.min(axis=0)), distances.argmin(axis=0) - 1, -1)
+    return list(scene.bodies), np.stack((sees[:-1:2], sees[1::2], sees[2::2]))
 
 
 def check_scene(seed, width=360):
     """A scene of bodies of different colours: each blob's columns are those that shapely says, to one pixel."""
     fov, range_max = 1.5 * math.pi, 6.0
     camera = Camera(width=width, height=400, colours=COLOURS, fov=fov, fov_min=0.1, range_max=range_max, slots=40)
-    scene = random_scene(seed, camera, marks=0)
+    scene = random_scene(seed, camera, marks=0, quad_segs=32)  # 1e-4 m from a circle, and pixels are 8 mm a metre
     obstacles = tuple(attrs.evolve(o, colour=COLOURS[i]) for i, o in enumerate(scene.obstacles))
     sim = am.Simulation(attrs.evolve(scene.sim.scenario, obstacles=obstacles))
     names, sees = shapely_columns(scene, fov, width, range_max)
@@ -216,13 +211,13 @@ def check_scene(seed, width=360):
     return count
 
 
-def test_blobs_of_a_dozen_random_scenes_are_the_projected_outlines():
-    assert sum(check_scene(seed) for seed in range(12)) > 30
+def test_blobs_of_six_random_scenes_are_the_projected_outlines():
+    assert sum(check_scene(seed) for seed in range(6)) > 15
 
 
 @pytest.mark.long
-def test_blobs_of_a_thousand_random_scenes_are_the_projected_outlines():
-    assert sum(check_scene(seed) for seed in range(1000, 2000)) > 3000
+def test_blobs_of_two_hundred_random_scenes_are_the_projected_outlines():
+    assert sum(check_scene(seed) for seed in range(1000, 1200)) > 500
 
 
 def test_results_do_not_depend_on_replicas_or_threads():

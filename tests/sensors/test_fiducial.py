@@ -146,17 +146,17 @@ def check_scene(seed):
     return judged, len(seen)
 
 
-def test_forty_random_scenes_agree_with_shapely():
-    judged, seen = np.sum([check_scene(seed) for seed in range(40)], axis=0)
-    assert judged > 300
-    assert 60 < seen < judged
+def test_twenty_random_scenes_agree_with_shapely():
+    judged, seen = np.sum([check_scene(seed) for seed in range(20)], axis=0)
+    assert judged > 150
+    assert 30 < seen < judged
 
 
 @pytest.mark.long
-def test_two_thousand_random_scenes_agree_with_shapely():
-    judged, seen = np.sum([check_scene(seed) for seed in range(1000, 3000)], axis=0)
-    assert judged > 15_000
-    assert seen > 3_000
+def test_a_thousand_random_scenes_agree_with_shapely():
+    judged, seen = np.sum([check_scene(seed) for seed in range(1000, 2000)], axis=0)
+    assert judged > 7_500
+    assert seen > 1_500
 
 
 def test_results_do_not_depend_on_rows_replicas_or_threads():
