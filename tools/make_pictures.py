@@ -19,6 +19,7 @@ __all__ = ["make"]
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 WIDTH = 1200  # pixels
 COLOURS = 256
+SCENARIOS = ("car-park", "synchro-hall", "khepera-maze", "convoy")
 
 
 def make(folder: Path) -> None:
@@ -29,6 +30,9 @@ def make(folder: Path) -> None:
         _amorsim(work, "new", "first")
         _amorsim(work, "run", "first/scenario.toml", "--out", "run", "--quiet")
         _amorsim(work, "plot", "run")
+        for scenario in SCENARIOS:
+            _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
+            _save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
         for source, target in (
             ("demo/picture.png", "demo.png"),
             ("run/picture.png", "first-run.png"),

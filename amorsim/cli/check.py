@@ -14,7 +14,10 @@ __all__ = ["command"]
 def command(
     scenario: Annotated[
         str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file (.toml), the name of a bundled one, or a map alone."),
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file (.toml), the name of a bundled one, a map alone, or a robot's model (.toml).",
+        ),
     ],
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the scenario with its models and all defaults filled in.")
@@ -28,17 +31,22 @@ def command(
         typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
     ] = None,
 ) -> None:
-    """Report all that is wrong with a scenario: file, key, value, and what would be right.
+    """Report all that is wrong with a scenario or a robot's model: file, key, value, and what would be right.
 
     The exit status is 0 if it would run, else 2.
     """
     from amorsim.core.errors import AmorsimError, ScenarioError
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
+    from amorsim.scenario.read import is_model, scenario_for_model
     from amorsim.simulation.advice import advice
 
     try:
-        read = read_scenario(scenario, resolution=resolution, changes=changes or [])
+        of_model = is_model(scenario)
+        if of_model:
+            read = scenario_for_model(scenario, changes or [])
+        else:
+            read = read_scenario(scenario, resolution=resolution, changes=changes or [])
         simulation, remark = make_simulation(read)
         steps_of(simulation, read.duration)
     except AmorsimError as error:
@@ -48,12 +56,16 @@ def command(
         complain(f"{len(faults)} fault{'s' if len(faults) > 1 else ''} found")
         raise typer.Exit(2) from None
     found = (*read.map.warnings, *([remark] if remark else ()))
-    for line in (*(f"{read.map.name}: {warning}" for warning in found), *advice(read)):
+    for line in (*(f"{read.map.name}: {warning}" for warning in found), *(() if of_model else advice(read))):
         complain(f"warning: {line}")
     if resolved:
         from amorsim.scenario.write import document_of, document_text
 
         say(document_text(document_of(simulation.scenario)).rstrip())
+    elif of_model:
+        robot = simulation.scenario.robots[0]
+        sensors = ", ".join(robot.sensors) or "no sensors"
+        say(f"{scenario}: no faults; a robot, {type(robot.drive).__name__}, with {sensors}")
     else:
         width, height = read.map.size
         how_many = "1 robot" if len(read.robots) == 1 else f"{len(read.robots)} robots"

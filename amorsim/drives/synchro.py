@@ -129,8 +129,10 @@ class Synchro(Motors):
         """Radius of the wheels `(N, 1)` [m]."""
         return np.array(self.wheel_radius)
 
-    def course(self, joints: Array) -> Array:
-        """The direction of the wheels `(N, 1)` [rad] in the robot's frame."""
+    def course(self, joints: Array) -> Array | None:
+        """The direction of the wheels `(N, 1)` [rad] in the robot's frame; None where that follows them."""
+        if self.turret == "follows":
+            return None
         out = np.empty((len(joints), 1))
         synchro.courses(joints, self._mode, out)
         return out

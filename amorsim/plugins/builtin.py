@@ -103,6 +103,5 @@ def amorsim_register(registry: Registry) -> None:
         "youbot",
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
-    registry.scenario("demo", _PACKAGE / "scenarios" / "demo.toml")
-    for name in ("crowd", "doors", "swarm"):
-        registry.scenario(name, _PACKAGE / "scenarios" / f"{name}.toml")
+    for scenario in ("demo", "car-park", "synchro-hall", "khepera-maze", "convoy", "crowd", "doors", "swarm"):
+        registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

@@ -31,13 +31,14 @@ from amorsim.scenario.spec import Landmark, Light, Obstacle, Pose, Robot, Scenar
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
 
-__all__ = ["load", "loads", "scenario_for_map"]
+__all__ = ["is_model", "load", "loads", "scenario_for_map", "scenario_for_model"]
 
 _KEYS = (
     *("format", "description", "world", "simulation", "recording"),
     *("robots", "obstacles", "landmarks", "lights", "zones"),
 )
 _TIMES = ("dt", "duration", "seed")
+_MODEL = {"drive", "shape"}
 
 
 def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None) -> Scenario:
@@ -106,6 +107,29 @@ def scenario_for_map(
     }
     origin = Source(file="", folder=path.parent)
     return _read(document, Book(origin), overrides, registry or default_registry(), is_map_alone=True)
+
+
+def is_model(path: str | Path) -> bool:
+    """Whether a file holds a robot's model: it has a drive or a shape, and neither world nor robots."""
+    document = read_toml(Path(path)) if Path(path).is_file() else ""
+    return isinstance(document, dict) and not {"world", "robots"} & set(document) and bool(_MODEL & set(document))
+
+
+def scenario_for_model(
+    path: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None
+) -> Scenario:
+    """The robot of a model's file, "robot", in the hall of a bundled scenario, to see whether it is whole.
+
+    What is raised is as for `load`.
+    """
+    path = Path(path)
+    registry = registry or default_registry()
+    document = {
+        "format": FORMAT,
+        "world": {"map": str(registry.file("scenario", "synchro-hall").with_name("hall.wld"))},
+        "robots": [{"name": "robot", "model": path.name}],
+    }
+    return _read(document, Book(Source(file=str(path), folder=path.parent)), overrides, registry)
 
 
 def _read(

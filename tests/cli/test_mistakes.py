@@ -65,7 +65,7 @@ def test_what_cannot_be_run(
         ("seed = 1 ", "seed = true ", ("simulation.seed: expected a whole number", "got True")),
         ("heading_deg", "heading", ("robots.0.pose.heading", "write heading_deg")),
         ("rooms.wld", "romms.wld", ("world.map", "romms.wld: there is no such file")),
-        ("pioneer2dx", "pioneer3dx", ("robots.0.model", "'pioneer3dx'", "Did you mean 'pioneer2dx'?")),
+        ("pioneer2dx", "pionier2dx", ("robots.0.model", "'pionier2dx'", "Did you mean 'pioneer2dx'?")),
         ("controller.py:drive", "controller.py:driv", ("controller.use", "there is no 'driv'", "'drive'?")),
         ("controller.py:drive", "wonder", ("there is no controller called 'wonder'", "Did you mean 'wander'?")),
         ("x = 1.0", "x = 4.0", ("robots.0.pose: at (4.000, 1.000) m the footprint overlaps a wall",)),

@@ -165,4 +165,5 @@ def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
     template = ROOT / "amorsim" / "cli" / "template" / "rooms.wld"
     (tmp_path / "rooms.wld").write_bytes(template.read_bytes())
     (tmp_path / "room.wld").write_bytes(template.read_bytes())
+    (tmp_path / "hall.wld").write_bytes((ROOT / "amorsim" / "scenarios" / "hall.wld").read_bytes())
     return Page(monkeypatch)

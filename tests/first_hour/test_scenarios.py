@@ -1,0 +1,63 @@
+"""Every scenario that ships runs as it is; its map is what its script draws."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.plugins.manager import make_registry
+from tests.first_hour.conftest import ROOT, amorsim
+
+SCENARIOS = make_registry(entry_points=[]).names("scenario")
+DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "convoy")
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_it_runs_as_it_is(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, said = amorsim(f"amorsim run {name} --out run --set simulation.duration=3 --quiet", monkeypatch)
+    assert status == 0, said
+    assert (tmp_path / "run" / "picture.png").is_file()
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("name", DRIVEN)
+def test_its_robots_get_under_way_and_meet_nothing(name: str) -> None:
+    sim = am.Simulation(am.load(name))
+    start = sim.true_pose.copy()
+    sim.run(8.0)
+    assert not sim.events
+    assert (np.hypot(*(sim.true_pose - start)[:, :2].T) > (0.03 if name == "khepera-maze" else 0.3)).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", DRIVEN)
+def test_its_robots_meet_nothing_to_the_end(name: str) -> None:
+    scenario = am.load(name)
+    sim = am.Simulation(scenario)
+    sim.run(scenario.duration)
+    assert not sim.events
+    if name == "car-park":
+        assert np.hypot(*(sim.true_pose[0, :2] - (18.7, 31.0))) < 0.6
+        assert abs(np.sin(sim.true_pose[0, 2] - np.pi / 2)) < np.sin(np.radians(6.0))
+
+
+def test_their_maps_are_what_their_script_draws() -> None:
+    script = ROOT / "tools" / "draw_worlds.py"
+    if not script.is_file():
+        pytest.skip("the tools are not installed")
+    spec = importlib.util.spec_from_file_location("draw_worlds", script)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    folder = Path(am.__file__).parent / "scenarios"
+    for world in module.WORLDS:
+        assert module.draw(world) == (folder / world).read_text(encoding="utf-8")
+        map_ = am.load_map(folder / world)
+        assert map_.warnings == ()
+        assert map_.start is not None
