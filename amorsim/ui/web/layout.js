@@ -51,7 +51,7 @@ export function build({ stage, timebar, driving, form }) {
     h(
       "div",
       { class: "head" },
-      h("h2", { id: "robot-title" }, swatch("true"), "Robot"),
+      h("h2", { id: "robot-title" }, swatch("true"), make("robotName", h("span", {}, "Robot"))),
       make("robotNote", h("span", { class: "note" }, "what is true")),
       h("div", { class: "tools", role: "group", "aria-label": "view" }, [...parts.tools.values(), ...Object.values(parts.zoom)]),
     ),

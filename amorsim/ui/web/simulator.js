@@ -103,7 +103,11 @@ export class Simulator {
     this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
     this.unacknowledged = frame.number;
     if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
-    if (frame.states !== this.states) this.askState();
+    if (frame.states !== this.states) {
+      this.askState();
+      if (frame.states & FLAG.ended) this.hint("The scenario's duration is over. To run goes on all the same.");
+      if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
+    }
     this.states = frame.states;
   }
 
@@ -264,7 +268,8 @@ export class Simulator {
     this.parts.tools.get(name)?.setAttribute("aria-pressed", String(value));
     if (name !== "overlay") return;
     this.parts.element.classList.toggle("overlaid", value);
-    say(this.parts.robotNote, value ? "what is true, and over it what the robot knows" : "what is true");
+    say(this.parts.robotName, value ? "Robot and Control" : "Robot");
+    say(this.parts.robotNote, value ? "what is true, and over it what it knows" : "what is true");
   }
 
   showControls() {
