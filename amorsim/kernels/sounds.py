@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["DIRECT", "first_sound", "surface_points"]
+__all__ = ["DIRECT", "axes", "first_sounds", "surface_points"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -37,33 +37,42 @@ def surface_points(origins: Floats, half_angle: Floats, fan: Floats, ranges: Flo
 
 
 @kernel
-def _is_within(x: float, y: float, heading: float, half_angle: float, to_x: float, to_y: float) -> bool:
-    """Whether a point lies in the cone about a pose; its tip does."""
-    dx, dy = to_x - x, to_y - y
-    way = math.sqrt(dx * dx + dy * dy)
-    return dx * math.cos(heading) + dy * math.sin(heading) >= way * math.cos(half_angle)
+def axes(poses: Floats, half_angle: Floats, out: Floats) -> None:
+    """Of each of M cones the cosine and sine of where it looks, and the cosine of its half angle, into `out` (M, 3)."""
+    for m in range(poses.shape[0]):
+        out[m, 0] = math.cos(poses[m, 2])
+        out[m, 1] = math.sin(poses[m, 2])
+        out[m, 2] = math.cos(half_angle[m])
 
 
 @kernel
-def first_sound(
+def _is_within(dx: float, dy: float, way: float, cos: float, sin: float, edge: float) -> bool:
+    """Whether what lies (dx, dy) from a cone's tip, `way` off, is in the cone; the tip is."""
+    return dx * cos + dy * sin >= way * edge
+
+
+@kernel
+def first_sounds(
     receivers: Floats,
-    half_angle: Floats,
+    receiver_axes: Floats,
     listens: Floats,
     itself: Ints,
     points: Floats,
     ranges: Floats,
     emitters: Floats,
-    emitter_half: Floats,
+    emitter_axes: Floats,
     fires: Floats,
     fired: Bools,
     speed: float,
     least: Floats,
     most: Floats,
+    after: Floats,
+    after_which: Ints,
     heard: Floats,
     which: Ints,
     path: Floats,
-) -> bool:
-    """Find for each receiver the sound that comes first of those that come after the one in `heard` and `which`.
+) -> None:
+    """Find for each receiver the sounds that come first after a given one, in order.
 
     A sound reads half the way that it could have gone since the receiver began to listen. It goes straight from
     emitter to receiver where each is in the other's cone, or by way of one of the receiver's `points` that lies in the
@@ -71,75 +80,81 @@ def first_sound(
 
     Parameters
     ----------
-    receivers, half_angle, listens, itself
-        World poses `(M, 3)`, k for each of N rows in turn, half angles of their cones `(M,)` [rad], when each begins to
-        listen `(M,)` [s], and which emitter it is itself `(M,)`, -1 for none.
+    receivers, receiver_axes, listens, itself
+        World poses `(M, 3)`, k for each of N rows in turn, what `axes` says of their cones `(M, 3)`, when each begins
+        to listen `(M,)` [s], and which emitter it is itself `(M,)`, -1 for none.
     points, ranges
         `(M, f, 2)` [m] where the rays in its cone end, and `(M, f)` [m] how far off.
-    emitters, emitter_half, fires, fired
-        Of each row: world poses `(N, e, 3)`, half angles, when each fires [s], and whether `(N, e)`.
+    emitters, emitter_axes, fires, fired
+        Of each row: world poses and axes `(N, e, 3)`, when each fires [s], and whether `(N, e)`.
     speed
         Of sound [m/s].
     least, most
         What a receiver can read `(M,)` [m], both included.
+    after, after_which
+        `(M,)` the reading [m] and number of the last sound that is known; -inf and -1 for none. The number is that of
+        the emitter times (f + 1), plus that of the way.
     heard, which
-        `(M,)` [m] the reading, and emitter times (f + 1) plus way: found before, -inf and -1 for none yet; replaced by
-        what comes next, inf and -1 for nothing.
+        `(M, b)` the readings and numbers that come next, in order; inf and -1 where there are no more.
     path
-        `(M, 4)`: from where the sound last went in a straight line that began at the emitter: x, y, and to the
-        emitter's x, y [m]; of a receiver that hears nothing, undefined.
-
-    Returns
-    -------
-    Whether any receiver hears anything.
+        `(M, b, 4)`: where the last straight part of the way ended, and the emitter: x, y, x, y [m].
     """
     rows, count = emitters.shape[0], emitters.shape[1]
     each = receivers.shape[0] // rows
-    ways = points.shape[1] + 1
-    anything = False
+    ways, batch = points.shape[1] + 1, heard.shape[1]
     for m in range(receivers.shape[0]):
         n = m // each
         x, y = receivers[m, 0], receivers[m, 1]
-        best, best_which = math.inf, -1
+        heard[m, :] = math.inf
+        which[m, :] = -1
         for i in range(count):
             if not fired[n, i] or i == itself[m]:
                 continue
             ex, ey = emitters[n, i, 0], emitters[n, i, 1]
+            cos, sin, edge = emitter_axes[n, i, 0], emitter_axes[n, i, 1], emitter_axes[n, i, 2]
             across = math.sqrt((ex - x) ** 2 + (ey - y) ** 2)
             ahead = speed * (fires[n, i] - listens[m])
             # No way is shorter than the straight one.
-            if 0.5 * (across + ahead) > min(best, most[m]):
+            if 0.5 * (across + ahead) > min(heard[m, batch - 1], most[m]):
                 continue
             for f in range(ways):
                 if f == DIRECT:
-                    if not _is_within(x, y, receivers[m, 2], half_angle[m], ex, ey):
+                    if not _is_within(
+                        ex - x, ey - y, across, receiver_axes[m, 0], receiver_axes[m, 1], receiver_axes[m, 2]
+                    ):
                         continue
-                    if not _is_within(ex, ey, emitters[n, i, 2], emitter_half[n, i], x, y):
+                    if not _is_within(x - ex, y - ey, across, cos, sin, edge):
                         continue
                     way = across
                 else:
                     if not math.isfinite(ranges[m, f - 1]):
                         continue
-                    px, py = points[m, f - 1, 0], points[m, f - 1, 1]
-                    way = ranges[m, f - 1] + math.sqrt((ex - px) ** 2 + (ey - py) ** 2)
+                    dx, dy = points[m, f - 1, 0] - ex, points[m, f - 1, 1] - ey
+                    last = math.sqrt(dx * dx + dy * dy)
+                    if not _is_within(dx, dy, last, cos, sin, edge):
+                        continue
+                    way = ranges[m, f - 1] + last
                 reading = 0.5 * (way + ahead)
-                if not least[m] <= reading <= most[m] or reading > best:
-                    continue
                 number = i * ways + f
-                if reading < heard[m] or (reading == heard[m] and number <= which[m]):
+                if not least[m] <= reading <= most[m]:
                     continue
-                if reading == best and number > best_which:
+                if reading < after[m] or (reading == after[m] and number <= after_which[m]):
                     continue
-                if f != DIRECT and not _is_within(ex, ey, emitters[n, i, 2], emitter_half[n, i], px, py):
+                # Those of equal readings are met in order of their numbers, so that the new one comes behind them.
+                b = batch
+                while b > 0 and reading < heard[m, b - 1]:
+                    b -= 1
+                if b == batch:
                     continue
-                best, best_which = reading, number
-        heard[m], which[m] = best, best_which
-        if best_which < 0:
-            continue
-        anything = True
-        i, f = best_which // ways, best_which % ways
-        path[m, 0], path[m, 1] = x, y
-        if f != DIRECT:
-            path[m, 0], path[m, 1] = points[m, f - 1, 0], points[m, f - 1, 1]
-        path[m, 2], path[m, 3] = emitters[n, i, 0], emitters[n, i, 1]
-    return anything
+                for c in range(batch - 1, b, -1):
+                    heard[m, c], which[m, c] = heard[m, c - 1], which[m, c - 1]
+                heard[m, b], which[m, b] = reading, number
+        for b in range(batch):
+            number = which[m, b]
+            path[m, b, 0] = path[m, b, 2] = x
+            path[m, b, 1] = path[m, b, 3] = y
+            if number >= 0:
+                i, f = number // ways, number % ways
+                if f != DIRECT:
+                    path[m, b, 0], path[m, b, 1] = points[m, f - 1, 0], points[m, f - 1, 1]
+                path[m, b, 2], path[m, b, 3] = emitters[n, i, 0], emitters[n, i, 1]

@@ -19,6 +19,8 @@ SOUND = 343.0
 # not hang on its company. In a cone of 30 degrees they are half a degree apart.
 _FAN = np.linspace(-1.0, 1.0, 61)
 
+_BATCH = 8  # sounds whose ways are looked at together
+
 _OFF = (
     0.01  # [m] before a surface from where the way on is looked at: a start within a cell that is occupied sees nothing
 )
@@ -61,39 +63,58 @@ def hear(
     sounds.surface_points(receivers, half, _FAN, ranges, points)
     least = np.repeat(np.broadcast_to(range_min, (rows, 1)), k)
     most = np.repeat(np.broadcast_to(range_max, (rows, 1)), k)
-    found = np.full(rows * k, np.inf)
-    heard, which = np.full(rows * k, -np.inf), np.full(rows * k, -1, dtype=np.int64)
-    path = np.empty((rows * k, 4))
-    emitters, bodies = np.ascontiguousarray(said.poses), view.bodies()
-    emitter_half, fires = np.ascontiguousarray(said.half_angle), np.ascontiguousarray(said.time)
-    fired = np.ascontiguousarray(said.fired)
-    # Sounds in the order in which they come, until one is found that nothing keeps off.
-    while sounds.first_sound(
-        receivers,
-        half,
-        np.ascontiguousarray(listens).reshape(-1),
-        itself,
-        points,
-        ranges,
-        emitters,
-        emitter_half,
-        fires,
-        fired,
-        SOUND,
-        least,
-        most,
-        heard,
-        which,
-        path,
-    ):
+    count = rows * k
+    found = np.full(count, np.inf)
+    after, after_which = np.full(count, -np.inf), np.full(count, -1, dtype=np.int64)
+    heard, which = np.empty((count, _BATCH)), np.empty((count, _BATCH), dtype=np.int64)
+    path = np.empty((count, _BATCH, 4))
+    bodies = view.bodies()
+    hearers = _axes(receivers, half), np.ascontiguousarray(listens).reshape(-1), itself, points, ranges
+    emitters = np.ascontiguousarray(said.poses)
+    cones = _axes(emitters.reshape(-1, 3), said.half_angle.reshape(-1)).reshape(emitters.shape)
+    fires, fired = np.ascontiguousarray(said.time), np.ascontiguousarray(said.fired)
+    row = np.repeat(np.arange(count) // k, _BATCH)
+    # Sounds in the order in which they come, until for each hearer one is found that nothing keeps off.
+    while True:
+        sounds.first_sounds(
+            receivers,
+            *hearers,
+            emitters,
+            cones,
+            fires,
+            fired,
+            SOUND,
+            least,
+            most,
+            after,
+            after_which,
+            heard,
+            which,
+            path,
+        )
         comes = which >= 0
-        carrier = np.where(comes, which, 0) // (len(_FAN) + 1)
-        row = np.arange(rows * k) // k
+        if not comes.any():
+            break
+        carrier = np.where(comes, which, 0).reshape(-1) // (len(_FAN) + 1)
         body = said.body[row, carrier]
-        free = _is_free(view, receivers, path, comes, limit, bodies.poses[row, body], bodies.reach[body])
-        found = np.where(comes & free, heard, found)
-        most = np.where(comes & free | ~comes, -np.inf, most)  # those have heard what there is
+        base, reach_of = bodies.poses[row, body], bodies.reach[body]
+        free = comes & _is_free(view, receivers, path, limit, base, reach_of).reshape(comes.shape)
+        has = free.any(axis=1)
+        first = np.argmax(free, axis=1)
+        found = np.where(has, heard[np.arange(count), first], found)
+        # Those have heard what there is.
+        most = np.where(has | ~comes[:, -1], -np.inf, most)
+        if np.isneginf(most).all():
+            break
+        after, after_which = heard[:, -1].copy(), which[:, -1].copy()
     return found.reshape(rows, k)
+
+
+def _axes(poses: Array, half_angle: Array) -> Array:
+    """Where cones look, and how wide they are, as kernels take it `(M, 3)`."""
+    out = np.empty((len(poses), 3))
+    sounds.axes(poses, np.ascontiguousarray(half_angle), out)
+    return out
 
 
 def _itself(own: npt.NDArray[np.bool_], k: int) -> npt.NDArray[np.int64]:
@@ -103,15 +124,14 @@ def _itself(own: npt.NDArray[np.bool_], k: int) -> npt.NDArray[np.int64]:
 
 
 def _is_free(
-    view: View, receivers: Array, path: Array, comes: npt.NDArray[np.bool_], limit: Array, base: Array, reach: Array
+    view: View, receivers: Array, path: Array, limit: Array, base: Array, reach: Array
 ) -> npt.NDArray[np.bool_]:
-    """Whether the straight lines to the emitters `(M,)` meet nothing but what carries these.
+    """Whether the straight lines `(M * b,)` of `path` `(M, b, 4)` to the emitters meet nothing but what carries these.
 
-    What ends a line within `reach` [m] `(M,)` of the carrier's base point `(M, 3)` is the carrier.
+    What ends a line within `reach` [m] `(M * b,)` of the carrier's base point `(M * b, 3)` is the carrier.
     """
-    start = np.where(comes[:, None], path[:, :2], receivers[:, :2])
-    end = np.where(comes[:, None], path[:, 2:], receivers[:, :2])
-    back = receivers[:, :2] - start
+    start, end = path.reshape(-1, 4)[:, :2], path.reshape(-1, 4)[:, 2:]
+    back = np.repeat(receivers[:, :2], path.shape[1], axis=0) - start
     way = np.sqrt(back[:, :1] ** 2 + back[:, 1:] ** 2)
     start = start + back * np.minimum(_OFF / np.where(way > 0.0, way, 1.0), 1.0)
     ahead = end - start

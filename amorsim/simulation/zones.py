@@ -32,6 +32,7 @@ class Zones:
         self._chains = [Chain(zone.ground, streams, "zone", zone.name) for zone in self._zones]
         for zone, chain in zip(self._zones, self._chains, strict=True):
             chain.set_parameters([zone.ground] * rows)
+        self._discs = [_disc(zone) for zone in self._zones]
 
     def __bool__(self) -> bool:
         return bool(self._zones)
@@ -69,11 +70,19 @@ class Zones:
 
     def _corrupt(self, travel: Array, begin: Array, end: Array, elapsed: Array) -> Array:
         start, stop = begin.reshape(-1, 2), end.reshape(-1, 2)
-        for zone, chain in zip(self._zones, self._chains, strict=True):
+        way = np.sqrt((stop[:, 0] - start[:, 0]) ** 2 + (stop[:, 1] - start[:, 1]) ** 2)
+        for zone, chain, (x, y, reach) in zip(self._zones, self._chains, self._discs, strict=True):
+            apart = (start[:, 0] - x) ** 2 + (start[:, 1] - y) ** 2
+            if (apart > (way + reach) ** 2).all():
+                # The elements are told all the same: what one robot's state is must not hang on where others are.
+                nothing = np.zeros_like(travel)
+                chain.corrupt(nothing, {"entered": nothing}, elapsed)
+                continue
             a, b = _in_frame(zone, start), _in_frame(zone, stop)
             share = share_within(zone.shape, a, b).reshape(travel.shape)
             entered = (share > 0.0) & ~contains(zone.shape, a).reshape(travel.shape)
-            within = travel * share
+            # Of what lies outside nothing, not even a zero with a sign.
+            within = np.where(share > 0.0, travel * share, 0.0)
             passed = chain.corrupt(within, {"entered": entered.astype(np.float64)}, elapsed)
             travel = np.where(share > 0.0, (travel - within) + passed, travel)
         return travel
@@ -93,6 +102,15 @@ def contact_points(drive: Drive, joints: Array, pose: Array) -> Array:
     rows, r = offsets.shape[:2]
     at = np.concatenate((offsets.reshape(-1, 2), np.zeros((rows * r, 1))), axis=1)
     return compose(np.repeat(pose, r, axis=0), at)[:, :2].reshape(rows, r, 2)
+
+
+def _disc(zone: Zone) -> tuple[float, float, float]:
+    """A disc in the world that the zone lies in: x, y and radius [m], a little wider."""
+    corners = zone.outline
+    x, y = (float(value) for value in corners.mean(axis=0))
+    # The border of a circle is drawn by chords; the circle is less than a hundredth wider than these.
+    reach = float(np.sqrt((corners[:, 0] - x) ** 2 + (corners[:, 1] - y) ** 2).max())
+    return x, y, 1.01 * reach
 
 
 def _in_frame(zone: Zone, points: Array) -> Array:

@@ -79,45 +79,55 @@ def test_points_are_where_rays_end():
                 assert np.isinf(case["points"][m, f]).all()
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_sounds_come_in_order_until_there_are_none(seed):
+def axes(poses, half_angle):
+    out = np.empty((len(poses), 3))
+    sounds.axes(poses, half_angle, out)
+    return out
+
+
+@pytest.mark.parametrize("batch", [1, 3])
+@pytest.mark.parametrize("seed", range(6))
+def test_sounds_come_in_order_until_there_are_none(seed, batch):
     case = some_case(seed)
     m = len(case["receivers"])
-    heard, which = np.full(m, -np.inf), np.full(m, -1, dtype=np.int64)
-    path = np.empty((m, 4))
+    after, after_which = np.full(m, -np.inf), np.full(m, -1, dtype=np.int64)
+    heard, which, path = np.empty((m, batch)), np.empty((m, batch), dtype=np.int64), np.empty((m, batch, 4))
+    emitters = case["emitters"]
     expected = [all_sounds(case, i) for i in range(m)]
     assert any(len(each) > 3 for each in expected)
-    for turn in range(max(map(len, expected)) + 1):
-        anything = sounds.first_sound(
+    for turn in range(max(map(len, expected)) // batch + 1):
+        sounds.first_sounds(
             case["receivers"],
-            case["half"],
+            axes(case["receivers"], case["half"]),
             case["listens"],
             case["itself"],
             case["points"],
             case["ranges"],
-            case["emitters"],
-            case["emitter_half"],
+            emitters,
+            axes(emitters.reshape(-1, 3), case["emitter_half"].reshape(-1)).reshape(emitters.shape),
             case["fires"],
             case["fired"],
             SPEED,
             case["least"],
             case["most"],
+            after,
+            after_which,
             heard,
             which,
             path,
         )
-        comes = [turn < len(each) for each in expected]
-        assert anything is any(comes)
         for i, each in enumerate(expected):
-            if not comes[i]:
-                assert which[i] == -1
-                assert heard[i] == math.inf
-                continue
-            reading, number = each[turn]
-            assert which[i] == number
-            assert heard[i] == pytest.approx(reading, rel=1e-14)
-            emitter, f = divmod(number, case["points"].shape[1] + 1)
-            start = case["points"][i, f - 1] if f else case["receivers"][i, :2]
-            assert path[i].tolist() == [*start, *case["emitters"][i // case["each"], emitter, :2]]
+            for b, place in enumerate(range(turn * batch, turn * batch + batch)):
+                if place >= len(each):
+                    assert which[i, b] == -1
+                    assert heard[i, b] == math.inf
+                    continue
+                reading, number = each[place]
+                assert which[i, b] == number
+                assert heard[i, b] == pytest.approx(reading, rel=1e-14)
+                emitter, f = divmod(number, case["points"].shape[1] + 1)
+                start = case["points"][i, f - 1] if f else case["receivers"][i, :2]
+                assert path[i, b].tolist() == [*start, *emitters[i // case["each"], emitter, :2]]
         # Who has heard everything stays silent.
-        case["most"] = np.where(comes, case["most"], -np.inf)
+        case["most"] = np.where(which[:, -1] < 0, -np.inf, case["most"])
+        after, after_which = heard[:, -1].copy(), which[:, -1].copy()
