@@ -24,6 +24,7 @@ __all__ = ["plot_run"]
 Array = npt.NDArray[Any]
 
 MANY = 24  # values of a sensor from which it is drawn as an image
+OBSTACLE = "#b98b5e"
 PIXELS = 900  # of the map's longer side
 
 
@@ -55,7 +56,7 @@ def plot_run(
     table = partial(files.table, robot=name, replica=replica)
     poses, velocities = table("poses"), table("velocities")
     drawn: dict[str, Callable[[], Figure | None]] = {
-        "path": lambda: _path(files, poses, table("events")),
+        "path": lambda: _path(files, poses, table("events"), _obstacles(files, replica)),
         "speed": lambda: _speed(velocities),
         "wheels": lambda: _wheels(velocities),
         "heading": lambda: _heading(poses),
@@ -79,12 +80,13 @@ def plot_run(
     return made
 
 
-def _path(files: RunFiles, poses: Table, events: Table) -> Figure:
+def _path(files: RunFiles, poses: Table, events: Table, obstacles: Table | None) -> Figure:
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")
     axis: Any = figure.subplots()
     tidy(axis)
     axis.grid(visible=False)  # too like walls
     corners = _draw_map(axis, files)
+    _draw_obstacles(axis, files, obstacles)
     axis.plot(poses["true_x"], poses["true_y"], **TRUE)
     axis.plot(poses["estimated_x"], poses["estimated_y"], **ESTIMATED)
     if len(poses["time"]):
@@ -136,6 +138,30 @@ def _draw_map(axis: Any, files: RunFiles) -> Array:
     corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
     placed: Array = np.sum(corners[:, :, None] * turn, axis=1) + np.array([x, y])
     return placed
+
+
+def _obstacles(files: RunFiles, replica: int | None) -> Table | None:
+    """Where obstacles were, if the run has told."""
+    return files.table("obstacles", replica=replica) if (files.folder / "obstacles.csv").exists() else None
+
+
+def _draw_obstacles(axis: Any, files: RunFiles, told: Table | None) -> None:
+    """The ways of the obstacles that moved, and all of them where they were at the end."""
+    if told is None or not len(told["time"]):
+        return
+    shapes = {obstacle.name: obstacle.shape.outline for obstacle in files.scenario.obstacles}
+    names = told["obstacle"]
+    label: str | None = "obstacles, at the end"
+    for name in dict.fromkeys(names.tolist()):
+        rows = names == name
+        x, y, heading = (told[key][rows] for key in ("x", "y", "heading"))
+        if len(x) > 1:
+            axis.plot(x, y, color=OBSTACLE, linewidth=0.6, alpha=0.5, zorder=1)
+        c, s = np.cos(heading[-1]), np.sin(heading[-1])
+        outline = shapes[name]
+        corners = (x[-1] + c * outline[:, 0] - s * outline[:, 1], y[-1] + s * outline[:, 0] + c * outline[:, 1])
+        axis.fill(*corners, facecolor=OBSTACLE, edgecolor="#5b4636", alpha=0.7, linewidth=0.8, zorder=2, label=label)
+        label = None
 
 
 def _speed(velocities: Table) -> Figure:

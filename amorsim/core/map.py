@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Self
 
 import attrs
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from amorsim.core.errors import MapError
-from amorsim.core.room import inside, room_about, roomiest
+from amorsim.core.room import inside, joined, room_about, roomiest
 from amorsim.kernels.draft import grid_from_array
 from amorsim.kernels.grid import Grid, occupied_boxes
 from amorsim.kernels.lines import Lines, lines_of, no_lines
@@ -304,7 +304,7 @@ class Map:
         MapError
             If nothing is free at the finest look.
         """
-        cells, side = self._free_cells()
+        cells, side = self._free_cells(inside)
         room = room_about(cells)
         rows, cols = np.nonzero(room)
         order = np.argsort(-room[rows, cols], kind="stable")[:count]
@@ -314,22 +314,24 @@ class Map:
     def free_places(self) -> tuple[NDArray[np.float64], float]:
         """Middles (M, 2) [m] in the world of free squares, and their side [m], as `freest_place` looks.
 
+        Those that free squares join to the roomiest place: none in a hollow pillar, or around the building.
+
         Raises
         ------
         MapError
             If nothing is free at the finest look.
         """
-        cells, side = self._free_cells()
+        cells, side = self._free_cells(joined)
         rows, cols = np.nonzero(cells)
         x, y = (cols + 0.5) * side, (rows + 0.5) * side
         origin_x, origin_y, yaw = self.origin
         c, s = math.cos(yaw), math.sin(yaw)
         return np.column_stack((origin_x + c * x - s * y, origin_y + s * x + c * y)), side
 
-    def _free_cells(self) -> tuple[NDArray[np.bool_], float]:
+    def _free_cells(self, select: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]) -> tuple[NDArray[np.bool_], float]:
         side = self.resolution
         for free, side in self._looks():
-            cells = inside(free)
+            cells = select(free)
             if cells.any() and (room_about(cells).max() > 1 or self._is_finest(side)):
                 return cells, side
         raise MapError(f"the map has no free place of {side:.3g} m x {side:.3g} m")

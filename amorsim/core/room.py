@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["inside", "room_about", "roomiest"]
+__all__ = ["inside", "joined", "room_about", "roomiest"]
 
 
 def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
@@ -26,6 +26,17 @@ def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
     # Of the equally roomy the one nearest to their mean: the middle of a long hall, not its end.
     row, col = places[np.argmin(((places - places.mean(axis=0)) ** 2).sum(axis=1))]
     return int(row) - 1, int(col) - 1, room
+
+
+def joined(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The free cells that some way over free cells joins to the roomiest place; none if nothing is free."""
+    found = roomiest(free)
+    padded = np.pad(free, 1)
+    reached = np.zeros_like(padded)
+    if found is not None:
+        reached[found[0] + 1, found[1] + 1] = True
+        reached, _ = _spread(padded, reached, padded.size)
+    return reached[1:-1, 1:-1]
 
 
 def inside(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -62,18 +73,24 @@ def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:
     reached = np.zeros_like(padded)
     for edge in (np.s_[1], np.s_[-2], np.s_[:, 1], np.s_[:, -2]):
         reached[edge] = padded[edge]
+    reached, is_whole = _spread(padded, reached, 64 if padded.size < 2 * 10**6 else 8)
+    return padded & ~reached if is_whole else np.zeros_like(padded)
+
+
+def _spread(padded: NDArray[np.bool_], reached: NDArray[np.bool_], rounds: int) -> tuple[NDArray[np.bool_], bool]:
+    """What free cells of a padded array some are joined to, and whether that is all after so many rounds."""
     # Each blocked cell begins a run of its row (or column); what reaches one free cell of a run reaches all
     # of it.
     row_runs = np.cumsum(~padded.ravel()).reshape(padded.shape)
     col_runs = np.cumsum(~padded.T.ravel()).reshape(padded.T.shape).T
     runs = int(row_runs[-1, -1]) + 1
     count = -1
-    for _ in range(64 if padded.size < 2 * 10**6 else 8):
+    for _ in range(rounds):
         for numbers in (row_runs, col_runs):
             hit = np.zeros(runs, dtype=np.bool_)
             hit[numbers[reached]] = True
             reached = hit[numbers] & padded
         before, count = count, int(np.count_nonzero(reached))
         if count == before:
-            return padded & ~reached
-    return np.zeros_like(padded)
+            return reached, True
+    return reached, False

@@ -102,6 +102,9 @@ class Animation:
         for row, number in enumerate(few):
             sample.paste(self._draw(background, number), (0, row * self._size[1]))
         palette = sample.quantize(COLOURS_MAX, dither=Image.Dither.NONE)
+        colours = palette.getpalette() or []
+        lightest = max(range(0, len(colours) - 2, 3), key=lambda i: sum(colours[i : i + 3]))
+        palette.putpalette([*colours[:lightest], 255, 255, 255, *colours[lightest + 3 :]])
         # Without dither, and with one palette for all, what stands still costs nothing.
         frames = [
             self._draw(background, number).quantize(palette=palette, dither=Image.Dither.NONE)

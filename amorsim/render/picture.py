@@ -25,7 +25,9 @@ _SMALLEST = 240  # [px] longer side: below, title and legend leave nothing to th
 _GROWTH = 0.25  # of the map's longer side: how far beyond its edge a path is followed
 _ROOM = 0.01  # likewise, around what is shown: walls at the map's edge are seen whole
 _FAR = 1000.0  # likewise: beyond, places are as good as equal
-_NAMES_SHOWN = 5  # in the legend; every robot has its label where it ended
+_NAMES_SHOWN = 5  # in the legend
+_LABELS_UP_TO = 25  # robots: each has its label where it ended
+_FULL_SIZE = 20  # robots that are drawn with lines and marks of full size
 
 Points = NDArray[np.float64]
 _Box = tuple[float, float, float, float]
@@ -124,6 +126,8 @@ class _Page:
         self._things = things
         self._title = title
         self._unit = size / 1600  # [px] a line 1 px wide in a picture of 1600 px
+        # Many paths and marks are drawn finer, or they would cover everything.
+        self._pen = self._unit * min(1.0, max(0.35, math.sqrt(_FULL_SIZE / max(len(paths), 1))))
         self._margin = round(34 * self._unit) + 2
         self._line_height = max(16, round(40 * self._unit))
         self._font = font(0.62 * self._line_height)
@@ -185,12 +189,12 @@ class _Page:
     def draw_lines(self, path: RobotPath) -> None:
         """Paint a robot's paths, the estimated one over the true one."""
         self._canvas.frame = self._plot
-        marks.draw_true_path(self._canvas, self._on_page(path.true), self._unit)
-        marks.draw_estimated_path(self._canvas, self._on_page(path.estimated), self._unit)
+        marks.draw_true_path(self._canvas, self._on_page(path.true), self._pen)
+        marks.draw_estimated_path(self._canvas, self._on_page(path.estimated), self._pen)
 
     def draw_marks(self, path: RobotPath) -> None:
         """Paint where a robot began, ended, believed it ended, and ran into something."""
-        canvas, unit = self._canvas, self._unit
+        canvas, unit = self._canvas, self._pen
         canvas.frame = self._plot
         true, estimated = self._on_page(_finite(path.true)), self._on_page(_finite(path.estimated))
         if len(true):
@@ -258,7 +262,7 @@ class _Page:
             large = font(0.85 * self._line_height)
             title = _shortened(self._title, large, self._size[0] - 2 * self._margin)
             pen.text((self._margin, 0.55 * self._plot[1]), title, COLOURS["text"], large, anchor="lm")
-        if len(self._paths) > 1:
+        if 1 < len(self._paths) <= _LABELS_UP_TO:
             self._write_names(pen)
         return image
 

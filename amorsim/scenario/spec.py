@@ -71,7 +71,7 @@ class RandomStart:
         "anywhere",
         unit="m",
         choices=("anywhere",),
-        help="'anywhere' on the map (inside, if it has an inside), or the box xmin, ymin, xmax, ymax",
+        help="'anywhere' that a way leads to from the map's roomiest place, or the box xmin, ymin, xmax, ymax",
     )
     heading: float | None = parameter(None, unit="rad", help="where it looks; none: drawn too")
     clearance: float = parameter(0.0, unit="m", ge=0, help="kept free about it, at the start")

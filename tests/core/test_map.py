@@ -256,3 +256,16 @@ def test_roomiest_is_the_middle_of_a_free_square() -> None:
     free[1:4, 1:30] = True
     assert roomiest(free) == (2, 15, 2)
     assert roomiest(np.zeros((4, 4), dtype=bool)) is None
+
+
+def test_free_places_are_joined_to_the_roomiest() -> None:
+    """Not in a hollow block, nor around the building; those of the largest hall, and through its doors."""
+    hall = [(2, 2, 12, 2), (12, 2, 12, 8), (12, 8, 2, 8), (2, 8, 2, 2), (8, 2, 8, 4.5), (8, 5.5, 8, 8)]
+    block = [(4, 4, 5, 4), (5, 4, 5, 5), (5, 5, 4, 5), (4, 5, 4, 4)]
+    world = Map.from_segments(np.array(hall + block, dtype=float), extent=(0, 0, 16, 10), resolution=0.01)
+    places, side = world.free_places()
+    assert ((places > (2, 2)) & (places < (12, 8))).all()
+    assert not ((places > (4, 4)) & (places < (5, 5))).all(axis=1).any()
+    assert (places[:, 0] > 8).any()  # beyond the door
+    assert len(places) * side * side == pytest.approx(59.0, rel=0.1)
+    assert not world.occupied(places).any()
