@@ -38,7 +38,7 @@ __all__ = ["Child", "main"]
 
 LONGEST_SLEEP = 0.05  # [s], after which an idle loop looks about
 LEAST_BETWEEN_FRAMES = 0.025  # [s]
-LONGEST_STEP = 0.4  # [s] that a controller gets to return once all is to end
+LONGEST_STEP = 0.25  # [s] that a controller gets to return once all is to end
 LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
 # Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
 LONGEST_SILENCE = 60.0  # [s]
@@ -150,7 +150,7 @@ class Child:
             return
         self._busy_since = None
         builder = SceneBuilder(simulation)
-        self._player, self._does = player, Commands(player, builder)
+        self._player, self._does = player, Commands(player, builder, self._is_ending.is_set)
         self._folder = str(player.folder or "")
         remarks = [
             f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
@@ -163,8 +163,8 @@ class Child:
         finally:
             player.close()
 
-    def _replayed(self, tick: int) -> None:
-        if tick % 256 == 0 and self._is_ending.is_set():
+    def _replayed(self, _: int) -> None:
+        if self._is_ending.is_set():
             raise SystemExit(0)
 
     def _turn(self) -> None:

@@ -31,9 +31,13 @@ MOST_STEPS_AT_ONCE = 1000
 
 
 class Commands:
-    """Carries out commands on a player, and knows whether it runs."""
+    """Carries out commands on a player, and knows whether it runs.
 
-    def __init__(self, player: Player, builder: SceneBuilder) -> None:
+    `is_ending` is asked whether to leave off.
+    """
+
+    def __init__(self, player: Player, builder: SceneBuilder, is_ending: Callable[[], bool] = lambda: False) -> None:
+        self._is_ending = is_ending
         self.player = player
         self.pace = Pace()
         self.is_running = False
@@ -62,6 +66,7 @@ class Commands:
             "restore": self._restore,
             "changes": self._all_changes,
             "folder": lambda _: {"folder": str(player.folder) if player.folder else ""},
+            "forgive": lambda _: player.forgive(),
             "job": self._job,
             "write_scenario": self._write_scenario,
             "remark": self._remark,
@@ -192,7 +197,7 @@ class Commands:
             self.player.scrub(None)
         made = 0
         for _ in range(min(self._whole(command, "steps", 1), MOST_STEPS_AT_ONCE)):
-            if not self.player.step():
+            if self._is_ending() or not self.player.step():
                 break
             made += 1
         return {"tick": self.player.tick, "steps": made}

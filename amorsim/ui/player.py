@@ -173,8 +173,12 @@ class Player:
         """Wait for a hand, at the state before the step that failed, for it may have been half made."""
         self.fault = fault
         if not self.snapshots.reason:
-            self._go_to(self._newest)
+            self._go_to(self._newest, lambda _: None)  # to be finished, also where all is about to end
         self.remark("fault", fault.text, robot=", ".join(fault.robots), stack=fault.stack)
+
+    def forgive(self) -> None:
+        """Try the step that failed once more when told to go on."""
+        self.fault = None
 
     def _expect_present(self) -> None:
         if self._is_past:
@@ -206,7 +210,7 @@ class Player:
         self._present = self.poses_only = None
         self._is_past = False
 
-    def _go_to(self, tick: int) -> None:
+    def _go_to(self, tick: int, notice: Notice | None = None) -> None:
         nearest = self.snapshots.before(tick)
         assert nearest is not None  # that of tick 0 is never let go
         self.simulation.restore(nearest[1])
@@ -214,7 +218,7 @@ class Player:
         for now in self.inputs.replay(self.simulation, tick):
             if now == tick - 1:
                 self._before = look_back(self.simulation, self.selected)
-            self._notice(now)
+            (notice or self._notice)(now)
 
     @property
     def is_exact(self) -> bool:

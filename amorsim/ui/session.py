@@ -123,6 +123,8 @@ class Session:
             self._is_frame_asked = False
             if self._waiters:
                 self._want_frame()
+        if not link.is_alive:
+            self._ended(link)
 
     def close(self) -> None:
         """End the simulation, with whole files, within two seconds; in any thread, and again if one likes."""
@@ -353,7 +355,7 @@ class Session:
         """Ask the child for signs of life, and tell when a controller holds it up."""
         while not self._is_closed.wait(BETWEEN_PINGS):
             link = self._link
-            if link is None or not link.is_alive:
+            if link is None or not link.is_alive or not link.ready.done():
                 continue
             sign = self._sign(link)
             if link is not self._link or not link.is_alive:
@@ -386,7 +388,8 @@ class Session:
 
     def _ended(self, link: Link) -> None:
         """The child's end that nobody asked for."""
-        if self._is_closed.is_set() or link is not self._link or self._scene is None:
+        is_expected = self._hang is not None and self._hang["status"] == "restarting"
+        if self._is_closed.is_set() or link is not self._link or self._scene is None or is_expected:
             return
         robot = self._hang["robot"] if self._hang else ""
         self._note_hang("gone", f"the simulation has ended by itself ({link.end})", link.tick, robot, link.last_words)
@@ -408,16 +411,25 @@ class Session:
                 self._hang = None
                 for name in without:
                     self._demand({"do": "hand_over", "robot": name, "to": "hand"})
-                self._remark("restarted", "the step was broken off and taken back")
+                if not without:
+                    self._demand({"do": "forgive"})
+                if hang is not None:
+                    self._remark("restarted", "the step was broken off and taken back")
                 return {"ok": True, "again": False}
         inputs = list(link.inputs)
         tick = max([link.tick, *(one["tick"] for one in inputs)])
         inputs += [{"tick": tick, "do": "hand_over", "robot": name, "value": "hand", "path": ""} for name in without]
+        if self._hang is not None:
+            self._hang = {**self._hang, "status": "restarting"}
         link.close(0.0)
         self._epoch += 1
         if self._out is not None and self._out.exists():
             self._out = next_folder(self._out)
-        self._begin({"inputs": inputs, "tick": tick})
+        try:
+            self._begin({"inputs": inputs, "tick": tick})
+        except AmorsimError as error:
+            self._note_hang("gone", f"it could not be started again: {error}", tick, "", link.last_words)
+            raise
         for kept in list(self._kept.values()):
             self._send(kept)
         self._remark("restarted", "it was started again, and led to where it was")

@@ -19,6 +19,7 @@ from amorsim.ui.session import Session
 from tests.ui.sessions import Make, write_project
 
 PATIENCE = 1.0
+IN_TIME = 3.0  # [s]: the two that are promised, and one for a machine that has much else to do
 
 
 def done(session: Session, do: str, **keys: Any) -> dict[str, Any]:
@@ -130,7 +131,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     pid = session._link.pid  # type: ignore[union-attr]
     began = time.monotonic()
     session.close()
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < IN_TIME
     assert not is_running(pid)
 
 
@@ -237,7 +238,12 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
         assert until(lambda: frame(session).flags & FrameFlag.HANG)
         assert "does not answer" in asyncio.run(session.ask(window, {"do": "step"}))["error"]
     if controller == "Raising":
-        done(session, "hand_over", robot="rover", to="hand")
+        # Once more with it, and it fails again.
+        done(session, "restart", without=[])
+        assert state(session, window)["status"] == "paused"
+        done(session, "run")
+        until(lambda: state(session, window)["status"] == "fault")
+        done(session, "restart", without=["rover"])
     else:
         began = time.monotonic()
         answer = done(session, "restart", without=["rover"])
@@ -315,7 +321,7 @@ def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
         parent.wait()
         began = time.monotonic()
         until(lambda: not is_running(pid))
-        assert time.monotonic() - began < 2.0
+        assert time.monotonic() - began < IN_TIME
     # It ended in order: the run it left is whole.
     assert am.reproduce(tmp_path / "out").is_exact
 
@@ -327,7 +333,7 @@ def test_it_ends_in_time_with_whole_files_while_a_controller_does_not_return(sta
     until(lambda: session._link.tick == 40)  # type: ignore[union-attr]
     began = time.monotonic()
     session.close()
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < IN_TIME
     outcome = am.reproduce(tmp_path / "out")
     assert (outcome.is_exact, outcome.steps) == (True, 40)
 
@@ -347,7 +353,7 @@ def test_a_run_that_is_being_saved_is_broken_off_with_the_rest(start: Make, tmp_
     began = time.monotonic()
     session.close()
     thread.join(5.0)
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < IN_TIME
     assert not answers[0]["ok"]
     assert json.loads((tmp_path / "saved" / "run.json").read_text())["status"] in ("interrupted", "broken off")
     assert poses.read_text().endswith("\n")
