@@ -33,6 +33,8 @@ def make(folder: Path) -> None:
         for scenario in SCENARIOS:
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
             _save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
+        film = ("--duration", "15", "--gif", str(folder / "crowd.gif"), "--gif-size", "640")
+        _amorsim(work, "run", "crowd", *film, "--out", "crowd", "--quiet")
         for source, target in (
             ("demo/picture.png", "demo.png"),
             ("run/picture.png", "first-run.png"),

@@ -108,10 +108,16 @@ def test_pictures_are_small() -> None:
             assert min(picture.size) > 400
 
 
+def test_moving_pictures_are_small() -> None:
+    for path in (DOCS / "pictures").glob("*.gif"):
+        assert path.stat().st_size < 1_500_000, path.name
+
+
 def test_every_column_is_described(page: Page) -> None:
     summary = am.run(am.load("demo"), "run", duration=0.2)
+    moving = am.run(am.load("doors"), "moving", duration=0.2)
     text = (DOCS / "reference" / "run-folder.md").read_text(encoding="utf-8")
-    files = sorted(summary.folder.rglob("*.csv"))
+    files = sorted([*summary.folder.rglob("*.csv"), moving.folder / "obstacles.csv"])
     assert {path.stem for path in files} >= {"poses", "velocities", "commands", "events", "laser"}
     for path in files:
         for column in path.read_text(encoding="utf-8").partition("\n")[0].split(","):
