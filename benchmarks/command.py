@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     clock = CLOCKS[given.clock]
     about = circumstances()
-    about["clock"] = f"{given.clock}; of memory and start-up always the one on the wall"
+    about["clock"] = f"{given.clock}; of memory and of starts of processes always the one on the wall"
     peers, missing = installed()
     rows: list[Row] = []
     plain_rates: tuple[float, ...] = ()
@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
     if "start" in given.only:
-        rows += start.measure(given.rounds, given.quick, peers, say)
+        rows += start.measure(given.rounds, given.quick, peers, clock, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])
     about["took"] = f"{time.perf_counter() - began:.0f} s, {given.rounds} rounds"
     text = as_text(rows, about, command.strip(), plain_rates, missing)

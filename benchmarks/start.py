@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -16,7 +17,8 @@ import numpy as np
 import amorsim as am
 from benchmarks import worlds
 from benchmarks.children import ROOM, TASK
-from benchmarks.ours import pioneer
+from benchmarks.contest import Clock
+from benchmarks.ours import disc, pioneer
 from benchmarks.peers import PEERS
 from benchmarks.peers.base import Peer
 from benchmarks.results import Ratio, Row, ratio_of, spread_of
@@ -26,11 +28,15 @@ __all__ = ["measure"]
 
 SECTION = "start"
 _STEPS = 300
+_ROBOTS = 10_000
 _ONE_STEP = "one step: that all beams were scanned is all that is compared"
 
 
-def measure(rounds: int, quick: bool, peers: list[type[Peer]], say: Callable[[str], None]) -> list[Row]:
-    """The rows: warm starts in turn with the peers', cold starts, and the cost of writing."""
+def measure(rounds: int, quick: bool, peers: list[type[Peer]], clock: Clock, say: Callable[[str], None]) -> list[Row]:
+    """The rows: warm starts in turn with the peers', cold starts, a start of many robots, and the cost of writing.
+
+    Starts of processes are timed by the clock on the wall.
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         room = worlds.line_room()
@@ -39,7 +45,8 @@ def measure(rounds: int, quick: bool, peers: list[type[Peer]], say: Callable[[st
         np.savez(folder / TASK, walls=room.walls, starts=starts, twists=np.full((1, 1, 2), 0.1))
         rows = _warm(rounds, peers, folder, say)
         rows += _cold(1 if quick else min(rounds, 3), folder, say)
-    return rows + _writing(rounds, 50 if quick else _STEPS, say)
+    rows += _many(rounds, 100 if quick else _ROBOTS, clock, say)
+    return rows + _writing(rounds, 50 if quick else _STEPS, clock, say)
 
 
 def _warm(rounds: int, peers: list[type[Peer]], folder: Path, say: Callable[[str], None]) -> list[Row]:
@@ -79,26 +86,54 @@ def _warm(rounds: int, peers: list[type[Peer]], folder: Path, say: Callable[[str
 
 
 def _cold(rounds: int, folder: Path, say: Callable[[str], None]) -> list[Row]:
-    found = []
+    found, whole = [], []
     for number in range(rounds):
         say(f"start: cold, round {number + 1}")
         cache = folder / f"cache{number}"
         cache.mkdir()
         found.append(_until_answer("demo", folder, {"NUMBA_CACHE_DIR": str(cache)}))
-    return [_row("cold, the demo's first step", "amorsim", found, "an empty cache: all kernels are compiled")]
+        cache = folder / f"cache{number} of a run"
+        cache.mkdir()
+        whole.append(_whole_run(cache / "out", {"NUMBA_CACHE_DIR": str(cache)}))
+    return [
+        _row(
+            "cold, the demo's first step", "amorsim", found, "an empty cache: all kernels are compiled, in one process"
+        ),
+        _row(
+            "cold, the demo from start to end",
+            "amorsim",
+            whole,
+            "amorsim run demo --duration 0.1 with an empty cache: kernels compiled in two processes, files and picture",
+        ),
+    ]
 
 
-def _writing(rounds: int, steps: int, say: Callable[[str], None]) -> list[Row]:
+def _many(rounds: int, robots: int, clock: Clock, say: Callable[[str], None]) -> list[Row]:
+    """Making a simulation of many robots."""
+    say(f"start: {robots} discs")
+    world = worlds.office(5.0 * math.ceil(math.sqrt(10.0 * robots) / 5.0))
+    places = worlds.places(world, robots, 0.45, 0.85)
+    made = [disc(f"disc{i}", place) for i, place in enumerate(places)]
+    found = []
+    for _ in range(rounds + 1):
+        started = clock()
+        am.Simulation(am.Scenario(map=world.map, robots=made, dt=DT, seed=11))
+        found.append(clock() - started)
+    note = "am.Scenario and am.Simulation, with the first scans; the robots and the map are there already"
+    return [_row(f"a simulation of {robots} discs is made", "amorsim", found[1:], note)]
+
+
+def _writing(rounds: int, steps: int, clock: Clock, say: Callable[[str], None]) -> list[Row]:
     """One Pioneer in the line room, all sensors in every step: stepped alone, and stepped and recorded, in turn."""
     say("start: writing text files")
     room = worlds.line_room()
     robot = pioneer("rover", worlds.places(room, 1, 0.6)[0])
     with tempfile.TemporaryDirectory() as folder:  # only a map from a file can be recorded
         worlds.write_wld(room.walls, room.size[0], Path(folder) / ROOM)
-        return _recorded(Path(folder), robot, rounds, steps)
+        return _recorded(Path(folder), robot, rounds, steps, clock)
 
 
-def _recorded(place: Path, robot: am.Robot, rounds: int, steps: int) -> list[Row]:
+def _recorded(place: Path, robot: am.Robot, rounds: int, steps: int, clock: Clock) -> list[Row]:
     # Drawing the picture comes after the steps, and is not what is asked.
     scenario = am.Scenario(map=am.load_map(place / ROOM), robots=[robot], dt=DT, recording=am.Recording(picture=False))
     alone: list[float] = []
@@ -106,18 +141,18 @@ def _recorded(place: Path, robot: am.Robot, rounds: int, steps: int) -> list[Row
     size = 0
     for number in range(rounds + 1):
         simulation = am.Simulation(scenario)
-        started = time.perf_counter()
+        started = clock()
         for _ in range(steps):
             simulation.step()
-        lone = time.perf_counter() - started
+        lone = clock() - started
         simulation = am.Simulation(scenario)
         folder = place / f"run{number}"
         with am.record(simulation, folder, duration=steps * DT) as session:
-            started = time.perf_counter()
+            started = clock()
             for _ in range(steps):
                 simulation.step()
                 session.keep()
-            both = time.perf_counter() - started
+            both = clock() - started
         size = sum(path.stat().st_size for path in folder.rglob("*.csv"))
         if number:  # the first round warms the kernels up
             alone.append(lone / steps)
@@ -141,7 +176,7 @@ def _until_answer(side: str, folder: Path, changes: dict[str, str]) -> float:
     command = [sys.executable, "-m", "benchmarks.children", "first-step", side, str(folder)]
     started = time.perf_counter()
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ | changes
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=_environment(changes)
     ) as process:
         assert process.stdout is not None
         assert process.stderr is not None
@@ -152,8 +187,14 @@ def _until_answer(side: str, folder: Path, changes: dict[str, str]) -> float:
     return taken
 
 
-def _whole_run(out: Path) -> float:
+def _whole_run(out: Path, changes: dict[str, str] | None = None) -> float:
     command = [sys.executable, "-m", "amorsim", "run", "demo", "--duration", "0.1", "--quiet", "--out", str(out)]
     started = time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True)
+    subprocess.run(command, check=True, capture_output=True, env=_environment(changes or {}))
     return time.perf_counter() - started
+
+
+def _environment(changes: dict[str, str]) -> dict[str, str]:
+    """The present one, with changes; and Python keeps its byte code, as pip does that of the peers."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return kept | changes
