@@ -280,6 +280,8 @@ def test_a_second_window_watches_and_may_ask_for_the_controls(
     refused = watcher.ask(do="pause")
     assert not refused["ok"]
     assert "controls" in refused["error"]
+    watcher.until("isMine === false")
+    assert watcher.page.locator("#run").is_disabled()
     chip = watcher.page.locator(".controls")
     assert "ask for the controls" in chip.inner_text()
     chip.click()
@@ -287,6 +289,7 @@ def test_a_second_window_watches_and_may_ask_for_the_controls(
     window.page.click(".controls")
     watcher.until("isMine")
     watcher.do(do="pause")
+    assert watcher.page.locator("#run").is_enabled()
     window.until("isMine === false")
     assert not window.ask(do="run")["ok"]
 

@@ -59,7 +59,7 @@ export class Plot {
     context.rect(box.left, box.top - 2, box.right - box.left + 2, box.bottom - box.top + 4);
     context.clip();
     series.curves.forEach((kind, c) => this.curve(series.times, series.values[c], kind, across, up, theme));
-    if (now < last) this.cursor(across(now), box, theme);
+    if (now < series.times[series.times.length - 1] - 1e-9) this.cursor(across(now), box, theme);
     context.restore();
   }
 

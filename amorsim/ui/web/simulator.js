@@ -276,6 +276,9 @@ export class Simulator {
     const { holder, asking = [] } = this.state;
     this.isMine = holder === this.window;
     this.root.classList.toggle("watching", !this.isMine);
+    const { reset, run, step, speed, line, toEnd } = this.timebar;
+    for (const one of [reset, run, step, speed, line, toEnd, this.driving.switch]) one.disabled = !this.isMine;
+    if (!this.isMine) this.timebar.carryOn.disabled = true;
     this.parts.controls.hidden = this.isMine && !asking.length;
     let words = "another window asks: give it the controls";
     if (!this.isMine) words = holder ? "you watch: ask for the controls" : "take the controls";
