@@ -390,7 +390,7 @@ def _missed() -> Figure:
         times.append(sim.time)
         true.append(reading.true.reshape(-1, 3)[:, 0])
         found.append(reading.measured.reshape(-1, 3)[:, 0])
-    figure = Figure(figsize=(8.0, 3.4), layout="constrained")
+    figure = Figure(figsize=(8.0, 4.4), layout="constrained")
     axis: Any = figure.subplots()
     seen, told = np.array(true), np.array(found)
     axis.plot(times, np.where(np.isfinite(seen), seen, np.nan), "o", mfc="none", mec=TRUE, mew=0.8, ms=5.0)
