@@ -108,5 +108,5 @@ def alone(scenario: Scenario, robot: Robot, world: Map | None = None) -> Scenari
     """The scenario with no other robot; in another world, standing at its origin, with no obstacles either."""
     if world is None:
         return attrs.evolve(scenario, robots=[robot], source=None, document=None)
-    placed = attrs.evolve(robot, pose=Pose())
+    placed = attrs.evolve(robot, pose=Pose(), start=None)
     return attrs.evolve(scenario, map=world, robots=[placed], obstacles=[], zones=[], source=None, document=None)

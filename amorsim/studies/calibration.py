@@ -261,7 +261,7 @@ def calibrate_range(
 
     def before_wall(specified: Robot, far: float) -> Scenario:
         world = empty_world(4.0 * far + 10.0, [(far, -4.0 * far, far, 4.0 * far)])
-        return attrs.evolve(alone(scenario, specified, world), robots=[attrs.evolve(specified, pose=pose)])
+        return attrs.evolve(alone(scenario, specified, world), robots=[attrs.evolve(specified, pose=pose, start=None)])
 
     def distance(far: float) -> float:
         return float(Simulation(before_wall(perfect, far)).readings[name].true[0, element])
