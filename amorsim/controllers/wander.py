@@ -25,14 +25,14 @@ from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.controllers.driving import (
     at_rest,
     command_along,
+    curvature_max,
     heading_poses,
     joints_of,
-    needs_turning_in_place,
     twist_limits,
 )
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
-from amorsim.kernels import wandering
+from amorsim.kernels import wandering, wandering_car
 
 __all__ = ["Wander"]
 
@@ -42,6 +42,8 @@ _PLACES = 32  # that the robot remembers, 0.7 m apart
 _SWAY_MAX = math.radians(2.0)
 _GAP_MAX = math.radians(30.0)  # a blind angle that a robot may have which sees all around
 _WORK = 40  # rays that deciding for a robot costs as much as
+_WAY = 256  # places on its way that a car remembers
+_SEEN = 512  # points that it keeps in mind
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 
 
@@ -56,8 +58,12 @@ class Wander(Controller):
     little, so that it finds its way through doors, and out of rooms again. It also turns aside where a door seems to
     come abeam.
 
-    For drives that turn in place, and range sensors that see half the circle ahead, or all of it. A drive whose body
-    does not turn with its wheels needs the latter.
+    A drive that cannot turn in place drives along the arc, of those that it can, which has most room for its footprint;
+    each has its turn of being liked. It keeps in mind what it passes. Where no arc has room, it goes back the way it
+    came, and tries another.
+
+    For range sensors that see half the circle ahead, or all of it. A drive whose body does not turn with its wheels
+    needs the latter.
 
     Parameters
     ----------
@@ -82,11 +88,10 @@ class Wander(Controller):
         Raises
         ------
         ComponentError
-            If the robot has no such sensor, or one that does not say where its values look, or cannot turn in place; if
-            its body does not turn with its wheels, and the sensor does not see all around.
+            If the robot has no such sensor, or one that does not say where its values look; if its body does not turn
+            with its wheels, and the sensor does not see all around.
         """
         robot = context.robot
-        needs_turning_in_place(robot, "wander")
         model = range_sensor(robot, self.sensor, "wander")
         beams = beams_of(model, context.rows)
         half_angle: Any = getattr(model.sensor, "half_angle", 0.0)
@@ -101,7 +106,13 @@ class Wander(Controller):
             body[:, 6], body[:, 7] = -math.pi, math.pi
         elif not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
             body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[1] - 1), _SWAY_MAX)
+        curvature = np.array(curvature_max(robot))
+        cars = np.isfinite(curvature).any()
         return {
+            "curvature": curvature,
+            "car": np.zeros((context.rows, wandering_car.CAR_COLUMNS)),
+            "way": np.zeros((context.rows, _WAY if cars else 0, 2)),
+            "seen": np.zeros((context.rows, _SEEN if cars else 0, 2)),
             "beams": beams,
             "half_angle": np.array(np.broadcast_to(half_angle, (context.rows, 1)), dtype=np.float64),
             "body": body,
@@ -139,8 +150,38 @@ class Wander(Controller):
             state["memory"],
             state["trail"],
         )
+        if state["way"].shape[1]:
+            wandering.wander(*asked, 0, robot.rows, twist)
+            twist = np.where(np.isinf(state["curvature"]), twist, self._as_cars(robot, asked, state))
+            return command_along(robot, twist, joints)
         draws.share(_WORK, lambda first, end: wandering.wander(*asked, first, end, twist))
         return command_along(robot, twist, joints)
+
+    def _as_cars(self, robot: RobotModel, asked: Any, state: State) -> Array:
+        """The twists `(N, 3)` of robots that cannot turn in place."""
+        readings, _, poses, beams, half_angle, samples, body, speed, _, clearance, uniform, dt, *_ = asked
+        outline, twist = robot.shape.outline, np.empty((robot.rows, 3))
+        wandering_car.wander_car(
+            readings,
+            poses,
+            beams,
+            half_angle,
+            samples,
+            float(outline[:, 0].max()),
+            float(outline[:, 0].min()),
+            float(np.abs(outline[:, 1]).max()),
+            speed,
+            clearance,
+            np.ascontiguousarray(body[:, 2:6]),
+            np.minimum(state["curvature"], 1e3),
+            uniform,
+            dt,
+            state["car"],
+            state["way"],
+            state["seen"],
+            twist,
+        )
+        return twist
 
 
 def _check_all_round(robot: RobotModel, name: str, beams: Array, half_angle: float) -> None:

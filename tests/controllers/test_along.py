@@ -95,7 +95,7 @@ def test_pursuit_refuses_waypoints_that_lead_nowhere(waypoints: Any, loop: bool,
         simulate(Pursuit(waypoints=waypoints, loop=loop))
 
 
-@pytest.mark.parametrize("controller", [GoTo(x=1.0, y=1.0), Square(), Wander()])
+@pytest.mark.parametrize("controller", [GoTo(x=1.0, y=1.0), Square()])
 def test_who_turns_in_place_refuses_a_car_by_name(controller: Any) -> None:
     with pytest.raises(ComponentError, match=r"cannot.*Ackermann.*radius of 0\.731 m.*'pursuit'"):
         simulate(controller, "ackermann rear", sensors={"encoder": building.encoder(), "laser": Laser()})
@@ -125,6 +125,34 @@ def test_wander_roams_with_any_drive_that_turns_in_place(name: str) -> None:
     assert not sim.events
     assert np.ptp(path[:, 0]) > 2.0
     assert np.ptp(path[:, 1]) > 2.0
+
+
+@pytest.mark.parametrize("name", ["ackermann rear", "ackermann front", "narrow tricycle"])
+@pytest.mark.parametrize("fov", [180.0, 360.0])
+def test_wander_roams_with_a_car(name: str, fov: float) -> None:
+    """It cannot turn in place: it takes arcs, and goes back where none has room."""
+    drive = make("tricycle", steering_max=0.7) if name == "narrow tricycle" else make(name)
+    walls = [(0, 0, 9, 0), (9, 0, 9, 7), (9, 7, 0, 7), (0, 7, 0, 0), (4, 0, 4, 2), (6, 7, 6, 5.2), (2, 4.5, 3, 4.5)]
+    sensors = {
+        "encoder": building.encoder(),
+        "laser": am.MountedSensor(
+            sensor=Laser(beams=361, fov=math.radians(fov)), mount=am.Mount(x=0.55 if fov < 200 else 0.2)
+        ),
+    }
+    sim = simulate(
+        Wander(speed=0.4),
+        drive,
+        am.Map.from_segments(np.array(walls, dtype=float), resolution=0.01),
+        sensors=sensors,
+        shape=am.Shape.rectangle(0.7, 0.36, x=0.2),
+        pose=am.Pose(x=2.0, y=2.0, heading=0.3),
+    )
+    path = path_of(sim, 240.0)
+    assert not sim.events
+    assert np.ptp(path[:, 0]) > 5.0
+    assert np.ptp(path[:, 1]) > 4.0
+    moved = np.hypot(*np.diff(path[:, :2], axis=0).T)
+    assert moved.sum() > 30.0
 
 
 def test_wander_refuses_a_body_that_does_not_turn_and_sees_ahead_only() -> None:
