@@ -18,8 +18,9 @@ from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import Parameter
 from amorsim.plugins.manager import make_registry
 from amorsim.scenario.fields import file_fields
+from amorsim.scenario.models import LOOKS
 from amorsim.scenario.read import loads
-from amorsim.scenario.spec import MountedSensor, Pose, Recording
+from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot
 
 REGISTRY = make_registry(entry_points=(), disabled="")
 HUGE = 10**400
@@ -32,6 +33,8 @@ BASE = {
     "recording": {},
     "robots": [{"name": "rover", "model": "pioneer2dx"}],
     "obstacles": [{"name": "box", "shape": {"circle": 0.1}, "pose": {"x": 3.0, "y": 2.0}}],
+    "landmarks": [{"id": 1}],
+    "lights": [{}],
 }
 
 
@@ -152,6 +155,10 @@ def cases():
         ("simulation", ("simulation",), file_fields_of_simulation()),
         ("recording", ("recording",), file_fields(Recording)),
         ("pose", ("obstacles", 0, "pose"), file_fields(Pose)),
+        ("landmark", ("landmarks", 0), file_fields(Landmark)),
+        ("light", ("lights", 0), file_fields(Light)),
+        ("robot", ("robots", 0), file_fields(Robot, names=LOOKS)),
+        ("obstacle", ("obstacles", 0), file_fields(Obstacle, names=LOOKS)),
     ]
     for name, path, fields in parts:
         for key, parameter in fields.items():
