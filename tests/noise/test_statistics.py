@@ -39,7 +39,7 @@ class Case:
     rho: Callable[[int], float] = lambda _: 0.0
 
 
-def reading(element: am.Noise, value: float = 2.0, **side: float) -> Callable[[], np.ndarray]:
+def reading(element: am.Noise, value: float = 2.0, **side: Any) -> Callable[[], np.ndarray]:
     """Errors of a constant value, sample after sample."""
 
     def errors() -> np.ndarray:
@@ -122,7 +122,7 @@ def turn(travel: np.ndarray) -> np.ndarray:
     return (travel[:, 1] - travel[:, 0] - 0.02) / building.TRACK
 
 
-def lost(element: am.Noise, **side: float) -> Callable[[], np.ndarray]:
+def lost(element: am.Noise, **side: Any) -> Callable[[], np.ndarray]:
     """Which values are not what they were, 1 or 0."""
     errors = reading(element, **side)
     return lambda: (errors() != 0.0).astype(float)
@@ -151,6 +151,10 @@ CASES: dict[str, Case] = {
         errors=reading(noise.Outliers(probability=0.2, std=1.5)), std=1.5 * math.sqrt(0.2), kurtosis=3.0 / 0.2
     ),
     "dropout": Case(errors=lost(noise.Dropout(probability=0.3, report="value", value=0.0)), **share(0.3)),
+    "missed": Case(
+        errors=lost(noise.Missed(probability=0.1, per_metre=0.2), slot=np.arange(K), range=1.0, empty=0.0),
+        **share(0.3),
+    ),
     "cross_talk": Case(errors=lost(noise.CrossTalk(probability=0.3), heard=1.0), **share(0.3)),
     # A two-state chain that has run for a long time: the first sample after 50 s, the others 0.1 s apart.
     "stuck": Case(

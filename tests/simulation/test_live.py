@@ -40,7 +40,7 @@ def element(name: str) -> am.NoiseElement:
 
 def everything(drive: str = "differential") -> am.Robot:
     """A robot with every element of noise that fits somewhere, a sonar, a laser, a gyro and a compass."""
-    others = [n for n in REGISTRY.names("noise") if n not in (*GROUND, *RANGES, "latency_jitter")]
+    others = [n for n in REGISTRY.names("noise") if n not in (*GROUND, *RANGES, "latency_jitter", "missed")]
     by_wheels = [
         n for n in GROUND if n not in ("odometry_model", "velocity_model") or drive in ("differential", "mecanum")
     ]
@@ -56,6 +56,7 @@ def everything(drive: str = "differential") -> am.Robot:
             "sonar": am.MountedSensor(sensor=sonar, mount=am.Mount(x=0.05), noise=[element(name) for name in RANGES]),
             "laser": am.MountedSensor(sensor=am.sensors.Laser(beams=9), rate=5.0, latency=0.1),
             "gyro": am.MountedSensor(sensor=am.sensors.Gyro(), noise=[element(name) for name in others]),
+            "finder": am.MountedSensor(sensor=am.sensors.Fiducial(), noise=[element("missed")]),
             "compass": am.MountedSensor(sensor=am.sensors.Compass(), noise=[element("latency_jitter")]),
         },
     )
