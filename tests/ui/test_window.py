@@ -458,3 +458,35 @@ def test_a_crash_of_a_controller_is_shown_with_its_stack_and_the_window_lives_on
         window.until(f"newest.tick > {tick}")
     finally:
         server.close()
+
+
+HELD = """
+import threading
+import amorsim as am
+
+
+class Held:
+    def __init__(self):
+        self.lock = threading.Lock()  # which nothing can copy
+
+    def command(self, readings, estimate, clock):
+        return am.Twist(0.3, 0.0)
+"""
+
+
+def test_where_a_controller_cannot_be_copied_the_window_says_why_one_cannot_go_on(
+    browser: Any, tmp_path: Path, open_window: Callable[[Server], Window]
+) -> None:
+    (tmp_path / "driver.py").write_text(HELD)
+    server = Server(write_scenario(tmp_path, "driver.py:Held"))
+    try:
+        window = open_window(server)
+        window.do(do="step", steps=8)
+        window.do(do="scrub", tick=3)
+        window.page.wait_for_selector(".past:visible >> text=cannot go on")
+        assert "rover" in window.page.locator(".past").inner_text()
+        assert window.page.locator("#continue").is_disabled()
+        poses = window.see("newest.truePoses.slice(0, 3)")
+        assert poses[0] > 2.0  # where it was then is known all the same
+    finally:
+        server.close()

@@ -16,16 +16,18 @@ export function wallPath(map) {
 }
 
 /** Draw a map: its lines, or its picture of cells, which has the wall's colour already. */
-export function drawMap(context, camera, map, path, picture, colour) {
+export function drawMap(context, camera, map, path, levels, colour) {
   if (!map) return;
-  if (picture) {
+  if (levels) {
     const [x0, y0, x1, y1] = map.image.extent;
     context.save();
     context.translate(map.origin[0], map.origin[1]);
     context.rotate(map.origin[2]);
     context.translate(x0, y1);
     context.scale(1, -1);
-    context.imageSmoothingEnabled = camera.scale * (x1 - x0) < picture.width;
+    const wide = camera.scale * (x1 - x0) * (window.devicePixelRatio || 1);
+    const picture = levels.findLast((level) => level.width >= wide) ?? levels[0];
+    context.imageSmoothingEnabled = wide < picture.width;
     context.drawImage(picture, 0, 0, x1 - x0, y1 - y0);
     context.restore();
     return;
@@ -38,8 +40,23 @@ export function drawMap(context, camera, map, path, picture, colour) {
   context.lineCap = "butt";
 }
 
-/** A picture of occupied cells, black where they are, in another colour. */
+/** A picture of occupied cells in a colour, and smaller ones of it: each half as wide, with walls as strong as before. */
 export function tinted(picture, colour) {
+  const levels = [coloured(picture, colour)];
+  while (levels.at(-1).width > 200) {
+    const last = levels.at(-1);
+    const canvas = document.createElement("canvas");
+    canvas.width = Math.ceil(last.width / 2);
+    canvas.height = Math.ceil(last.height / 2);
+    const context = canvas.getContext("2d");
+    // Half of a thin wall is clear after halving; drawn again and again it is nearly full.
+    for (let n = 0; n < 3; n++) context.drawImage(last, 0, 0, last.width / 2, last.height / 2);
+    levels.push(canvas);
+  }
+  return levels;
+}
+
+function coloured(picture, colour) {
   const canvas = document.createElement("canvas");
   canvas.width = picture.naturalWidth;
   canvas.height = picture.naturalHeight;

@@ -134,13 +134,15 @@ export class TimeBar {
     this.line.setAttribute("aria-valuetext", `${fixed(frame.time, 1)} s`);
     this.past.hidden = !isPast;
     const left = frame.states & FLAG.posesOnly ? " (of this moment only poses are kept)" : "";
-    say(this.pastSaid, `This is the past, ${fixed(frame.time, 1)} s${left}.`);
+    const why = this.reason ? ` One cannot go on from here: ${this.reason}.` : "";
+    say(this.pastSaid, `This is the past, ${fixed(frame.time, 1)} s${left}.${why}`);
   }
 
   /** Whether one can go on from the past moment that is shown, and why not. */
   setState(state) {
-    this.carryOn.disabled = state.can_continue === false;
-    this.carryOn.title = state.can_continue === false ? state.reason : "simulate on from this moment; what came after it is dropped";
+    this.reason = state.can_continue === false ? state.reason.replace(/\.$/, "") : "";
+    this.carryOn.disabled = Boolean(this.reason);
+    this.carryOn.title = this.reason || "simulate on from this moment; what came after it is dropped";
   }
 }
 
