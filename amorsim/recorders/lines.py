@@ -19,7 +19,7 @@ EXACT = TOKEN
 NOTHING = EMPTY
 """A column whose cells stay empty."""
 _MOST_DECIMALS = 13
-_CELLS_AT_ONCE = 1 << 17
+_CELLS_AT_ONCE = 1 << 15
 
 
 class Names:
