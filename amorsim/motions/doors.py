@@ -124,5 +124,5 @@ class SlidingDoor(_Door):
         dy = closed[:, 1:2] + np.where(is_open, s * ahead + c * left, 0.0) - view.body_pose[:, 1:2]
         distance = np.sqrt(dx * dx + dy * dy)
         far = self.speed * dt
-        share = np.where(distance > far, far / np.where(distance > 0.0, distance, 1.0), 1.0)
+        share = np.where(distance > far, far / np.where(distance > far, distance, 1.0), 1.0)
         return displacement(view, share * dx, share * dy, np.zeros((view.rows, 1)))

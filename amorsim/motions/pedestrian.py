@@ -92,7 +92,7 @@ class Pedestrian(Motion):
         velocity = target + (velocity - target) * decay + self.waver * np.sqrt(dt) * normal[:, 1:]
         size = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
         most = 1.3 * state["speed"]
-        velocity = velocity * np.where(size > most, most / np.where(size > 0.0, size, 1.0), 1.0)
+        velocity = velocity * np.where(size > most, most / np.where(size > most, size, 1.0), 1.0)
         state["velocity"] = velocity
         dx, dy = velocity[:, :1] * dt, velocity[:, 1:] * dt
         return displacement(view, dx, dy, facing(view, dx, dy, np.full((view.rows, 1), 4.0 * dt)))
@@ -126,7 +126,7 @@ class Pedestrian(Motion):
         distance = np.sqrt(dx * dx + dy * dy)
         # At the last goal he stands.
         stays = (distance < self.near) & np.asarray(self.order == "once" or count == 1)
-        scale = np.where(stays, 0.0, 1.0 / np.where(distance > 0.0, distance, 1.0))
+        scale = np.where(stays, 0.0, 1.0 / np.where(distance > 1e-12, distance, 1.0))
         return np.concatenate((dx * scale, dy * scale), axis=1)
 
     def _to(self, goals: Array, goal: npt.NDArray[np.int64], view: View) -> tuple[Array, Array]:

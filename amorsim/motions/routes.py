@@ -81,10 +81,10 @@ class _Route(Motion):
             distance = np.sqrt(dx * dx + dy * dy)
             far = self.speed * left
             arrives = (left > 0.0) & (far >= distance) & ~self._is_over(following)
-            share = np.where(arrives, 1.0, np.where(distance > far, far / np.where(distance > 0.0, distance, 1.0), 0.0))
+            share = np.where(arrives, 1.0, np.where(distance > far, far / np.where(distance > far, distance, 1.0), 0.0))
             x = np.where(share >= 1.0, target_x, x + share * dx)
             y = np.where(share >= 1.0, target_y, y + share * dy)
-            spent = np.where(arrives, distance / np.where(self.speed > 0.0, self.speed, 1.0), left)
+            spent = np.where(arrives, distance / np.where(arrives & (self.speed > 0.0), self.speed, 1.0), left)
             left = np.where(arrives, np.maximum(left - spent, 0.0), 0.0)
             rest = np.where(arrives, self.pause, rest)
             after, after_way = self._after(following, way)

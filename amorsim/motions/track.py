@@ -152,7 +152,7 @@ class Track(Motion):
         dy = np.interp(now, track.time, track.y) - view.body_pose[:, 1:2]
         distance = np.sqrt(dx * dx + dy * dy)
         far = (track.fastest if self.speed_max is None else self.speed_max) * dt * (1.0 + 1e-9)
-        share = np.where(distance > far, far / np.where(distance > 0.0, distance, 1.0), 1.0)
+        share = np.where(distance > far, far / np.where(distance > far, distance, 1.0), 1.0)
         dx, dy = share * dx, share * dy
         most = np.asarray(self.turn_rate * dt)
         if track.heading is None:

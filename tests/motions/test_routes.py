@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import amorsim as am
@@ -78,6 +78,8 @@ def test_it_starts_elsewhere_and_makes_for_the_first() -> None:
     pause=st.sampled_from([0.0, 0.07, 1.0]),
 )
 @settings(max_examples=30, deadline=None)
+@example(points=[(1.0, 1.0), (1.0, 2.0)], speed=2e-309, kind=Waypoints, pause=0.0)
+@example(points=[(1.0, 1.0), (1.0, 1.0 + 1e-300)], speed=1.0, kind=Loop, pause=0.0)
 def test_it_never_goes_faster_than_its_speed_and_is_on_its_lines_at_slow_ones(
     points: list[tuple[float, float]], speed: float, kind: type, pause: float
 ) -> None:
