@@ -114,6 +114,9 @@ class _Part(Mapping[str, Array]):
     def __init__(self, side: Mapping[str, Array], columns: slice) -> None:
         self._side, self._columns = side, columns
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._side
+
     def __getitem__(self, name: str) -> Array:
         return np.ascontiguousarray(self._side[name][:, self._columns])
 

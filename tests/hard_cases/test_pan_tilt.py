@@ -33,7 +33,7 @@ class DepthCamera(Sensor):
     unit: ClassVar[str] = "m"
     channels: ClassVar[tuple[str, ...]] = ("pan", "tilt")
 
-    columns: int = parameter(5, ge=2, static=True, help="columns of the picture")
+    width: int = parameter(5, ge=2, static=True, help="columns of the picture")
     fov: float = parameter(0.6, unit="rad", gt=0, help="angle between the outer columns")
     fov_vertical: float = parameter(0.6, unit="rad", gt=0, help="angle between the uppermost and the lowest row")
     range_max: float = parameter(20.0, unit="m", gt=0, help="longest range that is seen")
@@ -42,7 +42,7 @@ class DepthCamera(Sensor):
     tilt_max: float = parameter(0.5, unit="rad", gt=0, help="how far it tilts up and down")
 
     def size(self, drive: Drive) -> int:
-        return self.columns
+        return self.width
 
     def start(self, context: Context) -> State:
         return {"angles": np.zeros((context.rows, 2))}
@@ -54,7 +54,7 @@ class DepthCamera(Sensor):
         state["angles"] = angles + np.clip(np.clip(command, -limit, limit) - angles, -most, most)
 
     def bearings(self) -> Array:
-        return (np.linspace(-0.5, 0.5, self.columns) * self.fov).reshape(-1, self.columns)
+        return (np.linspace(-0.5, 0.5, self.width) * self.fov).reshape(-1, self.width)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         pan, tilt = state["angles"][:, 0], state["angles"][:, 1:]
