@@ -241,7 +241,7 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
             late -= 1
     true = relative(true_start, simulation.true_pose)
     believed = relative(told_start, simulation.estimated_pose)
-    return Squares(ends=true[:, :2] - believed[:, :2], angles=np.array(angles))
+    return Squares(ends=true[:, :2] - believed[:, :2], angles=np.array(angles)[:, :, :2])  # less a hitch
 
 
 # ------------------------------------------------------------------------------------------------------- fitting

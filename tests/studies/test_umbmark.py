@@ -54,6 +54,20 @@ def test_without_random_errors_what_was_put_in_comes_out(ed: float, eb: float) -
         assert found.error_before < 1e-9
 
 
+def test_a_tractor_is_calibrated_as_its_wheels_are() -> None:
+    drive = am.drives.Tractor(
+        wheel_radius_left=building.RADIUS,
+        wheel_radius_right=building.RADIUS,
+        track=building.TRACK,
+        rate_max=50.0,
+        trailer_length=0.5,
+    )
+    robot = building.robot(drive=drive, errors=_errors(1.002, 1.01))
+    found = umbmark(building.scenario(robot, dt=0.5), runs=2)
+    assert found.exact.ed.value == pytest.approx(1.002, abs=1e-9)
+    assert found.exact.eb.value == pytest.approx(1.01, abs=1e-9)
+
+
 @pytest.mark.parametrize(("ed", "eb"), [(1.005, 1.02), (0.995, 0.98), (1.002, 0.99)])
 def test_the_published_figures_have_their_known_bias_and_no_other(ed: float, eb: float) -> None:
     """They are those of an exact square, to what the corners' tolerances make of it."""
