@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib.util
 import threading
 import webbrowser
@@ -92,5 +93,7 @@ def command(
             serve(session, host=host, port=port, ready=ready, ending=session.close)
     finally:
         session.close()
+        # Python's last look for what nobody uses takes a second with all that NiceGUI and numba hold.
+        gc.freeze()
     if session.folder:
         say(f"results: {session.folder}")

@@ -211,7 +211,10 @@ class RunSession:
                 title=self._title(),
             )
             try:
-                picture.save(self.folder / "picture.png")
+                # Beside, and then moved over, so that a process that is killed leaves a whole one or none.
+                beside = self.folder / "picture.png.part"
+                picture.save(beside, "PNG")
+                beside.replace(self.folder / "picture.png")
             except OSError as error:
                 raise RunError(f"{self.folder / 'picture.png'}: cannot be written ({error})") from None
         run_finished(self._simulation, self._registry)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
 from collections.abc import AsyncIterator
 
@@ -11,6 +10,7 @@ from PIL import Image
 
 from amorsim.ui import film
 from amorsim.ui.film import FilmError, gif_of, read_film
+from tests.ui.aside import aside
 
 
 def png(colour: tuple[int, int, int], size: tuple[int, int] = (40, 30)) -> bytes:
@@ -28,7 +28,7 @@ def read(data: bytes, every: str = "100") -> film.Film:
         for at in range(0, len(data), 7):
             yield data[at : at + 7]
 
-    return asyncio.run(read_film(body(), every))
+    return aside(read_film(body(), every))
 
 
 def test_a_film_becomes_a_gif_of_as_many_pictures() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import base64
 import os
 import socket
@@ -19,6 +18,7 @@ nicegui = pytest.importorskip("nicegui", reason="the extra 'ui' is not installed
 from amorsim.core.errors import AmorsimError  # noqa: E402
 from amorsim.ui.security import Door, Guard  # noqa: E402
 from amorsim.ui.server import listen  # noqa: E402
+from tests.ui.aside import aside  # noqa: E402
 
 STATIC = f"/_nicegui/{nicegui.__version__}/static/nicegui.js"
 POLLING = "/_nicegui_ws/socket.io/?EIO=4&transport=polling"
@@ -207,7 +207,7 @@ def status_of(door: Door, headers: list[tuple[str, str]], **scope: Any) -> int:
 
     whole = {"type": "http", "method": "GET", "path": "/x", "query_string": b""} | scope
     whole["headers"] = [(name.encode(), value.encode()) for name, value in headers]
-    asyncio.run(Guard(inner, door)(whole, None, send))  # type: ignore[arg-type]
+    aside(Guard(inner, door)(whole, None, send))  # type: ignore[arg-type]
     return int(said[0]["status"])
 
 

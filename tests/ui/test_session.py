@@ -16,10 +16,10 @@ import amorsim as am
 from amorsim.ui.protocol import Dynamic, FrameFlag, RobotFlag, unpack_frame
 from amorsim.ui.recipe import Recipe
 from amorsim.ui.session import Session
-from tests.ui.sessions import Make, write_project
+from tests.ui.aside import aside
+from tests.ui.sessions import Make, in_time, write_project
 
 PATIENCE = 1.0
-IN_TIME = 3.0  # [s]: the two that are promised, and one for a machine that has much else to do
 
 
 def done(session: Session, do: str, **keys: Any) -> dict[str, Any]:
@@ -37,11 +37,11 @@ def until(what: Any, timeout: float = 20.0) -> Any:
 
 
 def frame(session: Session, after: int = -1) -> Dynamic:
-    return unpack_frame(asyncio.run(asyncio.wait_for(session.newest_frame(after), 10.0)))
+    return unpack_frame(aside(asyncio.wait_for(session.newest_frame(after), 10.0)))
 
 
 def state(session: Session, window: str) -> dict[str, Any]:
-    return asyncio.run(session.ask(window, {"do": "state"}))
+    return aside(session.ask(window, {"do": "state"}))
 
 
 def is_running(pid: int) -> bool:
@@ -131,7 +131,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     pid = session._link.pid  # type: ignore[union-attr]
     began = time.monotonic()
     session.close()
-    assert time.monotonic() - began < IN_TIME
+    assert time.monotonic() - began < in_time()
     assert not is_running(pid)
 
 
@@ -140,7 +140,7 @@ def test_windows_and_the_controls(start: Make) -> None:
     first, second = session.open_window(), session.open_window()
 
     def ask(window: str, do: str, **keys: Any) -> dict[str, Any]:
-        return asyncio.run(session.ask(window, {"do": do, **keys}))
+        return aside(session.ask(window, {"do": do, **keys}))
 
     assert ask(first, "step")["ok"]
     assert "another window has the controls" in ask(second, "step")["error"]
@@ -184,7 +184,7 @@ def test_windows_and_the_controls(start: Make) -> None:
         {"do": ["run"]},
         {},
     ):
-        answer = asyncio.run(session.ask(first, command))
+        answer = aside(session.ask(first, command))
         assert not answer["ok"], command
         assert "Traceback" not in answer["error"]
 
@@ -201,11 +201,11 @@ def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) 
             with pytest.raises(asyncio.CancelledError):
                 await waiting
 
-    asyncio.run(impatient())
+    aside(impatient())
     assert session._waiters == []
     # A loop that has gone takes no frame with it.
     with pytest.raises(asyncio.TimeoutError):
-        asyncio.run(asyncio.wait_for(session.newest_frame(number), 0.01))
+        aside(asyncio.wait_for(session.newest_frame(number), 0.01))
     done(session, "speed", factor=None)
     done(session, "run")
     # Nobody looks, and it runs all the same.
@@ -236,7 +236,7 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
         ] in fault["stack"]
     if status == "hang":
         assert until(lambda: frame(session).flags & FrameFlag.HANG)
-        assert "does not answer" in asyncio.run(session.ask(window, {"do": "step"}))["error"]
+        assert "does not answer" in aside(session.ask(window, {"do": "step"}))["error"]
     if controller == "Raising":
         # Once more with it, and it fails again.
         done(session, "restart", without=[])
@@ -321,7 +321,7 @@ def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
         parent.wait()
         began = time.monotonic()
         until(lambda: not is_running(pid))
-        assert time.monotonic() - began < IN_TIME
+        assert time.monotonic() - began < in_time()
     # It ended in order: the run it left is whole.
     assert am.reproduce(tmp_path / "out").is_exact
 
@@ -333,7 +333,7 @@ def test_it_ends_in_time_with_whole_files_while_a_controller_does_not_return(sta
     until(lambda: session._link.tick == 40)  # type: ignore[union-attr]
     began = time.monotonic()
     session.close()
-    assert time.monotonic() - began < IN_TIME
+    assert time.monotonic() - began < in_time()
     outcome = am.reproduce(tmp_path / "out")
     assert (outcome.is_exact, outcome.steps) == (True, 40)
 
@@ -353,7 +353,7 @@ def test_a_run_that_is_being_saved_is_broken_off_with_the_rest(start: Make, tmp_
     began = time.monotonic()
     session.close()
     thread.join(5.0)
-    assert time.monotonic() - began < IN_TIME
+    assert time.monotonic() - began < in_time()
     assert not answers[0]["ok"]
     assert json.loads((tmp_path / "saved" / "run.json").read_text())["status"] in ("interrupted", "broken off")
     assert poses.read_text().endswith("\n")

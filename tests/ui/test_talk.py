@@ -14,6 +14,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from amorsim.ui import talk
 from amorsim.ui.talk import Talk
+from tests.ui.aside import aside
 from tests.ui.stub import StubSession
 
 
@@ -63,7 +64,7 @@ def hold(conversation: Any) -> None:
         await asyncio.wait_for(running, 2.0)
         assert not session.windows  # whoever goes is forgotten
 
-    asyncio.run(whole())
+    aside(whole())
 
 
 def test_no_frame_goes_out_before_the_last_is_drawn() -> None:

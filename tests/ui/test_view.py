@@ -18,11 +18,10 @@ import pytest
 import amorsim as am
 from amorsim.cli import main
 from amorsim.ui.protocol import FRAME_HEADER
-from tests.ui.sessions import write_project
+from tests.ui.aside import aside
+from tests.ui.sessions import in_time, write_project
 
 pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
-
-IN_TIME = 3.0  # [s]: the two that are promised, and one for a machine that has much else to do
 
 
 class View:
@@ -107,7 +106,7 @@ def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list
     assert get(view.address, "/") == 401
     _drive(view)
     seconds, said = view.end(number)
-    assert seconds < IN_TIME
+    assert seconds < in_time()
     if number == signal.SIGINT:
         assert view.process.returncode == 0
         assert "results: out" in said
@@ -145,7 +144,7 @@ def _drive(view: View) -> None:
                     if header[7] > 5:
                         return
 
-    asyncio.run(talk())
+    aside(talk())
 
 
 @pytest.fixture
