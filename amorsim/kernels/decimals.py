@@ -26,7 +26,8 @@ _MOST = 9007199254740992.0  # 2^53: whole numbers are told apart up to there
 _ROUNDING = 2.0**-52
 _SPLIT = 134217729.0  # 2^27 + 1
 # Of one type with what they are added to: numba makes a number with a point of whole ones with and without a sign.
-_TEN, _HUNDRED, _THOUSAND, _NOUGHT = np.uint64(10), np.uint64(100), np.uint64(1000), np.uint64(48)
+_ONE, _TEN, _HUNDRED, _THOUSAND = np.uint64(1), np.uint64(10), np.uint64(100), np.uint64(1000)
+_NOUGHT, _TEN_MILLIONS = np.uint64(48), np.uint64(10_000_000)
 
 
 @kernel
@@ -72,45 +73,56 @@ def _put_number(value: float, decimals: int, out: NDArray[np.uint8], at: int) ->
     if value == np.inf:
         out[at], out[at + 1], out[at + 2] = 105, 110, 102  # inf
         return at + 3
-    unit = 1000000
-    if decimals != 6:
-        unit = 1
-        for _ in range(decimals):
-            unit *= 10
+    unit = 1
+    for _ in range(decimals):
+        unit *= 10
     scale = np.float64(unit)
     if not value * scale < _MOST:
         return -1
     n = _whole(value, scale)
-    before = (n // 1000000) if decimals == 6 else (n // unit)
-    if before < 10:
-        out[at] = np.uint8(48 + before)
-        at += 1
-    else:
-        count = 2
-        limit = 100
-        while before >= limit:
-            limit *= 10
-            count += 1
-        _put_digits(before, count, out, at)
-        at += count
-    if decimals == 6:
-        # The usual case, its digits in no need of one another.
-        after: Any = np.uint64(n - before * 1000000)
-        high = after // _THOUSAND
-        low = after - high * _THOUSAND
-        out[np.uint64(at)] = 46
-        for i, three in ((1, high), (4, low)):
-            first = three // _HUNDRED
-            second = three // _TEN
-            out[np.uint64(at + i)] = first + _NOUGHT
-            out[np.uint64(at + i + 1)] = second - first * _TEN + _NOUGHT
-            out[np.uint64(at + i + 2)] = three - second * _TEN + _NOUGHT
-        return at + 7
+    before = n // unit
+    count = 1
+    limit = 10
+    while before >= limit:
+        limit *= 10
+        count += 1
+    _put_digits(before, count, out, at)
+    at += count
     if decimals > 0:
         out[at] = 46
         _put_digits(n - before * unit, decimals, out, at + 1)
         at += 1 + decimals
     return at
+
+
+@kernel
+def _put_small(value: float, out: NDArray[np.uint8], at: int) -> Any:
+    """Write a number between -10 and 10 with 6 decimals, as most are; where it ends, or 0 if it takes more to tell."""
+    here: Any = np.uint64(at)
+    if math.copysign(1.0, value) < 0.0:
+        out[here] = 45
+        here += _ONE
+        value = -value
+    product = value * 1e6
+    low = math.floor(product)
+    beyond = product - low - 0.5
+    n: Any = np.uint64(int(low) + int(beyond > 0.0))
+    if abs(beyond) <= product * _ROUNDING or n >= _TEN_MILLIONS:
+        return 0
+    # Digits in no need of one another.
+    high = n // _THOUSAND
+    whole = high // _THOUSAND
+    out[here] = whole + _NOUGHT
+    out[here + _ONE] = 46
+    here += np.uint64(2)
+    for three in (high - whole * _THOUSAND, n - high * _THOUSAND):
+        first = three // _HUNDRED
+        second = three // _TEN
+        out[here] = first + _NOUGHT
+        out[here + _ONE] = second - first * _TEN + _NOUGHT
+        out[here + np.uint64(2)] = three - second * _TEN + _NOUGHT
+        here += np.uint64(3)
+    return np.int64(here)  # a number with a sign, as the rest counts in
 
 
 @kernel
@@ -146,7 +158,9 @@ def write_lines(
         for k in range(values.shape[1]):
             kind = kinds[k]
             if kind >= 0:
-                at = _put_number(values[i, k], kind, out, at)
+                value = values[i, k]
+                end = _put_small(value, out, at) if kind == 6 and abs(value) < 10.0 else 0
+                at = end if end > 0 else _put_number(value, kind, out, at)
                 if at < 0:
                     return False
             elif kind == NAME:
