@@ -12,7 +12,7 @@ from tests.ui.sessions import start as start  # a fixture
 from tests.ui.windows import CHROMIUM, FLAGS, Server, Window, write_scenario
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # not longer: while Playwright runs, no other test can start a loop of its own
 def browser() -> Iterator[Any]:
     pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
