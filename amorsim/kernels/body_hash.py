@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.bodies import rounding_slack
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
 __all__ = ["BodyHash", "hash_bodies", "pairs_within", "run_of_bodies", "window"]
 
@@ -42,7 +42,7 @@ class BodyHash(NamedTuple):
     """Of the sorted ones, the circle that holds the body: x, y, radius [m], (T, 3)."""
 
 
-@kernel
+@part
 def _cell(place: float, side: float) -> int:
     """Row or column of the cell that holds `place` [m]; never decreases as `place` grows."""
     if place != place:
@@ -50,7 +50,7 @@ def _cell(place: float, side: float) -> int:
     return math.floor(min(max(place / side, -FARTHEST), FARTHEST))
 
 
-@kernel
+@part
 def window(place: float, half: float, side: float, lines: int) -> tuple[int, int]:
     """First of `lines` rows or columns of buckets, and how many from there on, that hold all within `half` [m]."""
     half = half * (1.0 + 1e-8) + rounding_slack(abs(place) + half)
@@ -62,7 +62,7 @@ def window(place: float, half: float, side: float, lines: int) -> tuple[int, int
     return (low & (lines - 1), cells) if cells < lines else (0, lines)
 
 
-@kernel
+@part
 def run_of_bodies(
     table: BodyHash, replica: int, row0: int, rows: int, col0: int, cols: int, run: int
 ) -> tuple[int, int]:

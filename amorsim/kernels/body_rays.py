@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.bodies import Bodies, place_body, rounding_slack
 from amorsim.kernels.body_hash import BodyHash, run_of_bodies, window
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
 __all__ = ["cast_bodies"]
 
@@ -23,14 +23,14 @@ Ints = NDArray[np.int64]
 _SECTORS = 64  # of a turn, by which is remembered how far is seen; a power of two
 
 
-@kernel
+@part
 def _turn(cos: float, sin: float) -> float:
     """A number in [0, 4] that grows with the angle of (cos, sin) over [0, 2 pi): cheap, for ordering only."""
     along = cos / (abs(cos) + abs(sin))
     return 1.0 - along if sin >= 0.0 else 3.0 + along
 
 
-@kernel
+@part
 def _turns(cos_b: Floats, sin_b: Floats, row: int, turns: Floats) -> bool:
     """Write how far each beam is turned from the first; whether the beams are in that order."""
     in_order = True
@@ -45,7 +45,7 @@ def _turns(cos_b: Floats, sin_b: Floats, row: int, turns: Floats) -> bool:
     return in_order
 
 
-@kernel
+@part
 def _beams_before(turns: Floats, limit: float, inclusive: bool) -> int:
     """How many beams are turned less than `limit`, or at most that far."""
     low = 0
@@ -59,7 +59,7 @@ def _beams_before(turns: Floats, limit: float, inclusive: bool) -> int:
     return low
 
 
-@kernel
+@part
 def _disc_range(x: float, y: float, radius: float, dx: float, dy: float) -> float:
     """Where a ray from the origin along (dx, dy) enters a disc [m]; 0 from inside, inf if it misses."""
     away = math.sqrt(x * x + y * y)
@@ -74,7 +74,7 @@ def _disc_range(x: float, y: float, radius: float, dx: float, dy: float) -> floa
     return (away - radius) * (away + radius) / (along + half_chord)
 
 
-@kernel
+@part
 def _polygon_ranges(
     edges: Floats, first: int, last: int, dx: Floats, dy: Floats, enters: Floats, leaves: Floats
 ) -> None:
@@ -97,7 +97,7 @@ def _polygon_ranges(
             leaves[b] = min(leaves[b], at if speed > 0.0 else (along if speed == 0.0 else math.inf))
 
 
-@kernel
+@part
 def _rounded_range(edges: Floats, first: int, last: int, radius: float, dx: float, dy: float) -> float:
     """Where a ray from the origin enters a convex part rounded by `radius` [m]; 0 from inside, inf if it misses."""
     nearest = math.inf
@@ -125,7 +125,7 @@ def _rounded_range(edges: Floats, first: int, last: int, radius: float, dx: floa
     return 0.0 if inside else nearest
 
 
-@kernel
+@part
 def _body_ranges(
     bodies: Bodies, body: int, edges: Floats, dx: Floats, dy: Floats, found: Floats, enters: Floats, leaves: Floats
 ) -> None:
@@ -134,9 +134,9 @@ def _body_ranges(
     base = bodies.vertex_first[bodies.part_first[body]]
     for b in range(dx.shape[0]):
         found[b] = math.inf
-    for part in range(bodies.part_first[body], bodies.part_first[body + 1]):
-        first = bodies.vertex_first[part] - base
-        last = bodies.vertex_first[part + 1] - base
+    for piece in range(bodies.part_first[body], bodies.part_first[body + 1]):
+        first = bodies.vertex_first[piece] - base
+        last = bodies.vertex_first[piece + 1] - base
         if radius == 0.0:
             _polygon_ranges(edges, first, last, dx, dy, enters, leaves)
             for b in range(dx.shape[0]):
@@ -149,7 +149,7 @@ def _body_ranges(
                 found[b] = min(found[b], _rounded_range(edges, first, last, radius, dx[b], dy[b]))
 
 
-@kernel
+@part
 def _window_of_beams(
     turns: Floats, cos_0: float, sin_0: float, x: float, y: float, away: float, circle: float
 ) -> tuple[int, int, int]:
@@ -171,7 +171,7 @@ def _window_of_beams(
     return start, stop, turns.shape[0]
 
 
-@kernel
+@part
 def _farthest(ranges: Floats, turns: Floats, by_sector: bool, sectors: Floats) -> float:
     """The farthest of what is seen already, and into `sectors` that of each part of a turn, -inf without beams."""
     sectors[:] = -math.inf
@@ -184,7 +184,7 @@ def _farthest(ranges: Floats, turns: Floats, by_sector: bool, sectors: Floats) -
     return farthest
 
 
-@kernel
+@part
 def _is_hidden(sectors: Floats, cos_0: float, sin_0: float, x: float, y: float, away: float, circle: float) -> bool:
     """Whether a circle around (x, y) is farther than all that is seen in the sectors it lies in."""
     middle = _turn(cos_0 * x + sin_0 * y, cos_0 * y - sin_0 * x)
@@ -198,11 +198,10 @@ def _is_hidden(sectors: Floats, cos_0: float, sin_0: float, x: float, y: float, 
     return bool(farthest <= away - circle)
 
 
-@kernel
-def cast_bodies(
+@part
+def _cast_rows(
     bodies: Bodies,
     body_pose: Floats,
-    edge_rows: int,
     table: BodyHash,
     widest: float,
     replica: Ints,
@@ -213,55 +212,20 @@ def cast_bodies(
     range_max: Floats,
     out: Floats,
     hit: Ints,
+    edges: Floats,
+    turns: Floats,
+    dx: Floats,
+    dy: Floats,
+    found: Floats,
+    enters: Floats,
+    leaves: Floats,
+    sectors: Floats,
 ) -> None:
-    """Lower each range to where its ray meets another body of the same replica, where that is nearer.
-
-    A ray that starts in a body, or on its border, reads 0. Of bodies equally far the lowest index counts; a
-    body as far as what `out` already holds does not.
-
-    Parameters
-    ----------
-    bodies
-        The footprints, of bodies 0 to M - 1.
-    body_pose
-        Their poses: x [m], y [m], heading [rad], (M, 3).
-    edge_rows
-        Vertices of the largest body.
-    table
-        The bodies at these poses, by place.
-    widest
-        The largest reach of a body [m].
-    replica
-        Of each row, int64 (N,).
-    own
-        The body that carries the sensor and is not seen, -1 for none, int64 (N,).
-    origins
-        Where the rays of each row start, and what their bearings are measured from, (N, 3), like `body_pose`.
-    cos_b, sin_b
-        Of the beams' bearings b; the direction for heading h is (cos h cos b - sin h sin b, sin h cos b + cos
-        h sin b). One row for all, or one each, (1 or N, k). Anticlockwise order within one turn is the
-        fastest.
-    range_max
-        Beyond which nothing is seen [m], (1 or N,).
-    out
-        In: ranges so far [m], inf for none; out: the lower ones, (N, k), or the least of each row's, (N, 1).
-    hit
-        In: -1; gets the body's index where it lowered a range, int64, as `out`. Nobody asks if it has no columns.
-    """
+    """What `cast_bodies` does, with room to work in."""
     rows = out.shape[0]
     beams = cos_b.shape[1]
-    if beams == 0:
-        return
     stride = 1 if out.shape[1] == beams else 0
     wants_hit = hit.shape[1] > 0
-    edges = np.empty((edge_rows, 5))
-    turns = np.empty(beams)
-    dx = np.empty(beams)
-    dy = np.empty(beams)
-    found = np.empty(beams)
-    enters = np.empty(beams)
-    leaves = np.empty(beams)
-    sectors = np.empty(_SECTORS)
     in_order = False
     for i in range(rows):
         beam_row = min(i, cos_b.shape[0] - 1)
@@ -350,3 +314,88 @@ def cast_bodies(
                                     hit[i, k] = j
                             elif wants_hit and distance == out[i, k] and j < hit[i, k]:
                                 hit[i, k] = j
+
+
+@kernel
+def cast_bodies(
+    bodies: Bodies,
+    body_pose: Floats,
+    edge_rows: int,
+    table: BodyHash,
+    widest: float,
+    replica: Ints,
+    own: Ints,
+    origins: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    out: Floats,
+    hit: Ints,
+) -> None:
+    """Lower each range to where its ray meets another body of the same replica, where that is nearer.
+
+    A ray that starts in a body, or on its border, reads 0. Of bodies equally far the lowest index counts; a
+    body as far as what `out` already holds does not.
+
+    Parameters
+    ----------
+    bodies
+        The footprints, of bodies 0 to M - 1.
+    body_pose
+        Their poses: x [m], y [m], heading [rad], (M, 3).
+    edge_rows
+        Vertices of the largest body.
+    table
+        The bodies at these poses, by place.
+    widest
+        The largest reach of a body [m].
+    replica
+        Of each row, int64 (N,).
+    own
+        The body that carries the sensor and is not seen, -1 for none, int64 (N,).
+    origins
+        Where the rays of each row start, and what their bearings are measured from, (N, 3), like `body_pose`.
+    cos_b, sin_b
+        Of the beams' bearings b; the direction for heading h is (cos h cos b - sin h sin b, sin h cos b + cos
+        h sin b). One row for all, or one each, (1 or N, k). Anticlockwise order within one turn is the
+        fastest.
+    range_max
+        Beyond which nothing is seen [m], (1 or N,).
+    out
+        In: ranges so far [m], inf for none; out: the lower ones, (N, k), or the least of each row's, (N, 1).
+    hit
+        In: -1; gets the body's index where it lowered a range, int64, as `out`. Nobody asks if it has no columns.
+    """
+    beams = cos_b.shape[1]
+    if beams == 0:
+        return
+    edges = np.empty((edge_rows, 5))
+    turns = np.empty(beams)
+    dx = np.empty(beams)
+    dy = np.empty(beams)
+    found = np.empty(beams)
+    enters = np.empty(beams)
+    leaves = np.empty(beams)
+    sectors = np.empty(_SECTORS)
+    _cast_rows(
+        bodies,
+        body_pose,
+        table,
+        widest,
+        replica,
+        own,
+        origins,
+        cos_b,
+        sin_b,
+        range_max,
+        out,
+        hit,
+        edges,
+        turns,
+        dx,
+        dy,
+        found,
+        enters,
+        leaves,
+        sectors,
+    )

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid import NONE, ONE, Grid, is_occupied, word_at
-from amorsim.kernels.lines import FACE, INSIDE, PASSED, Lines, side_of, walls_about
+from amorsim.kernels.lines import FACE, INSIDE, PASSED, RINGS, Lines, side_of, walls_about
 from amorsim.kernels.rays import cast_ray, cell_of, direction, march, rounding, to_frame
 
 __all__ = ["cast_cones"]
@@ -41,7 +41,7 @@ _AT_ONCE = 32  # walls that are looked at together
 _SAFETY = 1e-9  # relative, on every bound that leaves something out
 
 
-@kernel
+@part
 def _entry(cell: int, own: int, resolution: float, start: float, component: float) -> float:
     """Where a ray from cell `own` of an axis comes into `cell`: -inf if it is there, inf if it never gets there."""
     if cell == own:
@@ -52,7 +52,7 @@ def _entry(cell: int, own: int, resolution: float, start: float, component: floa
     return (line * resolution - start) / component
 
 
-@kernel
+@part
 def _exit(cell: int, resolution: float, start: float, component: float) -> float:
     """Where a ray leaves `cell` of an axis for good."""
     if component == 0.0:
@@ -61,7 +61,7 @@ def _exit(cell: int, resolution: float, start: float, component: float) -> float
     return (line * resolution - start) / component
 
 
-@kernel
+@part
 def _least_into(
     row: int,
     col: int,
@@ -101,7 +101,7 @@ def _least_into(
     return least
 
 
-@kernel
+@part
 def _is_near(x0: float, y0: float, side: float, cos_h: float, sin_h: float, edge: Floats, least: float) -> bool:
     """Whether a square, its lower left corner at (x0, y0) from the cone's point, may hold something nearer in the cone.
 
@@ -121,7 +121,7 @@ def _is_near(x0: float, y0: float, side: float, cos_h: float, sin_h: float, edge
     return bool(outside <= 0.7072 * side + _SAFETY * (abs(ahead) + abs(left)))
 
 
-@kernel
+@part
 def _nearest(
     grid: Grid,
     x: float,
@@ -209,7 +209,7 @@ def _nearest(
     return least
 
 
-@kernel
+@part
 def _look_along(
     ends: Floats,
     start: int,
@@ -236,7 +236,7 @@ def _look_along(
         maybe[i - start] = max(left, right) <= ends[4, i]
 
 
-@kernel
+@part
 def _bearing(x: float, y: float) -> float:
     """The angle [rad] of a direction, to 4e-6: good for telling which rays are about it.
 
@@ -256,7 +256,7 @@ def _bearing(x: float, y: float) -> float:
     return angle if y >= 0.0 else -angle
 
 
-@kernel
+@part
 def _rays_between(
     x0: float, y0: float, x1: float, y1: float, half_angle: float, step: float, rays: int
 ) -> tuple[int, int]:
@@ -273,7 +273,7 @@ def _rays_between(
     return int(first), int(last)
 
 
-@kernel
+@part
 def _crosses(a: float, b: float, near: float, start: float, stop: float, margin: float, dx: float, dy: float) -> bool:
     """Whether a ray goes through a wall's rectangle from one long side to the other, so that it must meet the wall."""
     # How far along the wall it gets for each metre across; the wall itself ends short of its rectangle.
@@ -283,7 +283,7 @@ def _crosses(a: float, b: float, near: float, start: float, stop: float, margin:
     return bool(min(first, last) > start + 3.0 * margin and max(first, last) < stop - 3.0 * margin)
 
 
-@kernel
+@part
 def _walk(grid: Grid, x: float, y: float, col: int, row: int, dx: float, dy: float, range_max: float) -> float:
     """Distance along a ray from a free cell that it comes to, a few cells before what it meets: cell by cell at first.
 
@@ -318,7 +318,7 @@ def _walk(grid: Grid, x: float, y: float, col: int, row: int, dx: float, dy: flo
     return march(grid, x, y, col, row, dx, dy, range_max)
 
 
-@kernel
+@part
 def _cast_from(
     grid: Grid, x: float, y: float, col: int, row: int, dx: float, dy: float, free: float, range_max: float
 ) -> float:
@@ -336,7 +336,7 @@ def _cast_from(
     return march(grid, x, y, col, row, dx, dy, range_max)
 
 
-@kernel
+@part
 def _hear(
     grid: Grid,
     lines: Lines,
@@ -447,7 +447,7 @@ def _hear(
     return True, least
 
 
-@kernel
+@part
 def _ask(
     grid: Grid,
     x: float,
@@ -509,6 +509,7 @@ def cast_cones(
     following = np.empty(lines.walls.shape[0], dtype=np.int64)
     ends = np.empty((5, lines.walls.shape[0]))
     away = np.empty(lines.walls.shape[0])
+    rings = np.empty(RINGS + 2, dtype=np.int64)
     maybe = np.empty(_AT_ONCE, dtype=np.uint8)
     walls = np.empty((_MOST, 3))
     spans = np.empty((_MOST, 3), dtype=np.int64)
@@ -529,7 +530,7 @@ def cast_cones(
             aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
             if not aside + reach <= here_reach:
                 here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
-                count = walls_about(lines, x, y, here_reach, found, ends, away, following)
+                count = walls_about(lines, x, y, here_reach, found, ends, away, following, rings)
             heard, least = _hear(
                 grid,
                 lines,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
 __all__ = ["absorb", "absorb_together"]
 
@@ -24,7 +24,7 @@ _BATCH = 8
 _NOTHING = np.empty((0, 0))
 
 
-@kernel
+@part
 def _mix(bits: npt.NDArray[np.uint64], out: npt.NDArray[np.uint64]) -> None:
     first = out[0]
     second = out[1]

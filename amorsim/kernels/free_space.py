@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
 __all__ = ["choose_direction", "find_opening", "free_way", "nearest_point", "see_points"]
 
@@ -31,7 +31,7 @@ _ABEAM_FIRST = math.radians(62.0)
 _ABEAM_COUNT = 8  # directions about abeam, twice that far between
 
 
-@kernel
+@part
 def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
     """Where something was seen, into `points` (p, 2) [m] in the robot's frame; inf for no return.
 
@@ -61,7 +61,7 @@ def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats)
                 points[index, 1] = y
 
 
-@kernel
+@part
 def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: float, y: float) -> bool:
     """Whether another cone than `own` holds the point, and its nearest return lies farther away."""
     for j in range(ranges.shape[0]):
@@ -77,7 +77,7 @@ def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: fl
     return False
 
 
-@kernel
+@part
 def free_way(points: Floats, bearing: float, half_width: float, spread: float) -> float:
     """How far [m] a disc of radius `half_width` goes along `bearing` before it meets a point.
 
@@ -98,7 +98,7 @@ def free_way(points: Floats, bearing: float, half_width: float, spread: float) -
     return max(free, 0.0)
 
 
-@kernel
+@part
 def nearest_point(points: Floats) -> tuple[float, float]:
     """Distance [m] of the nearest point from the base point, and which side it is on: 1 left, -1 right."""
     nearest = math.inf
@@ -113,7 +113,7 @@ def nearest_point(points: Floats) -> tuple[float, float]:
     return math.sqrt(nearest), side
 
 
-@kernel
+@part
 def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float) -> float:
     """What a direction promises: places along the free way, those near the robot's trail counting little."""
     heading = pose[2] + bearing
@@ -135,7 +135,7 @@ def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float
     return worth
 
 
-@kernel
+@part
 def find_opening(points: Floats, view: Floats, half_width: float, side: float) -> tuple[float, float]:
     """The longest way [m] about abeam on one side (1 for the left, -1 for the right), and its bearing [rad]."""
     longest = 0.0

@@ -17,13 +17,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import part
 from amorsim.kernels.rasterise import SNAP
 
 __all__ = [
     "FACE",
     "INSIDE",
     "PASSED",
+    "RINGS",
     "SAFETY",
     "Lines",
     "bound_scan",
@@ -45,7 +46,8 @@ _BLOCK = 16  # segments whose distance is asked for at once
 _MOST = 6  # segments seen by a scan, for each of its beams, from which on bounds cost more than they save
 _EDGE = 1e-12  # [of a quarter turn] by which a rectangle covers more than it does
 
-_RINGS = 48  # by which walls are put in order of their distance
+RINGS = 48
+"""By which walls are put in order of their distance."""
 
 # What a segment shows: nothing within reach, its side, its end, or it is all around.
 PASSED, FACE, END, INSIDE = range(4)
@@ -62,7 +64,7 @@ class Lines(NamedTuple):
     """(M, 6) x0, y0; unit vector along the segment; length; how far its cells reach beyond it."""
 
 
-@kernel
+@part
 def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
     """Which of ``4 * scale`` sectors the direction (x, y) is in; `beyond` is added to its place in quarter turns.
 
@@ -79,7 +81,7 @@ def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
     return min(int(place * scale), int(4.0 * scale) - 1)
 
 
-@kernel
+@part
 def _distance(lines: Lines, block: int, x: float, y: float) -> float:
     """How far [m] from a point all is at least that a block's segments occupy."""
     away_x = max(lines.boxes[block, 0] - x, 0.0, x - lines.boxes[block, 2])
@@ -87,31 +89,39 @@ def _distance(lines: Lines, block: int, x: float, y: float) -> float:
     return math.sqrt(away_x * away_x + away_y * away_y)
 
 
-@kernel
-def _near_blocks(lines: Lines, x: float, y: float, reach: float, found: Integers, away: Floats) -> int:
+@part
+def _near_blocks(lines: Lines, x: float, y: float, reach: float, found: Integers, away: Floats, ends: Integers) -> int:
     """How many blocks may occupy something within reach; into `found` which, by rings, the nearest first.
 
-    `away` gets how far [m] each block is; both are as long as there are blocks.
+    `away` gets how far [m] each block is; both are as long as there are blocks. `ends` (RINGS + 2,) is room to work in.
     """
-    ends = np.zeros(_RINGS + 2, dtype=np.int64)
-    scale = _RINGS / reach
+    ends[:] = 0
+    scale = RINGS / reach
     for block in range(lines.boxes.shape[0]):
         away[block] = _distance(lines, block, x, y)
         if away[block] <= reach:
-            ends[min(int(away[block] * scale), _RINGS) + 1] += 1
-    for ring in range(_RINGS + 1):
+            ends[min(int(away[block] * scale), RINGS) + 1] += 1
+    for ring in range(RINGS + 1):
         ends[ring + 1] += ends[ring]
     for block in range(lines.boxes.shape[0]):
         if away[block] <= reach:
-            ring = min(int(away[block] * scale), _RINGS)
+            ring = min(int(away[block] * scale), RINGS)
             found[ends[ring]] = block
             ends[ring] += 1
-    return int(ends[_RINGS])
+    return int(ends[RINGS])
 
 
-@kernel
+@part
 def walls_about(
-    lines: Lines, x: float, y: float, reach: float, found: Integers, ends: Floats, away: Floats, following: Integers
+    lines: Lines,
+    x: float,
+    y: float,
+    reach: float,
+    found: Integers,
+    ends: Floats,
+    away: Floats,
+    following: Integers,
+    heads: Integers,
 ) -> int:
     """How many segments may occupy something within reach of a point; into `found` which, by rings, the nearest first.
 
@@ -121,12 +131,12 @@ def walls_about(
         (5, M) gets x and y of both ends of each, and how far it reaches beyond them in any direction.
     away
         (M,) gets how far [m] each is at least; never less than the one before.
-    following
-        (M,): room to work in. There are M segments.
+    following, heads
+        (M,) and (RINGS + 2,): room to work in. There are M segments.
     """
     walls = lines.walls
-    scale = _RINGS / reach
-    heads = np.full(_RINGS + 1, -1, dtype=np.int64)
+    scale = RINGS / reach
+    heads[:] = -1
     for block in range(lines.boxes.shape[0]):
         if _distance(lines, block, x, y) > reach:
             continue
@@ -138,11 +148,11 @@ def walls_about(
             beside = max(max(along, -along - walls[m, 4]) - walls[m, 5], 0.0)
             square = across * across + beside * beside
             if square <= reach * reach:
-                ring = min(int(math.sqrt(square) * scale), _RINGS)
+                ring = min(int(math.sqrt(square) * scale), RINGS)
                 following[m] = heads[ring]
                 heads[ring] = m
     count = 0
-    for ring in range(_RINGS + 1):
+    for ring in range(RINGS + 1):
         least = ring / scale * (1.0 - SAFETY) if ring > 0 else 0.0
         m = heads[ring]
         while m >= 0:
@@ -158,7 +168,7 @@ def walls_about(
     return count
 
 
-@kernel
+@part
 def _block_span(lines: Lines, block: int, x: float, y: float) -> tuple[bool, float, float, float, float]:
     """Whether a point is outside a block's box, and then the corners of the box that are farthest right and left of it.
 
@@ -177,7 +187,7 @@ def _block_span(lines: Lines, block: int, x: float, y: float) -> tuple[bool, flo
     return y1 < 0.0, x0, y1, x1, y1
 
 
-@kernel
+@part
 def side_of(
     walls: Floats, m: int, x: float, y: float, cos_h: float, sin_h: float, reach: float
 ) -> tuple[int, float, float, float, float, float, float, float, float, float]:
@@ -241,7 +251,7 @@ def side_of(
     return what, a, b, x0, y0, x1, y1, near, start, stop
 
 
-@kernel
+@part
 def _raise(low: int, high: int, a: float, b: float, cos_b: Floats, sin_b: Floats, nearness: Floats) -> None:
     """Let beams low..high-1 be at least as near as a line with a * x + b * y = 1."""
     for i in range(np.uint64(low), np.uint64(high)):
@@ -249,7 +259,7 @@ def _raise(low: int, high: int, a: float, b: float, cos_b: Floats, sin_b: Floats
         nearness[i] = value if value > nearness[i] else nearness[i]
 
 
-@kernel
+@part
 def _is_hidden(low: int, high: int, most: float, nearness: Floats) -> bool:
     """Whether beams low..high-1 are all bounded nearer than a wall whose nearness is `most` could bound them."""
     least = np.inf
@@ -258,7 +268,7 @@ def _is_hidden(low: int, high: int, most: float, nearness: Floats) -> bool:
     return least >= most
 
 
-@kernel
+@part
 def _block_is_hidden(
     lines: Lines,
     block: int,
@@ -286,7 +296,7 @@ def _block_is_hidden(
     )
 
 
-@kernel
+@part
 def bound_scan(
     lines: Lines,
     x: float,
@@ -300,6 +310,7 @@ def bound_scan(
     sin_b: Floats,
     blocks: Integers,
     away: Floats,
+    rings: Integers,
     nearness: Floats,
 ) -> bool:
     """Raise `nearness` (k,) [1/m] to 1/t, where no beam meets an occupied cell before t.
@@ -318,13 +329,13 @@ def bound_scan(
         The sectors of `bucket_of`: beams starts[s] to starts[s + 1] - 1 are in sector s.
     cos_b, sin_b
         (k,): beams in the order of their sectors.
-    blocks, away
-        Room to work in, as long as there are blocks.
+    blocks, away, rings
+        Room to work in: two as long as there are blocks, and one for each of the `RINGS` and two.
     """
     last = len(starts) - 2
     walls = lines.walls
     left = _MOST * len(cos_b)
-    for i in range(_near_blocks(lines, x, y, reach, blocks, away)):
+    for i in range(_near_blocks(lines, x, y, reach, blocks, away, rings)):
         block = blocks[i]
         if _block_is_hidden(lines, block, x, y, cos_h, sin_h, away[block], starts, scale, nearness):
             continue

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
 __all__ = ["fill_normal", "fill_uniform", "normals", "pairs", "philox"]
 
@@ -27,7 +27,7 @@ _TO_UNIT = 1.0 / 9007199254740992.0  # 2**-53
 Words = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
 
 
-@kernel
+@part
 def philox(c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.uint64, k1: np.uint64) -> Words:
     """Four random 32-bit words (in uint64) from a counter of four words and a key of two."""
     for _ in range(10):
@@ -42,14 +42,14 @@ def philox(c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.ui
     return c0, c1, c2, c3
 
 
-@kernel
+@part
 def _unit(high: np.uint64, low: np.uint64) -> float:
     # 53 bits, and half a step, so that neither 0 (its logarithm) nor 1 ever comes out.
     bits = ((high >> np.uint64(5)) << np.uint64(26)) | (low >> np.uint64(6))
     return (np.float64(bits) + 0.5) * _TO_UNIT
 
 
-@kernel
+@part
 def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int, first: Floats, second: Floats) -> None:
     """Two uniform draws in (0, 1) from each of a row's blocks of the tick, from number `block` on, into two arrays.
 
@@ -66,7 +66,7 @@ def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int,
         second[b] = _unit(w2, w3)
 
 
-@kernel
+@part
 def normals(first: Floats, second: Floats) -> None:
     """Turn pairs of uniform draws into pairs of standard normal ones, in place, by Box and Muller's transform."""
     for b in range(first.shape[0]):
@@ -77,7 +77,7 @@ def normals(first: Floats, second: Floats) -> None:
         first[b] = first[b] * math.cos(angle)
 
 
-@kernel
+@part
 def _lay_out(first: Floats, second: Floats, out: Floats) -> None:
     for b in range(out.shape[0] // 2):
         out[2 * b] = first[b]

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid import ONE, Grid, is_occupied
-from amorsim.kernels.lines import SAFETY, Lines, bound_scan, bucket_of
+from amorsim.kernels.lines import RINGS, SAFETY, Lines, bound_scan, bucket_of
 from amorsim.kernels.rays import cell_of, direction, march, rounding, to_frame
 
 __all__ = ["cast_scans"]
@@ -44,7 +44,7 @@ _ROW_UNIT = 256
 _BEYOND_WORD = ~0x0707
 
 
-@kernel
+@part
 def _sort_beams(
     cos_b: Floats, sin_b: Floats, b: int, scale: float, order: Integers, starts: Integers, cos_s: Floats, sin_s: Floats
 ) -> None:
@@ -67,7 +67,7 @@ def _sort_beams(
     starts[0] = 0
 
 
-@kernel
+@part
 def _aim(
     grid: Grid,
     x: float,
@@ -127,7 +127,7 @@ def _aim(
         q[i + _STEP_Y] = _ROW_UNIT if dy > 0.0 else -_ROW_UNIT
 
 
-@kernel
+@part
 def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
     """Write the words that the beams are in, and their places in them; where all is free the word is 0.
 
@@ -151,7 +151,7 @@ def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
         q[i + _PLACE] = place
 
 
-@kernel
+@part
 def _walk(slack: float, f: Floats, q: Integers) -> None:
     """Go from cell to cell until one is occupied, the next is in another word, or which is next is in doubt.
 
@@ -179,7 +179,7 @@ def _walk(slack: float, f: Floats, q: Integers) -> None:
             f[i + _NEXT_Y] = next_y + (between_y if goes & (1 - by_x) else 0.0)
 
 
-@kernel
+@part
 def _measure(resolution: float, x: float, y: float, reach: float, f: Floats, q: Integers) -> None:
     """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did."""
     for i in range(_LANES):
@@ -241,6 +241,7 @@ def cast_scans(
     nearness = np.empty(lanes)
     blocks = np.empty(lines.boxes.shape[0], dtype=np.int64)
     away = np.empty(lines.boxes.shape[0])
+    rings = np.empty(RINGS + 2, dtype=np.int64)
     cos_s = np.ones(lanes)
     sin_s = np.zeros(lanes)
     f = np.empty(9 * _LANES)
@@ -268,7 +269,9 @@ def cast_scans(
         bounded = has_lines and reach > resolution
         if bounded:
             nearness[:] = beyond
-            bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, nearness)
+            bounded = bound_scan(
+                lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, nearness
+            )
         for first in range(0, beams, _LANES):
             if bounded:
                 _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, slack, f, q)

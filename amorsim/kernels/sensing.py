@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.philox import normals, pairs
 from amorsim.kernels.poses import displaced, wrap
 
@@ -90,7 +90,7 @@ def place(table: Ints, mounts: Floats, ring: Floats, body: Floats, places: Float
                 places[at + j, 2] = wrap(heading + ring[first + j, 2])
 
 
-@kernel
+@part
 def _sense(
     kind: int, mount: Floats, number: float, body: Floats, twist: Floats, joints: Floats, values: Floats
 ) -> None:
@@ -110,13 +110,13 @@ def _sense(
                 values[j] = number
 
 
-@kernel
+@part
 def _noisy(value: float, part: Floats, noise: float) -> float:
     deviation = part[0] + part[1] * abs(value)
     return value + deviation * noise if deviation > 0.0 and abs(value) < np.inf else value
 
 
-@kernel
+@part
 def _scatter(
     key: np.uint64,
     counter: npt.NDArray[np.uint32],
@@ -137,6 +137,54 @@ def _scatter(
         values[2 * b + 1] = _noisy(values[2 * b + 1], part, second[b])
     if len(values) % 2:
         values[-1] = _noisy(values[-1], part, first[-1])
+
+
+@part
+def _read_rows(
+    table: Ints,
+    chains: Ints,
+    parts: Floats,
+    keys: npt.NDArray[np.uint64],
+    mounts: Floats,
+    numbers: Floats,
+    counter: npt.NDArray[np.uint32],
+    body: Floats,
+    twist: Floats,
+    joints: Floats,
+    first: int,
+    end: int,
+    true: Floats,
+    measured: Floats,
+    one: Floats,
+    other: Floats,
+) -> None:
+    """What `read` does, with room to work in."""
+    rows = body.shape[0]
+    for d in range(table.shape[0]):
+        k = table[d, _SIZE]
+        half = (k + 1) // 2
+        for i in range(first, end):
+            at = table[d, _VALUES] * rows + i * k
+            _sense(table[d, _KIND], mounts[d, i], numbers[d, i], body[i], twist[i], joints[i], true[at : at + k])
+            values = measured[at : at + k]
+            for j in range(k):
+                values[j] = true[at + j]
+            for c in range(table[d, _FIRST], table[d, _LAST]):
+                number = parts[c, i, 0]
+                if chains[c] == GAUSSIAN:
+                    _scatter(keys[c, i], counter, i, parts[c, i], values, one[:half], other[:half])
+                elif chains[c] == BIAS:
+                    for j in range(k):
+                        values[j] = values[j] - (0.0 - number)
+                elif chains[c] == SCALE:
+                    for j in range(k):
+                        values[j] = values[j] * number
+                elif chains[c] == NEAREST:
+                    for j in range(k):
+                        values[j] = np.rint(values[j] / number) * number
+                else:
+                    for j in range(k):
+                        values[j] = np.floor(values[j] / number) * number
 
 
 @kernel
@@ -173,32 +221,24 @@ def read(
     true
         Range finders have put what they see there.
     """
-    rows = body.shape[0]
     most = (table[:, _SIZE].max() + 1) // 2
     one = np.empty(most)
     other = np.empty(most)
-    for d in range(table.shape[0]):
-        k = table[d, _SIZE]
-        half = (k + 1) // 2
-        for i in range(first, end):
-            at = table[d, _VALUES] * rows + i * k
-            _sense(table[d, _KIND], mounts[d, i], numbers[d, i], body[i], twist[i], joints[i], true[at : at + k])
-            values = measured[at : at + k]
-            for j in range(k):
-                values[j] = true[at + j]
-            for c in range(table[d, _FIRST], table[d, _LAST]):
-                number = parts[c, i, 0]
-                if chains[c] == GAUSSIAN:
-                    _scatter(keys[c, i], counter, i, parts[c, i], values, one[:half], other[:half])
-                elif chains[c] == BIAS:
-                    for j in range(k):
-                        values[j] = values[j] - (0.0 - number)
-                elif chains[c] == SCALE:
-                    for j in range(k):
-                        values[j] = values[j] * number
-                elif chains[c] == NEAREST:
-                    for j in range(k):
-                        values[j] = np.rint(values[j] / number) * number
-                else:
-                    for j in range(k):
-                        values[j] = np.floor(values[j] / number) * number
+    _read_rows(
+        table,
+        chains,
+        parts,
+        keys,
+        mounts,
+        numbers,
+        counter,
+        body,
+        twist,
+        joints,
+        first,
+        end,
+        true,
+        measured,
+        one,
+        other,
+    )
