@@ -231,7 +231,7 @@ def test_a_file_that_is_no_toml(registry, tmp_path, data, words):
 def test_a_file_that_is_not_there(registry, tmp_path):
     with pytest.raises(ScenarioError, match="there is no such file"):
         load(tmp_path / "none.toml", registry=registry)
-    with pytest.raises(ScenarioError, match=r"bundled scenarios: demo.*Did you mean 'demo'\?"):
+    with pytest.raises(ScenarioError, match=r"bundled scenarios: .*demo.*Did you mean 'demo'\?"):
         load("dmo", registry=registry)
     with pytest.raises(ScenarioError, match="a folder"):
         load(tmp_path, registry=registry)
