@@ -9,8 +9,6 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import contextlib
-import math
-import secrets
 import threading
 import time
 from collections.abc import Mapping
@@ -19,9 +17,11 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.runs.folder import next_folder
+from amorsim.ui.controls import Controls
 from amorsim.ui.link import Link
+from amorsim.ui.mailbox import Mailbox
 from amorsim.ui.project import Saver, place_for
-from amorsim.ui.protocol import FRAME_HEADER, FrameFlag, Scene, with_flags
+from amorsim.ui.protocol import FRAME_HEADER, Scene
 from amorsim.ui.recipe import Recipe
 
 __all__ = ["LOOKING", "Session"]
@@ -41,7 +41,6 @@ DRIVING = (
 _OWN = ("controls", "restart", "save_run", "save_scenario")
 
 BETWEEN_PINGS = 0.5  # [s]
-FRESH = 0.1  # [s] that a frame is new for
 LONGEST_INTERRUPT = 1.0  # [s] that a controller gets to be broken off
 LONGEST_ANSWER = 600.0  # [s]
 LONGEST_START = 300.0  # [s], compiling included
@@ -71,16 +70,10 @@ class Session:
         self._saver = Saver(self.project, recipe)
         self._out = out
         self._patience = patience
-        self._lock = threading.RLock()
         self._link: Link | None = None
         self._scene: Scene | None = None
-        self._windows: dict[str, None] = {}
-        self._holder = ""
-        self._asking: list[str] = []
-        self._number, self._frame = 0, b""  # of the newest frame, and its bytes
-        self._frame_at = -math.inf  # when it came, as long as nothing was done since
-        self._is_frame_asked = False
-        self._waiters: list[tuple[int, asyncio.AbstractEventLoop, asyncio.Future[bytes]]] = []
+        self._controls = Controls()
+        self._mailbox = Mailbox(self._ask_frame)
         self._epoch = 0
         self._hang: dict[str, Any] | None = None  # what the child, or its end, tells of a controller that hangs
         self._state: Answer = {}
@@ -117,12 +110,9 @@ class Session:
         except BaseException:
             link.close(0.0)
             raise
-        with self._lock:
-            self._scene, self.remarks = ready["scene"], ready["remarks"]
-            self._hang = None
-            self._is_frame_asked = False
-            if self._waiters:
-                self._want_frame()
+        self._scene, self.remarks = ready["scene"], ready["remarks"]
+        self._hang = None
+        self._mailbox.move_on()
         if not link.is_alive:
             self._ended(link)
 
@@ -151,52 +141,18 @@ class Session:
 
     def open_window(self) -> str:
         """Let a new window watch; returns the word by which it is known. The first has the controls."""
-        window = secrets.token_urlsafe(12)
-        with self._lock:
-            self._windows[window] = None
-            if not self._holder:
-                self._holder = window
-        return window
+        return self._controls.open()
 
     def close_window(self, window: str) -> None:
         """Let a window go; what it drove by hand stands."""
-        with self._lock:
-            self._windows.pop(window, None)
-            self._asking = [one for one in self._asking if one != window]
-            held = self._holder == window
-            if held:
-                self._holder = ""
-        if held:
+        if self._controls.close(window):
             with contextlib.suppress(AmorsimError):
                 self._send({"do": "stop"})
 
     @property
     def holder(self) -> str:
         """The window that has the controls, or nothing."""
-        return self._holder
-
-    def _controls(self, window: str, command: Table) -> Answer:
-        want, to = command.get("want"), command.get("to")
-        with self._lock:
-            if want == "take":
-                if self._holder not in ("", window):
-                    raise AmorsimError("another window has the controls; ask for them")
-                self._holder = window
-            elif want == "ask":
-                if self._holder in ("", window):
-                    self._holder = window
-                elif window not in self._asking:
-                    self._asking.append(window)
-            elif want == "give":
-                if self._holder != window:
-                    raise AmorsimError("this window does not have the controls")
-                if to is not None and to not in self._windows:
-                    raise AmorsimError("there is no such window any more")
-                self._holder = str(to) if to else (self._asking[0] if self._asking else "")
-            else:
-                raise AmorsimError(f"want: expected 'take', 'ask' or 'give', got {want!r}")
-            self._asking = [one for one in self._asking if one != self._holder]
-            return {"ok": True, "holder": self._holder, "asking": list(self._asking)}
+        return self._controls.holder
 
     # -------------------------------------------------------------------------------------------------------- commands
 
@@ -211,14 +167,14 @@ class Session:
         """The answer to a window's command (see `amorsim.ui.protocol`)."""
         name = command.get("do")
         try:
-            if window not in self._windows:
+            if not self._controls.knows(window):
                 raise AmorsimError("this window is not known any more; load the page again")
             known = (*LOOKING, *DRIVING, *_OWN)
             if name not in known:
                 raise AmorsimError(f"there is no command {name!r}.{did_you_mean(str(name), known)}")
             if name == "controls":
-                return self._controls(window, command)
-            if name not in LOOKING and self._holder != window and name != "select":
+                return self._controls.carry_out(window, command)
+            if name not in LOOKING and self.holder != window and name != "select":
                 raise AmorsimError("another window has the controls; ask for them")
             if name in _OWN:
                 return await asyncio.to_thread(self._own, command)
@@ -227,7 +183,7 @@ class Session:
             if self._hang is not None:
                 raise AmorsimError(f"the simulation does not answer: {self._hang['text']}")
             answer = await asyncio.wrap_future(self._send(command))
-            self._frame_at = -math.inf
+            self._mailbox.spoil()
             return answer
         except AmorsimError as error:
             return {"ok": False, "error": str(error)}
@@ -238,7 +194,7 @@ class Session:
             if command.get("do") in _OWN:
                 return self._own(command)
             answer = self._send(command).result(LONGEST_ANSWER)
-            self._frame_at = -math.inf
+            self._mailbox.spoil()
             return answer
         except AmorsimError as error:
             return {"ok": False, "error": str(error)}
@@ -281,7 +237,7 @@ class Session:
         if self._hang is None:
             with contextlib.suppress(AmorsimError):
                 self._state = await asyncio.wrap_future(self._send(command))
-        return {**self._state, **self._told_hang(), "holder": self._holder, "asking": list(self._asking)}
+        return {**self._state, **self._told_hang(), **self._controls.told()}
 
     def _told_hang(self) -> Answer:
         hang = self._hang
@@ -306,48 +262,21 @@ class Session:
 
         Frames are made only while somebody waits for one, at most 40 in a second.
         """
-        loop = asyncio.get_running_loop()
-        with self._lock:
-            is_newer = self._number > after
-            if self._frame and is_newer and (self._hang or time.monotonic() - self._frame_at < FRESH):
-                return self._frame
-            waiter: asyncio.Future[bytes] = loop.create_future()
-            self._waiters.append((after, loop, waiter))
-            self._want_frame(now=is_newer)
-        try:
-            return await waiter
-        finally:
-            with self._lock:
-                self._waiters = [one for one in self._waiters if one[2] is not waiter]
+        return await self._mailbox.newest(after)
 
-    def _want_frame(self, *, now: bool = False) -> None:
-        """Ask for the next frame; `now` for one even where nothing has changed since the last."""
+    def _ask_frame(self, now: bool) -> bool:
         link = self._link
-        if (now or not self._is_frame_asked) and link is not None and link.is_alive:
-            self._is_frame_asked = True
-            link.tell({"do": "frame", "now": now})
+        if link is None or not link.is_alive:
+            return False
+        link.tell({"do": "frame", "now": now})
+        return True
 
     def _take_frame(self, data: bytes) -> None:
         header = FRAME_HEADER.unpack_from(data)
-        with self._lock:
-            self._is_frame_asked = False
-            self._epoch, self._frame_at = header[3], time.monotonic()
-            if self._link is not None:
-                self._link.tick = header[8]
-            self._publish(data, header[9])
-
-    def _publish(self, data: bytes, flags: int) -> None:
-        self._number += 1
-        self._frame = with_flags(data, self._number, flags)
-        waiters, self._waiters = self._waiters, []
-        for _, loop, waiter in waiters:
-            _settle(loop, waiter, self._frame)
-
-    def _mark_hang(self) -> None:
-        with self._lock:
-            if self._frame:
-                flags = FRAME_HEADER.unpack_from(self._frame)[9] & ~FrameFlag.RUNNING
-                self._publish(self._frame, flags | FrameFlag.HANG)
+        self._epoch = header[3]
+        if self._link is not None:
+            self._link.tick = header[8]
+        self._mailbox.take(data)
 
     # -------------------------------------------------------------------------------------------------------- watching
 
@@ -367,8 +296,7 @@ class Session:
                 self._note_hang("hang", text, sign["tick"], sign["robot"], sign["stack"])
             elif self._hang is not None and self._hang["status"] == "hang":
                 self._hang = None
-                with self._lock:
-                    self._want_frame()
+                self._mailbox.move_on()
 
     def _sign(self, link: Link) -> Answer | None:
         try:
@@ -382,7 +310,7 @@ class Session:
         is_new = self._hang is None or self._hang["status"] != status
         self._hang = {"status": status, "text": text, "tick": tick, "robot": robot, "stack": stack}
         if is_new:
-            self._mark_hang()
+            self._mailbox.stand_still()
         if self._link is not None:  # whoever has asked already gets no answer either
             self._link.give_up(f"the simulation does not answer: {text}")
 
@@ -409,6 +337,7 @@ class Session:
             link.tell({"do": "interrupt"})
             if self._is_back(link):
                 self._hang = None
+                self._mailbox.move_on()
                 for name in without:
                     self._demand({"do": "hand_over", "robot": name, "to": "hand"})
                 if not without:
@@ -446,12 +375,3 @@ class Session:
                 return False
             time.sleep(0.02)
         return False
-
-
-def _settle(loop: asyncio.AbstractEventLoop, waiter: asyncio.Future[bytes], data: bytes) -> None:
-    def settle() -> None:
-        if not waiter.done():
-            waiter.set_result(data)
-
-    with contextlib.suppress(RuntimeError):  # the loop has ended
-        loop.call_soon_threadsafe(settle)

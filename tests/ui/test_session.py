@@ -202,7 +202,7 @@ def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) 
                 await waiting
 
     aside(impatient())
-    assert session._waiters == []
+    assert session._mailbox.waiting == 0
     # A loop that has gone takes no frame with it.
     with pytest.raises(asyncio.TimeoutError):
         aside(asyncio.wait_for(session.newest_frame(number), 0.01))
