@@ -117,7 +117,9 @@ class Child:
     def _where(self) -> dict[str, Any]:
         """Which controller holds up the first thread, and where."""
         frame = sys._current_frames().get(self._main)
-        lines = users_lines(traceback.extract_stack(frame)) if frame is not None else []
+        stack = traceback.extract_stack(frame) if frame is not None else traceback.StackSummary()
+        # A kernel that is met for the first time (at a first contact ...) is compiled: that takes its time, and ends.
+        lines = [] if is_compiling(stack) else users_lines(stack)
         return {"stack": "\n".join(lines), "robot": _robot_of(frame)} if lines else {}
 
     def end(self) -> None:
@@ -288,6 +290,11 @@ class Child:
     def close(self) -> None:
         """Write what waits."""
         self._writer.close()
+
+
+def is_compiling(stack: traceback.StackSummary) -> bool:
+    """Whether a stack is in the compiler of kernels."""
+    return any("numba" in Path(frame.filename).parts for frame in stack)
 
 
 def _robot_of(frame: FrameType | None) -> str:
