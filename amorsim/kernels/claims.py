@@ -67,6 +67,9 @@ def _is_void(path: Path) -> bool:
         return False
     try:
         os.kill(int(owner), 0)
+        if hasattr(os, "waitid"):  # a child of this process that has ended is there until somebody asks how
+            with contextlib.suppress(ChildProcessError):
+                return os.waitid(os.P_PID, int(owner), os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
     except ProcessLookupError:
         return True
     except (OSError, ValueError):

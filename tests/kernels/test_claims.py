@@ -69,6 +69,22 @@ def test_a_claim_of_a_process_that_is_gone_counts_for_nothing(tmp_path: Path) ->
     assert _Claims(tmp_path).try_for(path)
 
 
+@pytest.mark.skipif(not hasattr(os, "waitid"), reason="there a child is told from one that has ended by asking it")
+def test_nor_does_one_of_a_child_that_has_ended_and_was_not_asked_how(tmp_path: Path) -> None:
+    child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    path = tmp_path / "a.claim"
+    path.write_text(str(child.pid))
+    assert not _Claims(tmp_path).try_for(path)
+    child.kill()
+    deadline = time.monotonic() + 20.0
+    while not _Claims(tmp_path).try_for(path):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    assert child.wait() == -9  # it was left to whoever started it to ask
+    assert child.stdin is not None
+    child.stdin.close()
+
+
 def test_an_old_claim_counts_for_nothing(tmp_path: Path) -> None:
     path = tmp_path / "a.claim"
     path.write_text(str(os.getpid()))
