@@ -1,4 +1,4 @@
-"""The response of a motor against Euler's rule in very many steps, and against itself in two halves."""
+"""The response of a motor against the midpoint rule in very many steps, and against itself in two halves."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ INF = math.inf
 def naive(value: float, target: float, limit: float, lag: float, dt: float, n: int = 50_000) -> tuple[float, float]:
     total, step = 0.0, dt / n
     for _ in range(n):
-        slope = (target - value) / lag
-        slope = min(max(slope, -limit), limit)
-        total += (value + 0.5 * step * slope) * step
-        value += step * slope
+        half = value + 0.5 * step * min(max((target - value) / lag, -limit), limit)
+        value += step * min(max((target - half) / lag, -limit), limit)
+        total += half * step
     return value, total
 
 
@@ -28,7 +27,7 @@ def naive(value: float, target: float, limit: float, lag: float, dt: float, n: i
 @pytest.mark.parametrize("dt", [0.1, 1.0])
 def test_it_is_the_solution_of_its_equation(target: float, limit: float, dt: float) -> None:
     found = respond(0.5, target, limit, 0.3, dt)
-    assert found == pytest.approx(naive(0.5, target, limit, 0.3, dt), abs=2e-5)
+    assert found == pytest.approx(naive(0.5, target, limit, 0.3, dt), abs=1e-8)
 
 
 def test_without_lag_it_is_a_ramp_or_there_at_once() -> None:
