@@ -98,7 +98,7 @@ def test_of_every_drive_over_a_kilometre(name: str) -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_of_every_robot_over_a_kilometre(name: str, tmp_path) -> None:
     robot = of_model(name, tmp_path, 60.0)
-    seconds = {"turtlebot3_burger": 16_000.0, "nomad200": 7000.0, "youbot": 7000.0}.get(name, 5000.0)
+    seconds = {"turtlebot3_burger": 26_000.0, "nomad200": 7000.0, "youbot": 7000.0}.get(name, 5000.0)
     sim, way = roam(robot, seconds, 60.0, seed=3, dt=0.5)
     assert way > 1000.0
     check(sim)
