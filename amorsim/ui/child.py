@@ -337,7 +337,3 @@ def main() -> None:
     # All is written; taking the interpreter apart would only take time.
     sys.stderr.flush()
     os._exit(0)
-
-
-if __name__ == "__main__":
-    main()

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.pipes import FRAME, Writer, read_message
+from amorsim.ui.pipes import FRAME, Writer, python_for, read_message
 
 __all__ = ["Link"]
 
@@ -69,7 +69,7 @@ class Link:
         self._has_ended = False
         # In a session of its own, where there are such: Ctrl-C in the terminal is for the session alone.
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "amorsim.ui.child"],
+            python_for("amorsim.ui.child"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

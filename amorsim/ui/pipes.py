@@ -5,15 +5,25 @@ from __future__ import annotations
 import json
 import queue
 import struct
+import sys
 import threading
 from collections.abc import Mapping
 from typing import IO, Any
 
-__all__ = ["FRAME", "JSON", "Writer", "read_message"]
+__all__ = ["FRAME", "JSON", "Writer", "python_for", "read_message"]
 
 JSON, FRAME = b"J", b"F"
 _HEAD = struct.Struct("<cI")
 LARGEST = 1 << 30
+
+
+def python_for(module: str) -> list[str]:
+    """The command that runs `main` of a module in another process, which finds modules where this one does.
+
+    ``python -m`` would look into the present folder first, where a user's ``random.py`` may lie.
+    """
+    script = f"import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {module} import main; main()"
+    return [sys.executable, "-P", "-c", script, json.dumps(sys.path)]
 
 
 def read_message(pipe: IO[bytes]) -> tuple[bytes, bytes] | None:

@@ -6,7 +6,6 @@ import contextlib
 import json
 import re
 import subprocess
-import sys
 import threading
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.runs.folder import new_folder
+from amorsim.ui.pipes import python_for
 from amorsim.ui.recipe import Recipe
 
 __all__ = ["Saver", "place_for"]
@@ -85,7 +85,7 @@ class Saver:
             if self._is_closed:
                 raise AmorsimError("the simulation has ended")
             process = subprocess.Popen(
-                [sys.executable, "-m", "amorsim.ui.saving"],
+                python_for("amorsim.ui.saving"),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,

@@ -67,7 +67,3 @@ def _end_with_the_session() -> None:
     _thread.interrupt_main()
     time.sleep(LONGEST_END)
     os._exit(1)
-
-
-if __name__ == "__main__":
-    main()

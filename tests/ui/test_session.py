@@ -264,7 +264,12 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
         assert am.reproduce(answer["folder"]).is_exact
 
 
-def test_what_a_controller_prints_goes_to_the_log(start: Make, capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_a_controller_prints_goes_to_the_log(
+    start: Make, capfd: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Nor does a file in the present folder stand in for one of Python's.
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "json.py").write_text("raise SystemExit('not this one')")
     session = start("own.py:printing")
     done(session, "step", steps=3)
     until(lambda: "J" * 100 in capfd.readouterr().err)
