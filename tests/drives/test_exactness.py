@@ -97,9 +97,11 @@ def test_of_every_drive_over_a_kilometre(name: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("name", ROBOTS)
 def test_of_every_robot_over_a_kilometre(name: str, tmp_path) -> None:
-    robot = of_model(name, tmp_path, 60.0)
+    # The slowest one, once flush with a wall, may stay there for ever: any turn takes a corner into it.
+    size = 200.0 if name == "turtlebot3_burger" else 60.0
+    robot = of_model(name, tmp_path, size)
     seconds = {"turtlebot3_burger": 26_000.0, "nomad200": 7000.0, "youbot": 7000.0}.get(name, 5000.0)
-    sim, way = roam(robot, seconds, 60.0, seed=3, dt=0.5)
+    sim, way = roam(robot, seconds, size, seed=3, dt=0.5)
     assert way > 1000.0
     check(sim)
 
