@@ -36,6 +36,7 @@ _FEW = 8  # rays of a cone up to which all are cast
 _STEPS = 12  # cells that a ray walks before it jumps
 _NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
 _MOST = 64  # walls that a cone may hear
+_FINE = 400  # cells in the range, from which on looking up walls is sooner done than asking cells
 _NEXT = 0.05  # [rays] within which a wall that ends beside a ray counts as met; so rough are bearings
 _AT_ONCE = 32  # walls that are looked at together
 _SAFETY = 1e-9  # relative, on every bound that leaves something out
@@ -521,7 +522,7 @@ def cast_cones(
         sin_h = math.sin(poses[n, 2] - yaw)
         reach = range_max[n]
         inside = 0.0 <= x < grid.cols * resolution and 0.0 <= y < grid.rows * resolution
-        if has_lines and inside and resolution < reach and cos_h == cos_h:  # not of nan
+        if has_lines and inside and _FINE * resolution < reach and cos_h == cos_h:  # not of nan
             col = cell_of(x, resolution)
             row = cell_of(y, resolution)
             if is_occupied(grid, row, col):
