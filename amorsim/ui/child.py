@@ -153,7 +153,7 @@ class Child:
         self._busy_since = None
         builder = SceneBuilder(simulation)
         self._player, self._does = player, Commands(player, builder, self._is_ending.is_set)
-        self._folder = str(player.folder or "")
+        self._folder, self._tick = str(player.folder or ""), player.newest
         remarks = [
             f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
         ]
@@ -171,7 +171,7 @@ class Child:
 
     def _turn(self) -> None:
         """Carry out what was said, make a step if one is due, and show how it looks."""
-        does, player = self._does, self._player
+        does = self._does
         now = time.monotonic()
         wait = LONGEST_SLEEP
         if does.is_running:
@@ -181,8 +181,10 @@ class Child:
         self._listen(wait)
         if does.is_running and does.pace.wait(time.monotonic()) <= 0.0:
             self._step()
+            # As fast as possible: look about only when there is something to see to.
+            while does.is_running and does.pace.factor is None and self._commands.empty() and not self._is_frame_due():
+                self._step()
         self._show()
-        self._tick = player.newest
 
     def _listen(self, wait: float) -> None:
         try:
@@ -207,6 +209,7 @@ class Child:
         finally:
             self._busy_since, self._in_step = None, False
         self._changed = True
+        self._tick = self._player.newest
         self._tell_inputs()
         self._writer.send({"id": command["id"], **answer})
 
@@ -225,6 +228,7 @@ class Child:
         finally:
             self._busy_since, self._in_step = None, False
         self._changed = True
+        self._tick = player.newest
         if not made:
             does.is_running = False
             if player.fault is not None:
