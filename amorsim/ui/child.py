@@ -81,16 +81,18 @@ class Child:
 
     def read(self) -> None:
         """Take what the session says, until it says no more."""
-        while (message := read_message(self._said)) is not None:
-            kind, data = message
-            if kind != JSON:
-                continue
-            command = json.loads(data)
-            if command.get("do") in _AT_ONCE:
-                self._at_once(command)
-            else:
-                self._commands.put(command)
-        self.end()
+        try:
+            while (message := read_message(self._said)) is not None:
+                kind, data = message
+                if kind != JSON:
+                    continue
+                command = json.loads(data)
+                if command.get("do") in _AT_ONCE:
+                    self._at_once(command)
+                else:
+                    self._commands.put(command)
+        finally:  # also after what nobody should say: a child that does not listen would never end
+            self.end()
 
     def _at_once(self, command: Mapping[str, Any]) -> None:
         name = command["do"]

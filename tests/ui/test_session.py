@@ -362,3 +362,14 @@ def test_a_run_that_is_being_saved_is_broken_off_with_the_rest(start: Make, tmp_
     assert not answers[0]["ok"]
     assert json.loads((tmp_path / "saved" / "run.json").read_text())["status"] in ("interrupted", "broken off")
     assert poses.read_text().endswith("\n")
+
+
+def test_a_child_that_is_told_nonsense_ends_and_is_no_orphan(start: Make) -> None:
+    session = start()
+    link = session._link
+    assert link is not None
+    link.tell({"do": "ping"})  # without a number to answer under
+    until(lambda: not is_running(link.pid))
+    until(lambda: session._hang is not None)
+    assert done(session, "restart")["again"]
+    done(session, "step")
