@@ -266,6 +266,7 @@ def test_rows_and_values_are_uncorrelated(drawn: tuple[Case, np.ndarray]) -> Non
 # --------------------------------------------------------------------------------------- in the engine, all at once
 
 
+@pytest.mark.long
 def test_errors_of_robots_sensors_elements_and_ticks_are_uncorrelated() -> None:
     """Two robots with two gyros each, each with two elements of one kind: 1e5 errors of each, all pairs of them.
 

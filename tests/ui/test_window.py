@@ -114,7 +114,8 @@ def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_fra
     assert truth[1] < belief[1] - 0.3
     assert drawn_belief[:2] == pytest.approx(belief[:2], abs=0.08)
     assert drawn_truth[:2] == pytest.approx(truth[:2], abs=0.08)
-    assert f"{apart:.3f}" == window.page.locator("tr.chosen td.difference").inner_text().lstrip("+")
+    # The table follows a few times a second, and so perhaps a moment later.
+    window.until(f"document.querySelector('tr.chosen td.difference').innerText.replace('+', '') === '{apart:.3f}'")
 
 
 def test_true_beams_fall_where_the_true_sensor_looks(window: Window) -> None:
