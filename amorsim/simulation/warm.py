@@ -20,6 +20,7 @@ import numpy as np
 
 from amorsim.contracts import MapLoader
 from amorsim.core.map import Map
+from amorsim.kernels import compile as compiling
 from amorsim.kernels.claims import take_turns
 from amorsim.kernels.draft import FREE
 from amorsim.kernels.grid import Grid
@@ -30,7 +31,7 @@ from amorsim.scenario.read import loads
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["compile_beside", "compile_first", "main"]
+__all__ = ["compile_beside", "compile_contact_beside", "compile_first", "main", "meet"]
 
 LONGEST = 120.0  # [s]
 _beside: list[subprocess.Popen[bytes]] = []
@@ -54,6 +55,32 @@ def compile_beside() -> None:
             )
         )
         take_turns()
+
+
+def compile_contact_beside() -> None:
+    """Start a process that compiles what robots that meet something need, unless one has done so already.
+
+    They do so in the middle of a run, where whoever watches would wait some seconds. The process ends with this one.
+    """
+    stamp = _contact_stamp()
+    if stamp is None or stamp.exists() or (os.cpu_count() or 1) < 2:
+        return
+    with contextlib.suppress(OSError):  # it only saves time
+        _beside.append(
+            subprocess.Popen(
+                [sys.executable, "-c", f"from {__name__} import meet; meet()"],
+                stdin=subprocess.PIPE,  # nothing is written: that it closes is what tells of our end
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+        )
+        take_turns()
+
+
+def _contact_stamp() -> Path | None:
+    """The file that says that it is done, for the present sources."""
+    stamp = compiling._stamp()
+    return None if stamp is None else stamp.with_name(f"contact-{stamp.name}")
 
 
 def compile_first(scenario: Scenario) -> None:
@@ -89,11 +116,16 @@ class _Plugin:
         registry.map_loader("open_space", _OpenSpace)
 
 
-def main() -> None:
-    """Make two steps of the demo's robot, without its laser, in an open space."""
+def _deadline() -> threading.Timer:
     deadline = threading.Timer(LONGEST, os._exit, (1,))  # nobody waits for this process, so it must end by itself
     deadline.daemon = True
     deadline.start()
+    return deadline
+
+
+def main() -> None:
+    """Make two steps of the demo's robot, without its laser, in an open space."""
+    deadline = _deadline()
     take_turns()
     path = default_registry().file("scenario", "demo")
     document = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -106,3 +138,53 @@ def main() -> None:
     simulation.step()
     simulation.step()
     deadline.cancel()
+
+
+def meet() -> None:
+    """Let a robot run into a wall and another one into it, and leave word that this is compiled."""
+    deadline = _deadline()
+    threading.Thread(target=_end_with_the_other, name="amorsim-end", daemon=True).start()
+    take_turns()
+    simulation = collide()
+    stamp = _contact_stamp()
+    if stamp is not None and _have_met(simulation):
+        with contextlib.suppress(OSError):
+            for stale in stamp.parent.glob("contact-*"):
+                stale.unlink(missing_ok=True)
+            stamp.touch()
+    deadline.cancel()
+
+
+def _end_with_the_other() -> None:
+    sys.stdin.read()
+    os._exit(1)
+
+
+def collide() -> Simulation:
+    """Two robots without sensors, one behind the other before a wall, after they met it and each other."""
+    path = default_registry().file("scenario", "convoy")
+    document = {
+        "format": 1,
+        "world": {"map": "hall.wld"},
+        "simulation": {"dt": 0.1, "duration": 10.0, "seed": 1},
+        "robots": [
+            {
+                "name": name,
+                "model": "pioneer2dx",
+                "pose": {"x": 5.0, "y": y, "heading_deg": -90.0},
+                "sensors": {"laser": False, "sonar": False},
+                "controller": {"use": "manual"},
+            }
+            for name, y in (("first", 0.6), ("second", 1.3))
+        ],
+    }
+    simulation = Simulation(loads(document, path.parent, registry=default_registry()))
+    for name in simulation.names:
+        simulation.robot(name).drive(0.5)
+    while simulation.tick < 30 and not _have_met(simulation):
+        simulation.step()
+    return simulation
+
+
+def _have_met(simulation: Simulation) -> bool:
+    return {"wall", simulation.names[0]} <= {event.other for event in simulation.events}

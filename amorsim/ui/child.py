@@ -26,6 +26,7 @@ from typing import IO, Any
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
 from amorsim.kernels.compile import mark_warm
+from amorsim.simulation.warm import compile_contact_beside
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.pipes import JSON, Writer, read_message
@@ -144,6 +145,7 @@ class Child:
         """Make the simulation, and simulate until the session ends."""
         try:
             self._busy_since = time.monotonic()
+            compile_contact_beside()
             simulation, remark = recipe.simulation()
             player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
             if tick or len(inputs):
