@@ -39,13 +39,13 @@ class Controls:
         return window
 
     def close(self, window: str) -> bool:
-        """Forget a window; whether it had the controls."""
+        """Forget a window; whether it had the controls, which go to the first that asks for them."""
         with self._lock:
             self._windows.discard(window)
             self.asking = [one for one in self.asking if one != window]
             if self.holder != window:
                 return False
-            self.holder = ""
+            self.holder = self.asking.pop(0) if self.asking else ""
             return True
 
     def knows(self, window: str) -> bool:

@@ -164,6 +164,13 @@ def test_windows_and_the_controls(start: Make) -> None:
     assert ask(first, "step")["ok"]
     assert frame(session).selected.command.tolist() == [0.0, 0.0]
 
+    # A window that goes while another one asks.
+    third = session.open_window()
+    assert ask(third, "controls", want="ask")["asking"] == [third]
+    session.close_window(first)
+    assert (session.holder, ask(third, "state")["asking"]) == (third, [])
+    first = third
+
     # Names that lead out of the project's folder, and other nonsense.
     for name in ("../run", "/tmp/run", "a/../../b", "C:\\run", "", ".hidden", "a" * 200, 7, "run\0"):
         assert "expected a name" in ask(first, "save_run", name=name)["error"]
