@@ -149,6 +149,12 @@ def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> 
     window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === 1")
     assert number.input_value() == "1"
     assert field.locator(".error").inner_text() == ""
+    number.fill("-3")
+    number.press("Enter")
+    window.page.wait_for_selector(f"[data-path='{LEFT_WHEEL}'] .error:not(:empty)")
+    window.page.click("text=as in file")
+    window.page.wait_for_selector(f"[data-path='{LEFT_WHEEL}'] .error:empty", state="attached")
+    assert number.input_value() == "1"
 
 
 def test_parameters_are_saved_as_a_scenario(window: Window, project: Path) -> None:

@@ -41,6 +41,11 @@ export class Form {
     for (const parameter of parameters) this.fields.get(parameter.path)?.update(parameter);
   }
 
+  /** Let go what was typed and is not so. */
+  forget() {
+    for (const field of this.fields.values()) field.put(field.parameter);
+  }
+
   build(parameters) {
     this.fields.clear();
     const sections = [];

@@ -201,6 +201,12 @@ export class Simulator {
     return said;
   }
 
+  async restoreAll() {
+    const said = await this.ask({ do: "restore", robot: this.robot.name });
+    if (said.ok) this.form.forget();
+    this.formSaid(said);
+  }
+
   formSaid(said) {
     clearTimeout(this.parametersSoon);
     this.parametersSoon = setTimeout(() => this.readParameters(), 120);
@@ -303,7 +309,7 @@ export class Simulator {
     parts.robot.addEventListener("change", () => this.ask({ do: "select", robot: Number(parts.robot.value) }));
     parts.theme.addEventListener("click", () => this.toggleTheme());
     parts.keys.addEventListener("click", showKeys);
-    parts.asInFile.addEventListener("click", () => this.ask({ do: "restore", robot: this.robot.name }).then((said) => this.formSaid(said)));
+    parts.asInFile.addEventListener("click", () => this.restoreAll());
     parts.controls.addEventListener("click", () => this.askControls());
     parts.saveRun.addEventListener("click", () => this.saveRun());
     parts.saveScenario.addEventListener("click", () => this.saveScenario());
