@@ -165,7 +165,7 @@ class UserController(Controller):
         for row in range(context.rows):
             try:
                 objects[row] = self.function(**dict(self.options))
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise ControllerError(
                     f"controller {self.source!r}: making its object for {context.robot.who(row)} with the options "
                     f"{dict(self.options)} raised {type(error).__name__}: {error}"
@@ -206,7 +206,7 @@ class UserController(Controller):
             )
             try:
                 answer = call(*arguments, **options) if objects is None else call(*arguments)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise ControllerError(
                     f"controller {self.source!r} of {robot.who(row)} at {arguments[2].time:g} s raised "
                     f"{type(error).__name__}: {error}",

@@ -68,10 +68,13 @@ def read_track(path: str | os.PathLike[str]) -> Recorded:
     values = np.array([_numbers(path, number, header, row, wanted) for number, row in rows[1:]]).reshape(
         -1, len(wanted)
     )
+    if len(values) < 2:
+        raise ParameterError("file", f"{path}: expected two lines at least below the first, got {len(values)}")
     late = np.flatnonzero(np.diff(values[:, 0]) <= 0.0)
-    if len(values) < 2 or len(late):
-        where = f"in line {rows[2 + int(late[0])][0]}" if len(late) else f"{len(values)} of them"
-        raise ParameterError("file", f"{path}: expected two lines at least, whose times increase, got {where}")
+    if len(late):
+        before, time = values[late[0] : late[0] + 2, 0].tolist()
+        number = rows[2 + int(late[0])][0]
+        raise ParameterError("file", f"{path}, line {number}: expected a time above {before:.9g}, got {time:.9g}")
     heading = np.unwrap(np.radians(values[:, 3])) if _HEADING in header else None
     return Recorded(values[:, 0] - values[0, 0], values[:, 1].copy(), values[:, 2].copy(), heading)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -18,6 +17,9 @@ from amorsim.motions.ways import displacement
 __all__ = ["ObstacleState", "UserMotion"]
 
 Array = npt.NDArray[np.float64]
+
+# Beyond it [m/s, rad/s] a step would be followed in so many short pieces that it hardly ended.
+FASTEST = 1e6
 
 
 @attrs.frozen
@@ -70,7 +72,7 @@ class UserMotion(Motion):
         for row in range(context.rows):
             try:
                 objects[row] = self.function(**dict(self.options))
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise ComponentError(
                     f"motion {self.source!r}: making its object with the options {dict(self.options)} raised "
                     f"{type(error).__name__}: {error}"
@@ -100,7 +102,7 @@ class UserMotion(Motion):
             call: Callable[..., Any] = self.function if objects is None else objects[row].velocity
             try:
                 answer = call(told, **options) if objects is None else call(told)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 raise ComponentError(
                     f"motion {self.source!r} at {time:g} s raised {type(error).__name__}: {error}"
                 ) from error
@@ -115,10 +117,10 @@ class UserMotion(Motion):
             parts = [float(part) for part in answer]
         except (TypeError, ValueError):
             parts = []
-        if len(parts) not in (2, 3) or not all(map(math.isfinite, parts)):
+        if len(parts) not in (2, 3) or not all(abs(part) <= FASTEST for part in parts):
             raise ComponentError(
                 f"motion {self.source!r} returned {answer!r}; expected the velocity (x, y) [m/s] in the world, "
-                "(x, y, turn) with rad/s, or None to stand"
+                f"(x, y, turn) with rad/s, each at most {FASTEST:g}, or None to stand"
             )
         x, y, turn = (*parts, 0.0)[:3]
         return x, y, turn

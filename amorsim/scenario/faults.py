@@ -149,7 +149,7 @@ class Node:
             elif key.endswith("_deg") and key[:-4] in known:
                 node.fault(f"this is no angle: write {key[:-4]}")
             else:
-                names = ", ".join(known) or "none"
+                names = ", ".join(dict.fromkeys(known)) or "none"
                 node.fault(f"there is no such key, but: {names}.{did_you_mean(key, known)}")
 
 

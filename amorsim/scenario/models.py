@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import copy
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.errors import PluginError
+from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Node, Source, shown
@@ -82,8 +83,22 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
                 book.incomplete.add(node.path)
             else:
                 robot["resolved_from"] = name
+                _check_removals(layers, node)
                 robots[index] = _merged(layers, node)
         _merge_devices(Node(robots[index], node.path, book), registry)
+
+
+def _check_removals(layers: Sequence[Layer], robot: Node) -> None:
+    """A fault for each sensor or estimator that is taken away though the model has none of that name."""
+    for kind in _NAMED:
+        own = robot.value.get(kind)
+        names = [name for _, values in layers if isinstance(values.get(kind), dict) for name in values[kind]]
+        for name in [name for name, value in own.items() if value is False] if isinstance(own, dict) else []:
+            if name not in names:
+                known = ", ".join(dict.fromkeys(names)) or "none"
+                robot.child(kind).child(name).fault(
+                    f"the model has none of this name to take away, but: {known}.{did_you_mean(name, names)}"
+                )
 
 
 def _merge_devices(robot: Node, registry: Registry) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import attrs
 
-from amorsim.core.errors import MapError, PluginError
+from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
@@ -74,6 +74,10 @@ class Maps:
             return None
         before = node.book.count
         known = None
+        keys = ("map", "use", "landmarks")
+        if not {"map", "use"} & set(node.value) and any(did_you_mean(key, keys) for key in set(node.value) - set(keys)):
+            node.refuse_unknown(keys)  # a slip of the pen is no option of a map that is missing
+            return None
         if set(node.value) - {"landmarks"}:
             known = self.read(node, ("landmarks",), like=world)
         landmarks: list[tuple[int, float, float]] = []

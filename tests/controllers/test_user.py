@@ -167,6 +167,14 @@ def test_what_a_function_raises_is_told_with_its_traceback():
     assert caught.value.__cause__.__traceback__ is not None
 
 
+def test_a_function_that_leaves_python_is_told_of_as_well():
+    def leaves(readings, estimate, clock):
+        raise SystemExit(3)
+
+    with pytest.raises(ControllerError, match=r"'mine.py:go' of row 0 at 0.5 s raised SystemExit: 3"):
+        Runner(leaves).command()
+
+
 class Needy:
     def __init__(self, gain):
         self.gain = gain

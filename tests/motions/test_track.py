@@ -72,8 +72,8 @@ def test_from_elsewhere_it_makes_for_its_place(file: str) -> None:
     [
         ("", "expected a first line such as time,x,y"),
         ("t,x,y\n0,1,1\n", "expected a first line such as time,x,y,heading_deg, got 't,x,y'"),
-        ("time,x,y\n0,1,1\n", "two lines at least, whose times increase, got 1 of them"),
-        ("time,x,y\n0,1,1\n\n1,1,2\n1,2,2\n", "whose times increase, got in line 5"),
+        ("time,x,y\n0,1,1\n", "two lines at least below the first, got 1"),
+        ("time,x,y\n0,1,1\n\n1,1,2\n1,2,2\n", "line 5: expected a time above 1, got 1"),
         ("time,x,y\n0,1,1\n1,1\n", "line 3: expected 3 cells, got 2"),
         ("time,x,y\n0,1,1\n1,a,1\n", "line 3: expected a finite x, got 'a'"),
         ("time,x,y\n0,1,1\n1,inf,1\n", "line 3: expected a finite x, got 'inf'"),
@@ -148,7 +148,9 @@ def test_a_missing_track_is_a_fault_with_its_place(folder: Path) -> None:
     [
         ("def chase(obstacle, speed):\n    return 'fast'\n", "returned 'fast'; expected the velocity"),
         ("def chase(obstacle, speed):\n    return 1.0, float('nan')\n", "expected the velocity"),
+        ("def chase(obstacle, speed):\n    return 1e300, 0.0\n", r"\(1e\+300, 0.0\); expected .* each at most 1e\+06"),
         ("def chase(obstacle, speed):\n    return speed / 0.0, 0.0\n", "at 0 s raised ZeroDivisionError"),
+        ("def chase(obstacle, speed):\n    raise SystemExit(3)\n", "at 0 s raised SystemExit: 3"),
     ],
 )
 def test_a_function_that_gives_no_velocity_is_named(folder: Path, text: str, message: str) -> None:
