@@ -66,7 +66,7 @@ class Player:
         self.selected = 0
         self.inputs = Inputs()
         self.fault: Fault | None = None
-        self.remarks: list[EventLine] = []  # what is no event of the simulation
+        self._remarks: list[tuple[int, EventLine]] = []  # each with how many events there were before it
         self.poses_only: int | None = None  # the tick that is shown, where only poses are known of it
         self._notice = notice or (lambda _: None)
         self._present: Any = None  # the snapshot of the present, while the past is shown
@@ -91,7 +91,7 @@ class Player:
         self._newest = 0
         self._is_past = False
         self._present = self._before = self.poses_only = self.fault = None
-        self.remarks = []
+        self._remarks = []
         self.epoch += 1
         if self._out is not None:
             is_taken = is_again and self._out.exists()
@@ -258,7 +258,7 @@ class Player:
             self._newest = tick
             self.paths.cut(tick)
             self.snapshots.cut(tick)
-            self.remarks = [remark for remark in self.remarks if remark["tick"] <= tick]
+            self._remarks = self._remarks_until(tick)
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
         self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
@@ -266,9 +266,9 @@ class Player:
 
     def resume(self, tick: int) -> None:
         """Simulate from the start what the inputs say, up to a tick, as though it had been watched."""
-        remarks = [remark for remark in self.remarks if remark["tick"] <= tick]
+        remarks = self._remarks_until(tick)
         self._begin(self._new())
-        self.remarks = remarks
+        self._remarks = remarks
         for now in self.inputs.replay(self.simulation, tick):
             self._newest = now
             self._write()
@@ -325,19 +325,28 @@ class Player:
         }
         if stack:
             line["stack"] = stack
-        self.remarks.append(line)
+        self._remarks.append((len(self._simulation_events), line))
+
+    @property
+    def remarks(self) -> list[EventLine]:
+        """What is no event of the simulation, in order."""
+        return [line for _, line in self._remarks]
+
+    def _remarks_until(self, tick: int) -> list[tuple[int, EventLine]]:
+        events = len(self.simulation.events)
+        return [(min(before, events), line) for before, line in self._remarks if line["tick"] <= tick]
 
     @property
     def event_count(self) -> int:
         """How many lines `events` has."""
-        return len(self._simulation_events) + len(self.remarks)
+        return len(self._simulation_events) + len(self._remarks)
 
     @property
     def _simulation_events(self) -> Any:
         return self.simulation.events if self._present is None else self._present[0].events
 
     def events(self) -> list[EventLine]:
-        """All that happened up to the present, in order of time."""
+        """All that happened up to the present, in the order in which it became known: what is new comes last."""
         lines: list[EventLine] = [
             {
                 "number": 0,
@@ -350,7 +359,8 @@ class Player:
             }
             for event in self._simulation_events
         ]
-        lines = sorted([*lines, *self.remarks], key=lambda line: line["time"])
+        for before, remark in reversed(self._remarks):
+            lines.insert(before, remark)
         for number, line in enumerate(lines, 1):
             line["number"] = number
         return lines

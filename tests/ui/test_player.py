@@ -236,3 +236,38 @@ def test_a_run_that_is_written_as_it_goes_reproduces_also_from_where_it_went_on(
     nothing = Player(am.Simulation(scenario), out=tmp_path / "nothing")
     nothing.close()
     assert not (tmp_path / "nothing").exists()
+
+
+def test_what_becomes_known_comes_after_what_was_known() -> None:
+    one = player()
+    known: list[str] = []
+
+    def look() -> None:
+        lines = one.events()
+        assert [line["number"] for line in lines] == list(range(1, len(lines) + 1))
+        texts = [line["text"] for line in lines]
+        assert texts[: len(known)] == known
+        assert len(texts) == len(known) + 1 == one.event_count
+        known[:] = texts
+
+    def change(scale: float) -> None:
+        path = "errors.drive.track.scale"
+        one.give(Input(tick=one.newest, do="set", robot=one.simulation.names[0], path=path, value=scale))
+
+    one.step()
+    one.remark("saved", "first")
+    look()
+    change(1.1)  # at the same time
+    look()
+    one.remark("saved", "second")
+    look()
+    one.remark("saved", "third")
+    look()
+    one.step()
+    change(1.2)
+    look()
+    one.scrub(1)
+    one.remark("saved", "while the past is shown")
+    look()
+    one.go_on()
+    assert [line["text"] for line in one.events()] == [text for text in known if "1.2" not in text]
