@@ -12,6 +12,7 @@ from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Film"]
 
+LARGEST = 4096  # [px]: beyond it, frames fill the memory
 LONGEST = 20.0  # [s] that a film takes whose speed is not told
 FASTEST = 25.0  # frames a second
 
@@ -39,7 +40,7 @@ class Film:
     ParameterError
         If a number makes no sense, or the name does not end in ``.gif``.
     RunError
-        If the file's folder is not there.
+        If the file's folder is not there, or it is a folder itself.
     """
 
     def __init__(
@@ -54,6 +55,10 @@ class Film:
     ) -> None:
         if path.suffix.lower() != ".gif":
             raise ParameterError("gif", f"expected the name of a file that ends in .gif, got {str(path)!r}")
+        if path.is_dir():
+            raise RunError(f"{path}: is a folder; name a file")
+        if size > LARGEST:
+            raise ParameterError("gif-size", f"expected at most {LARGEST} pixels, got {size}")
         if not path.parent.is_dir():
             raise RunError(f"{path}: there is no folder {path.parent}")
         if not 0.0 < rate <= FASTEST:

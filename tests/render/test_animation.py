@@ -65,11 +65,14 @@ def test_a_film_of_a_run_takes_the_frames_it_needs(tmp_path: Path) -> None:
     [
         ("run.png", {}, "gif: expected the name of a file that ends in .gif"),
         ("run.gif", {"size": 50}, "gif-size: expected at least 120 pixels"),
+        ("run.gif", {"size": 10_000_000}, "gif-size: expected at most 4096 pixels"),
+        ("folder.gif", {}, "is a folder; name a file"),
         ("run.gif", {"rate": 0.0}, "gif-rate: expected frames a second"),
         ("run.gif", {"speed": -1.0}, "gif-speed: expected a number > 0"),
         ("none/run.gif", {}, "there is no folder"),
     ],
 )
 def test_what_makes_no_film(tmp_path: Path, name: str, settings: dict[str, float], message: str) -> None:
+    (tmp_path / "folder.gif").mkdir()
     with pytest.raises(am.AmorsimError, match=message):
         Film(am.Simulation(building.scenario()), tmp_path / name, 10.0, **settings)
