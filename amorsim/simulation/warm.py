@@ -7,18 +7,20 @@ what the other has compiled already, and waits for what it is just compiling (`a
 from __future__ import annotations
 
 import contextlib
+import copy
 import os
 import subprocess
 import sys
 import threading
 import tomllib
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 
-from amorsim.contracts import MapLoader
+from amorsim.contracts import Aim, Draws, Drive, MapLoader, Sensor, State, View
 from amorsim.core.map import Map
 from amorsim.kernels import compile as compiling
 from amorsim.kernels.claims import take_turns
@@ -110,9 +112,26 @@ class _OpenSpace(MapLoader):
         return Map(grid=grid, origin=(0.0, 0.0, 0.0))
 
 
+@attrs.frozen(kw_only=True)
+class _Nothing(Sensor):
+    """Ranges about the robot, none of which meets anything, told without a kernel."""
+
+    unit: ClassVar[str] = "m"
+
+    def size(self, drive: Drive) -> int:
+        return 8
+
+    def bearings(self) -> npt.NDArray[np.float64]:
+        return np.linspace(-3.0, 3.0, 8)[None]
+
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[npt.NDArray[np.float64], dict[str, Any]]:
+        return np.full((view.rows, 8), np.inf), {}
+
+
 class _Plugin:
     @hookimpl
     def amorsim_register(self, registry: Registry) -> None:
+        registry.sensor("nothing", _Nothing)
         registry.map_loader("open_space", _OpenSpace)
 
 
@@ -124,7 +143,10 @@ def _deadline() -> threading.Timer:
 
 
 def main() -> None:
-    """Make two steps of the demo's robot, without its laser, in an open space."""
+    """Make two steps of the demo's robot in an open space: with ranges from nowhere, and then with its sonars alone.
+
+    What needs no rays comes first, for it is what the other process, which begins with rays, comes to last.
+    """
     deadline = _deadline()
     take_turns()
     path = default_registry().file("scenario", "demo")
@@ -132,11 +154,15 @@ def main() -> None:
     document["world"] = {"map": str(path), "use": "open_space"}
     robot = document["robots"][0]
     robot["pose"] = {"x": 20.0, "y": 20.0, "heading_deg": 0.0}
-    robot["sensors"] = {"laser": False}
-    robot["controller"]["sensor"] = "sonar"
-    simulation = Simulation(loads(document, path.parent, registry=make_registry({"warm": _Plugin()}, disabled="")))
-    simulation.step()
-    simulation.step()
+    robot.pop("knowledge", None)  # its map would be drawn here, with the kernels that the other process begins with
+    far = {"laser": False, "sonar": False, "far": {"use": "nothing"}}
+    registry = make_registry({"warm": _Plugin()}, disabled="")
+    for sensors, looks in ((far, "far"), ({"laser": False}, "sonar")):
+        robot["sensors"], robot["controller"]["sensor"] = sensors, looks
+        # Which start is free is not asked: nothing is in the way, and asking takes kernels.
+        simulation = Simulation(loads(copy.deepcopy(document), path.parent, registry=registry, starts=False))
+        simulation.step()
+        simulation.step()
     deadline.cancel()
 
 
