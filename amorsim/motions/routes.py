@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import abc
+
 import attrs
 import numpy as np
 import numpy.typing as npt
@@ -112,9 +114,9 @@ class _Route(Motion):
         """Whether the last waypoint lies behind."""
         return number >= self._count()
 
+    @abc.abstractmethod
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
         """The waypoint after one, and the way through the list from there."""
-        raise NotImplementedError
 
 
 @attrs.frozen(kw_only=True)

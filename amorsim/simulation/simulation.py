@@ -21,7 +21,7 @@ from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle
 from amorsim.simulation.occupancy import occupancy
-from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
+from amorsim.simulation.snapshot import Snapshot, fits, put_back, take_snapshot
 
 __all__ = ["Simulation"]
 
@@ -356,8 +356,14 @@ class Simulation:
         return take_snapshot(self._fleet)
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go back to what `snapshot` gave, to the bit; it may be restored any number of times."""
-        if snapshot.replicas != self.replicas or len(snapshot.groups) != len(self._fleet.everything):
+        """Go back to what `snapshot` gave, to the bit; it may be restored any number of times.
+
+        Raises
+        ------
+        SnapshotError
+            If it is of another simulation: other replicas, robots, obstacles or components. Nothing has changed then.
+        """
+        if not fits(self._fleet, snapshot):
             raise SnapshotError("this snapshot is of another simulation")
         if snapshot.seed != self.seed:
             self._build(snapshot.seed)

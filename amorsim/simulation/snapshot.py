@@ -15,7 +15,7 @@ from amorsim.core.errors import SnapshotError
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 
-__all__ = ["Snapshot", "copy_state", "put_back", "take_snapshot"]
+__all__ = ["Snapshot", "copy_state", "fits", "put_back", "take_snapshot"]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Bools = npt.NDArray[np.bool_]
@@ -25,6 +25,7 @@ Bools = npt.NDArray[np.bool_]
 class GroupSnapshot:
     """All that changes of one group of robots or obstacles."""
 
+    names: tuple[str, ...]  # of the rows' robots or obstacles
     specified: tuple[Any, ...]
     arrays: dict[str, Arrays]
     states: dict[str, Arrays]
@@ -52,6 +53,7 @@ def take_snapshot(fleet: Fleet) -> Snapshot:
         episodes=fleet.episodes.copy(),
         groups=tuple(
             GroupSnapshot(
+                names=tuple(group.names),
                 specified=tuple(group.specified),
                 arrays=_copy_arrays(group.arrays()),
                 states={
@@ -64,6 +66,24 @@ def take_snapshot(fleet: Fleet) -> Snapshot:
         touching=fleet.touching,
         events=tuple(fleet.events),
     )
+
+
+def fits(fleet: Fleet, snapshot: Snapshot) -> bool:
+    """Whether a snapshot is of such a fleet: the same replicas, bodies in the same groups, and the same state."""
+    return (
+        fleet.replicas == snapshot.replicas
+        and len(fleet.everything) == len(snapshot.groups)
+        and all(
+            tuple(group.names) == held.names
+            and _form(group.arrays()) == _form(held.arrays)
+            and _form(group.states()) == _form(held.states)
+            for group, held in zip(fleet.everything, snapshot.groups, strict=True)
+        )
+    )
+
+
+def _form(tables: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, dict[str, tuple[Any, ...]]]:
+    return {where: {name: (array.shape, array.dtype) for name, array in held.items()} for where, held in tables.items()}
 
 
 def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:

@@ -191,3 +191,21 @@ def test_threads_share_the_work_and_give_the_same_bits(threads: int, monkeypatch
 def test_a_number_of_threads_is_checked() -> None:
     with pytest.raises(am.AmorsimError, match="expected a number of threads >= 1, got 0"):
         am.Simulation(crowd(), threads=0)
+
+
+@pytest.mark.parametrize("other", ["name", "sensor", "replicas"])
+def test_a_snapshot_of_something_else_is_refused_and_nothing_changes(other: str) -> None:
+    simulation = am.Simulation(building.scenario(building.robot(name="rover")), replicas=2)
+    changed = {
+        "name": building.robot(name="scout"),
+        "sensor": building.robot(name="rover", sensors={}, estimators={}),
+        "replicas": building.robot(name="rover"),
+    }[other]
+    stranger = am.Simulation(building.scenario(changed), replicas=3 if other == "replicas" else 2)
+    simulation.run(0.5)
+    stranger.run(1.0)
+    before = simulation.digest(), simulation.tick, len(simulation.events)
+    with pytest.raises(am.SnapshotError, match="another simulation"):
+        simulation.restore(stranger.snapshot())
+    assert (simulation.digest(), simulation.tick, len(simulation.events)) == before
+    simulation.step()
