@@ -168,16 +168,17 @@ class Link:
         self._threads[1].join(1.0)
         with self._lock:
             self._has_ended = True
+        if not self.ready.done():
+            self.ready.set_exception(
+                AmorsimError(f"the simulation could not be started ({self.end})\n{self.last_words}")
+            )
+        self._on_end(self)  # before the answers: whose command fails shall find why
+        with self._lock:
             unanswered = list(self._open.values())
             self._open.clear()
         for answer in unanswered:
             if answer.set_running_or_notify_cancel():
                 answer.set_exception(AmorsimError(f"the simulation has ended by itself ({self.end})"))
-        if not self.ready.done():
-            self.ready.set_exception(
-                AmorsimError(f"the simulation could not be started ({self.end})\n{self.last_words}")
-            )
-        self._on_end(self)
 
     def _hear(self) -> None:
         """Pass on what it writes into its log."""

@@ -235,8 +235,14 @@ class Session:
 
     async def _told_state(self, command: Table) -> Answer:
         if self._hang is None:
-            with contextlib.suppress(AmorsimError):
+            link = self._link
+            try:
                 self._state = await asyncio.wrap_future(self._send(command))
+            except AmorsimError:
+                if link is not None and not link.is_alive:
+                    self._ended(link)  # the link's own word of it may still be under way
+                if self._hang is None and not self._state:
+                    raise
         return {**self._state, **self._told_hang(), **self._controls.told()}
 
     def _told_hang(self) -> Answer:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import signal
 import threading
 import time
 from pathlib import Path
@@ -269,6 +270,24 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
         answer = done(session, "save_run", name="after")
         assert answer["same"] is True
         assert am.reproduce(answer["folder"]).is_exact
+
+
+def test_each_state_has_a_status_while_the_child_goes(start: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    session = start()
+    window = session.open_window()
+    ended = session._ended
+
+    def late(link: Any) -> None:
+        if threading.current_thread().name == "amorsim-link":
+            time.sleep(0.3)
+        ended(link)
+
+    assert session._link is not None
+    monkeypatch.setattr(session._link, "_on_end", late)
+    os.kill(session._link.pid, signal.SIGKILL)
+    statuses = []
+    until(lambda: statuses.append(state(session, window)["status"]) or statuses[-1] == "gone")
+    assert set(statuses) <= {"paused", "gone"}
 
 
 def test_what_a_controller_prints_goes_to_the_log(
