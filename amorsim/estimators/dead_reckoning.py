@@ -156,7 +156,7 @@ class DeadReckoning(Estimator):
         state["pose"], state["covariance"], state["joints"] = pose, grown, after
         return Estimate(pose=pose, covariance=grown)
 
-    def _by_two_wheels(self, drive: Differential, encoder: Encoder, counts: Array, state: State) -> Estimate:
+    def _by_two_wheels(self, drive: Differential, encoder: Any, counts: Array, state: State) -> Estimate:
         """The same for the commonest robot, in one call; a subclass of either may be anything."""
         rows = len(counts)
         pose, grown, joints = np.empty((rows, 3)), np.empty((rows, 3, 3)), np.empty((rows, 2))

@@ -105,7 +105,7 @@ def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
 @kernel
 def reckon_wheels(
     counts: Floats,
-    counts_per_revolution: Column,
+    counts_per_revolution: Floats,
     radius_left: Column,
     radius_right: Column,
     track: Column,
@@ -120,9 +120,11 @@ def reckon_wheels(
     """Poses `out` (N, 3) and their covariances `grown` (N, 3, 3), by what the encoders of two wheels count (N, 2).
 
     `pose` and `covariance` are those before, `before` the wheels' angles then (N, 2) [rad], nan for none yet; `after`
-    gets those of now. Parameters are (N, 1), as in `wheel_twists` and `grow_covariance`.
+    gets those of now. Parameters are (N, 1), as in `wheel_twists` and `grow_covariance`; counts in a turn are those of
+    each wheel (N, 2), or of both (N, 1).
     """
     rows = pose.shape[0]
+    last = counts_per_revolution.shape[1] - 1
     first = np.empty((rows, 2))
     twists = np.empty((rows, 3))
     jacobian = np.zeros((rows, 3, 2))
@@ -135,7 +137,7 @@ def reckon_wheels(
         jacobian[i, 2, 0] = -1.0 / track[i, 0]
         jacobian[i, 2, 1] = 1.0 / track[i, 0]
         for j in range(2):
-            after[i, j] = counts[i, j] / counts_per_revolution[i, 0] * _TURN
+            after[i, j] = counts[i, j] / counts_per_revolution[i, min(j, last)] * _TURN
             first[i, j] = after[i, j] if math.isnan(before[i, j]) else before[i, j]
     wheel_twists(first, after, radius_left, radius_right, track, twists)
     both = np.arange(2)

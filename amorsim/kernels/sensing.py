@@ -92,12 +92,12 @@ def place(table: Ints, mounts: Floats, ring: Floats, body: Floats, places: Float
 
 @part
 def _sense(
-    kind: int, mount: Floats, number: float, body: Floats, twist: Floats, joints: Floats, values: Floats
+    kind: int, mount: Floats, number: Floats, body: Floats, twist: Floats, joints: Floats, values: Floats
 ) -> None:
     """Write what an ideal device of a row reads; of range finders it is there already."""
     if kind == ENCODER:
         for j in range(len(values)):
-            values[j] = joints[j] / _TURN * number
+            values[j] = joints[j] / _TURN * number[j]
     elif kind == COMPASS:
         _, _, heading = displaced(body[0], body[1], body[2], mount[0], mount[1], mount[2])
         values[0] = wrap(heading)
@@ -106,8 +106,8 @@ def _sense(
     elif kind == SONAR:
         for j in range(len(values)):
             # Nothing nearer than what a transducer can tell; nan stays.
-            if values[j] < number:
-                values[j] = number
+            if values[j] < number[0]:
+                values[j] = number[0]
 
 
 @part
@@ -213,7 +213,7 @@ def read(
     chains, parts, keys
         Elements of all chains: their kinds (C,), their parameters (C, N, 2), and the keys of their draws (C, N).
     numbers
-        (D, N): counts in a turn of an encoder, and the least range of a sonar.
+        (D, N, m): counts in a turn of each joint of an encoder, and first the least range of a sonar.
     counter
         (N, 3): replica, episode and tick of each row.
     body, twist, joints

@@ -79,6 +79,11 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
 def _descend(value: Any, rest: list[str], change: Change, live: bool) -> Any:
     if rest:
         return changed(value, rest, change, live=live)
+    if isinstance(value, tuple) and value:
+        raise LookupError(
+            f"only a number can be changed, and this is a list of {len(value)}: end the path with one of 0 to "
+            f"{len(value) - 1}"
+        )
     if not isinstance(value, (int, float)) or isinstance(value, bool):
         raise LookupError(f"only a number can be changed, and this is {value!r}")  # noqa: TRY004 - of the path
     return change(value)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from amorsim.contracts import Drive
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.plugins.checks import check_name
@@ -22,7 +23,7 @@ from amorsim.scenario.deviations import read_deviations
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_fields
 from amorsim.scenario.models import LOOKS
-from amorsim.scenario.spec import Landmark, Obstacle, Pose, Robot, Zone
+from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
 
 __all__ = ["read_obstacle", "read_robot", "read_zone"]
@@ -86,6 +87,8 @@ def read_robot(
     if "errors" in node:
         pose = values.get("pose", Pose())
         values["errors"] = read_deviations(node.child("errors"), {"drive": drive, "sensors": sensors, "pose": pose})
+    if drive is not None:
+        _check_sizes(node, drive, sensors)
     if node.book.count > before or is_incomplete:
         return None
     try:
@@ -93,6 +96,16 @@ def read_robot(
     except ParameterError as error:
         node.child(error.name).fault(error.problem)
         return None
+
+
+def _check_sizes(node: Node, drive: Drive, sensors: Mapping[str, MountedSensor | None]) -> None:
+    """A fault for each sensor whose parameters do not suit the drive."""
+    for name, unit in sensors.items():
+        try:
+            if unit is not None:
+                unit.sensor.size(drive)
+        except ParameterError as error:
+            node.child("sensors").child(name).child(error.name).fault(error.problem)
 
 
 def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | None:

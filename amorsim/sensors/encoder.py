@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import types
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.core.parameters import ParameterError
 
 __all__ = ["Encoder"]
 
@@ -31,21 +32,41 @@ class Encoder(Sensor):
     Parameters
     ----------
     counts_per_revolution
-        Counts in a full turn of a joint, all edges and the gear included.
+        Counts in a full turn of a joint, all edges and the gear included: one number for all joints, or one for each,
+        in the order of the drive's joints.
     """
 
     unit: ClassVar[str] = "count"
 
-    counts_per_revolution: float = parameter(gt=0, help="counts in a full turn of a joint")
+    counts_per_revolution: float | tuple[float, ...] = parameter(
+        gt=0, help="counts in a full turn of a joint; a list: of each of the drive's joints"
+    )
 
     def size(self, drive: Drive) -> int:
-        """One value for each joint."""
-        return len(drive.joints)
+        """One value for each joint.
+
+        Raises
+        ------
+        ParameterError
+            If counts are told for another number of joints.
+        """
+        told = np.shape(self.counts_per_revolution)[-1:]  # (j,) as made, (N, j) over rows
+        joints = drive.joints
+        if told and told[0] not in (1, len(joints)):
+            names = ", ".join(joint.name for joint in joints)
+            raise ParameterError(
+                "counts_per_revolution",
+                f"expected one number, or one for each of the drive's {len(joints)} joints ({names}), got {told[0]}",
+            )
+        return len(joints)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Counts `(N, j)` since all joints stood at 0."""
-        return view.joints / _TURN * self.counts_per_revolution, _NOTHING
+        counts: Any = self.counts_per_revolution
+        return view.joints / _TURN * counts, _NOTHING
 
     def angles(self, values: Array) -> Array:
         """Joints `(N, j)` [rad] that counts `(N, j)` stand for: the inverse of `sense`."""
-        return values / self.counts_per_revolution * _TURN
+        counts: Any = self.counts_per_revolution
+        result: Array = values / counts * _TURN
+        return result

@@ -24,6 +24,7 @@ from amorsim.contracts import (
     State,
 )
 from amorsim.core.errors import ComponentError
+from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import signature, stack, take
 from amorsim.kernels import digest
@@ -98,8 +99,7 @@ class Group:
         self.ground = Chain(first.ground, self.streams, "ground")
         self.zones = Zones(zones, self.rows, self.streams)
         self.sensors = {
-            name: SensorUnit(name, unit, unit.sensor.size(first.drive), self.streams)
-            for name, unit in first.sensors.items()
+            name: SensorUnit(name, unit, _size(first, name), self.streams) for name, unit in first.sensors.items()
         }
         self.estimators: dict[str, Estimator] = {}
         self.estimator_draws: dict[str, Draws] = {
@@ -463,3 +463,11 @@ def _poses(robots: Sequence[Robot]) -> Array:
         assert robot.pose is not None
         found.append([robot.pose.x, robot.pose.y, robot.pose.heading])
     return np.array(found, dtype=np.float64)
+
+
+def _size(robot: Robot, name: str) -> int:
+    """How many values a reading of a robot's sensor has."""
+    try:
+        return robot.sensors[name].sensor.size(robot.drive)
+    except ParameterError as error:
+        raise ComponentError(f"robot {robot.name!r}: sensors.{name}.{error}") from None

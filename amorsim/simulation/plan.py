@@ -87,7 +87,10 @@ class SensePlan:
         self._true = self._measured = np.empty(0)
         self._values = sum(sizes)
         self._mounts = np.array([unit.mount for unit in held]).reshape(-1, rows, 3)
-        numbers = np.array([_number(unit.sensor, rows) for unit in held]).reshape(-1, rows)
+        most = max([1, *(unit.size for unit in held if type(unit.sensor) is Encoder)])
+        numbers = np.zeros((len(held), rows, most))
+        for d, unit in enumerate(held):
+            numbers[d, :, : unit.size if type(unit.sensor) is Encoder else 1] = _numbers(unit.sensor)
         ring = np.concatenate([np.zeros((0, 3)), *(_ring(unit.sensor) for unit in held if type(unit.sensor) is Sonar)])
         links_of = [
             (element, draws)
@@ -201,11 +204,12 @@ def _places(unit: SensorUnit) -> int:
     return unit.size if type(unit.sensor) is Sonar else int(type(unit.sensor) is Laser)
 
 
-def _number(sensor: Any, rows: int) -> Array:
+def _numbers(sensor: Any) -> Any:
+    """What the kernel must know of a device beside its place: `(N, 1)`, or `(N, j)` for the joints of an encoder."""
     kind = type(sensor)
     if kind is Encoder:
-        return np.ravel(sensor.counts_per_revolution)
-    return np.ravel(sensor.range_min) if kind is Sonar else np.zeros(rows)
+        return sensor.counts_per_revolution
+    return sensor.range_min if kind is Sonar else 0.0
 
 
 def _ring(sensor: Any) -> Array:

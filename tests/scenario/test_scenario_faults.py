@@ -96,6 +96,27 @@ CASES = [
         "robots.0.sensors.sonar.elements.1.heading",
         "write heading_deg",
     ),
+    (
+        f"{ROVER}sensors.encoder.counts_per_revolution = [1, 2, 3]",
+        "robots.0.sensors.encoder.counts_per_revolution",
+        "one for each of the drive's 2 joints (left_wheel, right_wheel), got 3",
+    ),
+    (
+        f"{ROVER}sensors.encoder.counts_per_revolution = [1, -2]",
+        "robots.0.sensors.encoder.counts_per_revolution",
+        "got [1, -2]",
+    ),
+    (f"{ROVER}sensors.encoder.counts_per_revolution = [4000, 4001]", "", ""),
+    (
+        f"{ROVER}sensors.encoder.counts_per_revolution = [8, 9]\nerrors.sensors.encoder.counts_per_revolution = 7",
+        "robots.0.errors.sensors.encoder.counts_per_revolution",
+        "this is a list of 2: end the path with one of 0 to 1",
+    ),
+    (
+        f"{ROVER}sensors.encoder.counts_per_revolution = [8, 9]\nerrors.sensors.encoder.counts_per_revolution.1 = 7",
+        "",
+        "",
+    ),
     (f"{ROVER}sensors.sonar.range_min = 9", "robots.0.sensors.sonar.range_min", "range_max"),
     (f"{ROVER}ground = [{{ use = 'difusion' }}]", "robots.0.ground.0.use", "Did you mean 'diffusion'?"),
     (f"{ROVER}estimators.ekf.use = 'ekf'", "robots.0.estimators.ekf.use", "no estimator called 'ekf'"),

@@ -7,6 +7,7 @@ from amorsim.contracts import Aim, Draws, Mount
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
+from amorsim.drives import Synchro
 from amorsim.sensors import Compass, Encoder, Gyro, Laser, Sonar
 
 NO_DRAWS = Draws(np.zeros(1, dtype=np.uint64), np.zeros((1, 3), dtype=np.uint32))
@@ -48,6 +49,26 @@ def test_the_joints_come_back_from_the_counts():
     joints = np.random.default_rng(1).uniform(-1e5, 1e5, 200)
     view = FakeView([0, 0, 0], joints=joints)
     np.testing.assert_allclose(encoder.angles(sense(encoder, view)), joints[None], rtol=1e-15)
+
+
+def test_joints_may_be_counted_each_by_a_figure_of_its_own():
+    encoder = stack([Encoder(counts_per_revolution=(500.0, 7200.0)), Encoder(counts_per_revolution=(100.0, 1.0))])
+    joints = np.array([[2 * math.pi, -math.pi], [math.pi, 6 * math.pi]])
+    view = FakeView(np.zeros((2, 3)), joints=(0.0, 0.0))
+    view.joints = joints
+    values = sense(encoder, view)
+    np.testing.assert_allclose(values, [[500.0, -3600.0], [50.0, 3.0]], rtol=1e-15)
+    np.testing.assert_allclose(encoder.angles(values), joints, rtol=1e-15)
+
+
+def test_counts_for_another_number_of_joints_are_refused():
+    drive = Synchro(wheel_radius=0.05, rate_max=1.0, steering_rate_max=1.0)
+    assert Encoder(counts_per_revolution=(3.0, 4.0)).size(drive) == 2
+    for counts in ((1.0, 2.0, 3.0), ()):
+        with pytest.raises(ParameterError, match=r"2 joints \(steering, wheels\), got [30]"):
+            Encoder(counts_per_revolution=counts).size(drive)
+    with pytest.raises(ParameterError, match="counts_per_revolution"):
+        Encoder(counts_per_revolution=(1.0, 0.0))
 
 
 @pytest.mark.parametrize(

@@ -57,6 +57,7 @@ def sensors() -> dict[str, MountedSensor]:
     white = am.noise.Gaussian(std=0.005, proportional=0.01)
     return {
         "encoder": MountedSensor(sensor=building.encoder(), noise=chain(am.noise.Quantize(step=1.0, rounding="floor"))),
+        "each": MountedSensor(sensor=building.encoder(counts_per_revolution=(500.0, 3600.0))),
         "laser": MountedSensor(
             sensor=am.sensors.Laser(beams=20, range_max=3.0),
             mount=mount,
@@ -116,7 +117,7 @@ def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: in
     made = scenario(robots)
     together = run(made, replicas=replicas, threads=threads)
     alone = run(changed(made, change), replicas=replicas)
-    for sim, others in ((together, 0), (alone, len(sensors()) - (change is own_noise))):
+    for sim, others in ((together, 0), (alone, len(sensors()) - 2 * (change is own_noise))):
         assert len(sim._fleet.groups[0]._sensing.others) == others
     for name, reading in together.readings.items():
         np.testing.assert_array_equal(reading.true, alone.readings[name].true, err_msg=name)
@@ -124,9 +125,15 @@ def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: in
     assert together.digest() == alone.digest()
 
 
+@pytest.mark.parametrize("counts", [39400.0, (39400.0, 512.0)])
 @pytest.mark.parametrize("replicas", [1, 4])
-def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: int) -> None:
-    made = scenario(2)
+def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: int, counts: Any) -> None:
+    made = changed(
+        scenario(2),
+        lambda robot: attrs.evolve(
+            robot, sensors={**robot.sensors, "encoder": building.encoder(counts_per_revolution=counts)}
+        ),
+    )
     together = run(made, replicas=replicas)
     alone = run(changed(made, own_drive), replicas=replicas)
     np.testing.assert_array_equal(together.covariance, alone.covariance)
