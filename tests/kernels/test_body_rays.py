@@ -51,7 +51,7 @@ class Scene:
         )
         hash_bodies(self.poses, self.bodies.reach, self.first, self.table)
 
-    def cast(self, origins, bearings, *, own=-1, replica=0, range_max=math.inf, walls=math.inf, least=False):
+    def cast(self, origins, bearings, *, own=-1, replica=0, range_max=math.inf, walls=math.inf, least=False, asks=True):
         origins = np.array(origins, dtype=float).reshape(-1, 3)
         bearings = np.atleast_2d(np.asarray(bearings, dtype=float))
         rows, beams = len(origins), bearings.shape[1]
@@ -70,7 +70,7 @@ class Scene:
             np.sin(bearings),
             np.atleast_1d(np.asarray(range_max, dtype=float)),
             out,
-            hit,
+            hit if asks else np.empty((0, 0), dtype=np.int64),
         )
         return out, hit
 
@@ -366,6 +366,23 @@ def test_one_column_gets_the_least_of_all_beams():
         np.testing.assert_array_equal(least[:, 0], ranges.min(axis=1))
         assert ((hits[:, 0] >= 0) == (least[:, 0] < 1.5)).all()
         assert 3 < (hits >= 0).sum() < 38
+
+
+@pytest.mark.parametrize("scan", [fan(181), np.linspace(-math.pi, math.pi, 90), fan(33)[::-1]])
+def test_a_crowd_reads_as_the_nearest_of_each_alone(scan):
+    """More bodies than are met at once, whether somebody asks who was hit or not."""
+    crowd, rng = random_scene(10, count=150, spread=4.0)
+    origins = np.c_[rng.uniform(-3, 3, (8, 2)), rng.uniform(-4, 4, 8)]
+    walls = rng.uniform(0.5, 9.0, (8, len(scan)))
+    alone = [
+        Scene([shape], [pose]).cast(origins, scan, walls=walls)[0]
+        for shape, pose in zip(crowd.shapes, crowd.poses, strict=True)
+    ]
+    ranges, hits = crowd.cast(origins, scan, walls=walls)
+    np.testing.assert_array_equal(ranges, np.min(alone, axis=0))
+    assert (hits >= 0).any()
+    assert (hits < 0).any()
+    np.testing.assert_array_equal(crowd.cast(origins, scan, walls=walls, asks=False)[0], ranges)
 
 
 def test_no_bodies_and_no_beams_are_no_trouble():
