@@ -12,24 +12,25 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.cone_cells import SAFETY, WIDEST, ask_cells
 from amorsim.kernels.cone_walls import AT_ONCE, MOST, hear_walls
 from amorsim.kernels.grid import Grid, is_occupied
 from amorsim.kernels.lines import RINGS, Lines, walls_about
 from amorsim.kernels.rays import cell_of, to_frame
 
-__all__ = ["cast_cones"]
+__all__ = ["cast_cones", "hear"]
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 _FEW = 8  # rays of a cone up to which all are cast
 _NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
 _FINE = 400  # cells in the range, from which on looking up walls is sooner done than asking cells
 
 
-@kernel
-def cast_cones(
+@part
+def hear(
     grid: Grid,
     lines: Lines,
     origin_x: float,
@@ -40,26 +41,26 @@ def cast_cones(
     cos_b: Floats,
     sin_b: Floats,
     range_max: Floats,
+    edge: Floats,
+    found: Integers,
+    following: Integers,
+    ends: Floats,
+    away: Floats,
+    rings: Integers,
+    maybe: NDArray[np.uint8],
+    walls: Floats,
+    spans: Integers,
     out: Floats,
 ) -> None:
-    """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
+    """Write what `cast_cones` does, with room to work in.
 
-    Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
-    and `range_max` (N,).
+    Two as long as there are walls, (5, walls), one as long again, `RINGS` + 2, `AT_ONCE`, and twice (`MOST`, 3); `edge`
+    holds cosine and sine of half the cone's angle.
     """
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
     resolution = grid.resolution
-    edge = np.array([math.cos(half_angle), math.sin(half_angle)])
     has_lines = lines.walls.shape[0] > 0 and half_angle < WIDEST and cos_b.shape[1] > _FEW
-    found = np.empty(lines.walls.shape[0], dtype=np.int64)
-    following = np.empty(lines.walls.shape[0], dtype=np.int64)
-    ends = np.empty((5, lines.walls.shape[0]))
-    away = np.empty(lines.walls.shape[0])
-    rings = np.empty(RINGS + 2, dtype=np.int64)
-    maybe = np.empty(AT_ONCE, dtype=np.uint8)
-    walls = np.empty((MOST, 3))
-    spans = np.empty((MOST, 3), dtype=np.int64)
     # Where walls were put in order, how far out, and how many there are.
     here_x, here_y, here_reach, count = 0.0, 0.0, -1.0, 0
     for n in range(poses.shape[0]):
@@ -105,3 +106,55 @@ def cast_cones(
                 out[n] = least
                 continue
         out[n] = ask_cells(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, reach)
+
+
+@kernel
+def cast_cones(
+    grid: Grid,
+    lines: Lines,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    poses: Floats,
+    half_angle: float,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    out: Floats,
+) -> None:
+    """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
+
+    Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
+    and `range_max` (N,).
+    """
+    edge = np.array([math.cos(half_angle), math.sin(half_angle)])
+    found = np.empty(lines.walls.shape[0], dtype=np.int64)
+    following = np.empty(lines.walls.shape[0], dtype=np.int64)
+    ends = np.empty((5, lines.walls.shape[0]))
+    away = np.empty(lines.walls.shape[0])
+    rings = np.empty(RINGS + 2, dtype=np.int64)
+    maybe = np.empty(AT_ONCE, dtype=np.uint8)
+    walls = np.empty((MOST, 3))
+    spans = np.empty((MOST, 3), dtype=np.int64)
+    hear(
+        grid,
+        lines,
+        origin_x,
+        origin_y,
+        yaw,
+        poses,
+        half_angle,
+        cos_b,
+        sin_b,
+        range_max,
+        edge,
+        found,
+        following,
+        ends,
+        away,
+        rings,
+        maybe,
+        walls,
+        spans,
+        out,
+    )

@@ -21,20 +21,22 @@ from amorsim.kernels.grid import ONE, Grid, is_occupied
 from amorsim.kernels.lines import RINGS, SAFETY, Lines, bound_scan, bucket_of
 from amorsim.kernels.rays import cell_of, direction, march, rounding, to_frame
 
-__all__ = ["cast_scans"]
+__all__ = ["COARSE", "FINE", "LANES", "ROOM_F", "ROOM_Q", "ROOM_RINGS", "cast_scan", "cast_scans", "sorted_beams"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _FEW = 12  # beams of a scan, or rows of a table, below which preparing them costs more than it saves
-_FINE, _COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for many rows and of one for few
-_LANES = 64  # beams that go together
+FINE, COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for many rows and of one for few
+LANES = 64  # beams that go together
+ROOM_RINGS = RINGS + 2  # whole numbers that a scan needs to put walls in order
 _STEPS = 8  # cells they go at most; few need more
 
 # Where the quantities of these beams start in the one array of numbers and the one of whole numbers. Constant distances
 # tell the compiler that they do not overlap.
-_DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * _LANES for i in range(9))
-_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST = (i * _LANES for i in range(6))
+_DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * LANES for i in range(9))
+_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST = (i * LANES for i in range(6))
+ROOM_F, ROOM_Q = 9 * LANES, 6 * LANES
 
 # States: on its way; has entered an occupied cell by a line of either axis; must go on alone, from its place in the
 # word or from the start.
@@ -45,22 +47,22 @@ _BEYOND_WORD = ~0x0707
 
 
 @part
-def _sort_beams(
-    cos_b: Floats, sin_b: Floats, b: int, scale: float, order: Integers, starts: Integers, cos_s: Floats, sin_s: Floats
+def sort_beams(
+    cos_b: Floats, sin_b: Floats, scale: float, order: Integers, starts: Integers, cos_s: Floats, sin_s: Floats
 ) -> None:
-    """Write the beams of row b in the order of their sectors, and at which of them each sector starts."""
+    """Write beams (k,) in the order of their sectors, and at which of them each sector starts."""
     starts[:] = 0
-    for k in range(cos_b.shape[1]):
-        starts[bucket_of(cos_b[b, k], sin_b[b, k], 0.0, scale) + 1] += 1
+    for k in range(cos_b.shape[0]):
+        starts[bucket_of(cos_b[k], sin_b[k], 0.0, scale) + 1] += 1
     for s in range(len(starts) - 1):
         starts[s + 1] += starts[s]
-    for k in range(cos_b.shape[1]):
-        s = bucket_of(cos_b[b, k], sin_b[b, k], 0.0, scale)
+    for k in range(cos_b.shape[0]):
+        s = bucket_of(cos_b[k], sin_b[k], 0.0, scale)
         i = starts[s]
         starts[s] = i + 1
         order[i] = k
-        cos_s[i] = cos_b[b, k]
-        sin_s[i] = sin_b[b, k]
+        cos_s[i] = cos_b[k]
+        sin_s[i] = sin_b[k]
     # Each start has moved on to that of the next sector.
     for s in range(len(starts) - 1, 0, -1):
         starts[s] = starts[s - 1]
@@ -90,7 +92,7 @@ def _aim(
     start_x = x / resolution
     start_y = y / resolution
     doubt = 2.0 * rounding(grid, 1.0, 1.0)
-    for i in range(_LANES):
+    for i in range(LANES):
         dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
         free = (1.0 - SAFETY) / (nearness[first + i] * resolution)
         place_x = start_x + free * dx
@@ -133,7 +135,7 @@ def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
 
     A live beam whose cell is occupied has come to its end.
     """
-    for i in range(_LANES):
+    for i in range(LANES):
         word: Any = np.uint64(0)
         place = 0
         if q[i + _STATE] != _UNSTARTED:
@@ -158,7 +160,7 @@ def _walk(slack: float, f: Floats, q: Integers) -> None:
     Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
     """
     for _ in range(_STEPS):
-        for i in range(_LANES):
+        for i in range(LANES):
             next_x = f[i + _NEXT_X]
             next_y = f[i + _NEXT_Y]
             between_x = f[i + _BETWEEN_X]
@@ -182,7 +184,7 @@ def _walk(slack: float, f: Floats, q: Integers) -> None:
 @part
 def _measure(resolution: float, x: float, y: float, reach: float, f: Floats, q: Integers) -> None:
     """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did."""
-    for i in range(_LANES):
+    for i in range(LANES):
         by_x = q[i + _STATE] == _BY_X
         place = q[i + _PLACE]
         dx = f[i + _DX]
@@ -192,6 +194,97 @@ def _measure(resolution: float, x: float, y: float, reach: float, f: Floats, q: 
         line = line_x if by_x else line_y
         distance = (line * resolution - (x if by_x else y)) / (dx if by_x else dy)
         f[i + _RANGE] = distance + 0.0 if distance <= reach else np.inf
+
+
+def sorted_beams(cos_b: Floats, sin_b: Floats) -> tuple[Floats, Floats, Integers, Integers]:
+    """Beams (k,) as `cast_scan` takes them: cosines, sines and numbers in order, filled up to lanes, and sectors."""
+    beams = len(cos_b)
+    lanes = (beams + LANES - 1) // LANES * LANES
+    cos_s, sin_s, order = np.ones(lanes), np.zeros(lanes), np.zeros(lanes, dtype=np.int64)
+    starts = np.zeros(int(4.0 * FINE) + 1, dtype=np.int64)
+    sort_beams(cos_b, sin_b, FINE, order, starts, cos_s, sin_s)
+    return cos_s, sin_s, order, starts
+
+
+@part
+def cast_scan(
+    grid: Grid,
+    lines: Lines,
+    x: float,
+    y: float,
+    heading: float,
+    reach: float,
+    cos_s: Floats,
+    sin_s: Floats,
+    order: Integers,
+    starts: Integers,
+    scale: float,
+    blocks: Integers,
+    away: Floats,
+    rings: Integers,
+    nearness: Floats,
+    f: Floats,
+    q: Integers,
+    out: Floats,
+) -> None:
+    """Write the distances (k,) of a scan from a pose in the map's frame, by beams in the order of their sectors.
+
+    Parameters
+    ----------
+    cos_s, sin_s
+        Of the beams' bearings in that order, filled up to whole lanes, (L,).
+    order, starts, scale
+        Which beam each is (k,), and the sectors (`amorsim.kernels.lines.bucket_of`).
+    blocks, away, rings, nearness, f, q
+        Room to work in: two as long as the lines have blocks, `ROOM_RINGS`, (L,), `ROOM_F` and `ROOM_Q`.
+    """
+    resolution = grid.resolution
+    beams = out.shape[0]
+    cos_h = math.cos(heading)
+    sin_h = math.sin(heading)
+    is_nan = x != x or y != y or cos_h != cos_h
+    inside = 0.0 <= x < grid.cols * resolution and 0.0 <= y < grid.rows * resolution
+    col = cell_of(x, resolution) if inside else -1
+    row = cell_of(y, resolution) if inside else -1
+    if is_nan or is_occupied(grid, row, col):
+        for k in range(beams):
+            out[k] = np.nan if is_nan else 0.0
+        return
+    slack = 2.0 * rounding(grid, 1.0, 1.0)
+    # A beam no nearer than this has nothing within the range.
+    beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
+    bounded = lines.walls.shape[0] > 0 and beams >= _FEW and reach > resolution
+    if bounded:
+        nearness[:] = beyond
+        bounded = bound_scan(
+            lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, nearness
+        )
+    for first in range(0, beams, LANES):
+        if bounded:
+            _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, slack, f, q)
+            _fetch(grid, f, q)
+            _walk(slack, f, q)
+            _measure(resolution, x, y, reach, f, q)
+        for i in range(min(LANES, beams - first)):
+            k = order[first + i]
+            start_col = col
+            start_row = row
+            dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
+            if dx != dx or dy != dy:
+                out[k] = np.nan
+                continue
+            if bounded:
+                state = q[i + _STATE]
+                if state in (_BY_X, _BY_Y):
+                    out[k] = f[i + _RANGE]
+                    continue
+                if nearness[first + i] <= beyond:
+                    out[k] = np.inf
+                    continue
+                if state != _UNSTARTED:
+                    start_col = (int(f[i + _COL]) & -8) + (q[i + _PLACE] & 7)
+                    start_row = (int(f[i + _ROW]) & -8) + (q[i + _PLACE] >> 8)
+            out[k] = march(grid, x, y, start_col, start_row, dx, dy, reach)
 
 
 @kernel
@@ -228,73 +321,45 @@ def cast_scans(
     """
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
-    resolution = grid.resolution
-    width = grid.cols * resolution
-    height = grid.rows * resolution
-    slack = 2.0 * rounding(grid, 1.0, 1.0)
     beams = out.shape[1]
-    has_lines = lines.walls.shape[0] > 0 and beams >= _FEW
-    scale = _FINE if cos_b.shape[0] == 1 and poses.shape[0] >= _FEW else _COARSE
+    scale = FINE if cos_b.shape[0] == 1 and poses.shape[0] >= _FEW else COARSE
     starts = np.empty(int(4.0 * scale) + 1, dtype=np.int64)
     order = np.arange(beams)
-    lanes = (beams + _LANES - 1) // _LANES * _LANES
+    lanes = (beams + LANES - 1) // LANES * LANES
+    cos_s = np.ones(lanes)
+    sin_s = np.zeros(lanes)
     nearness = np.empty(lanes)
     blocks = np.empty(lines.boxes.shape[0], dtype=np.int64)
     away = np.empty(lines.boxes.shape[0])
-    rings = np.empty(RINGS + 2, dtype=np.int64)
-    cos_s = np.ones(lanes)
-    sin_s = np.zeros(lanes)
-    f = np.empty(9 * _LANES)
-    q = np.empty(6 * _LANES, dtype=np.int64)
+    rings = np.empty(ROOM_RINGS, dtype=np.int64)
+    f = np.empty(ROOM_F)
+    q = np.empty(ROOM_Q, dtype=np.int64)
     sorted_row = -1
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         heading = poses[n, 2] - yaw
-        cos_h = math.cos(heading)
-        sin_h = math.sin(heading)
         reach = range_max[n if range_max.shape[0] > 1 else 0]
         b = n if cos_b.shape[0] > 1 else 0
-        is_nan = x != x or y != y or cos_h != cos_h
-        inside = 0.0 <= x < width and 0.0 <= y < height
-        col = cell_of(x, resolution) if inside else -1
-        row = cell_of(y, resolution) if inside else -1
-        if is_nan or is_occupied(grid, row, col):
-            out[n] = np.nan if is_nan else 0.0
-            continue
         if b != sorted_row:
-            _sort_beams(cos_b, sin_b, b, scale, order, starts, cos_s, sin_s)
+            sort_beams(cos_b[b], sin_b[b], scale, order, starts, cos_s, sin_s)
             sorted_row = b
-        # A beam no nearer than this has nothing within the range.
-        beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
-        bounded = has_lines and reach > resolution
-        if bounded:
-            nearness[:] = beyond
-            bounded = bound_scan(
-                lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, nearness
-            )
-        for first in range(0, beams, _LANES):
-            if bounded:
-                _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, slack, f, q)
-                _fetch(grid, f, q)
-                _walk(slack, f, q)
-                _measure(resolution, x, y, reach, f, q)
-            for i in range(min(_LANES, beams - first)):
-                k = order[first + i]
-                start_col = col
-                start_row = row
-                dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
-                if dx != dx or dy != dy:
-                    out[n, k] = np.nan
-                    continue
-                if bounded:
-                    state = q[i + _STATE]
-                    if state in (_BY_X, _BY_Y):
-                        out[n, k] = f[i + _RANGE]
-                        continue
-                    if nearness[first + i] <= beyond:
-                        out[n, k] = np.inf
-                        continue
-                    if state != _UNSTARTED:
-                        start_col = (int(f[i + _COL]) & -8) + (q[i + _PLACE] & 7)
-                        start_row = (int(f[i + _ROW]) & -8) + (q[i + _PLACE] >> 8)
-                out[n, k] = march(grid, x, y, start_col, start_row, dx, dy, reach)
+        cast_scan(
+            grid,
+            lines,
+            x,
+            y,
+            heading,
+            reach,
+            cos_s,
+            sin_s,
+            order,
+            starts,
+            scale,
+            blocks,
+            away,
+            rings,
+            nearness,
+            f,
+            q,
+            out[n],
+        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -101,6 +101,7 @@ class Group:
         self.sensors = {
             name: SensorUnit(name, unit, _size(first, name), self.streams) for name, unit in first.sensors.items()
         }
+        self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
         self.estimators: dict[str, Estimator] = {}
         self.estimator_draws: dict[str, Draws] = {
             name: self.streams.draws("estimator", name) for name in first.estimators
@@ -143,7 +144,7 @@ class Group:
         self.ground.set_parameters([robot.ground for robot in true])
         for name, unit in self.sensors.items():
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
-        self._sensing = SensePlan(list(self.sensors.values()), self.rows)
+        self._sensing = SensePlan(list(self.sensors.values()), self.rows, self.world)
         nominal = self.specified
         knowledge: Knowledge = nominal[0].knowledge
         self.robot = RobotModel(
@@ -203,7 +204,6 @@ class Group:
         self.estimates: dict[str, Estimate] = {
             name: Estimate(told, np.zeros((rows, 3, 3))) for name in self.estimators
         } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
-        self.readings: dict[str, Measurement] = {name: unit.reading for name, unit in self.sensors.items()}
         self._before = self._after = self._ground_after = self.joints
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
 
@@ -357,8 +357,6 @@ class Group:
     def sense(self) -> None:
         """Read all sensors."""
         self._sensing.sense(self.view, self.moment)
-        for name, unit in self.sensors.items():
-            self.readings[name] = unit.reading
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""
@@ -384,7 +382,7 @@ class Group:
             self._sensing.absorb(self.fingerprint)
             return
         for unit in self.sensors.values():
-            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.measured)]
+            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.held.measured)]
         digest.absorb(results, self.fingerprint)
 
     # ---------------------------------------------------------------------------------------------------- for others
@@ -448,7 +446,22 @@ class Group:
             self.estimates[name] = Estimate(held["pose"], held["covariance"])
         for name, unit in self.sensors.items():
             unit.set_arrays(arrays[f"sensor {name}"])
-            self.readings[name] = unit.reading
+
+
+class _Readings(Mapping[str, Measurement]):
+    """What the units hold, by name, made when it is asked for."""
+
+    def __init__(self, units: Mapping[str, SensorUnit]) -> None:
+        self._units = units
+
+    def __getitem__(self, name: str) -> Measurement:
+        return self._units[name].held.reading
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._units)
+
+    def __len__(self) -> int:
+        return len(self._units)
 
 
 def _all_finite(array: Array) -> bool:

@@ -44,8 +44,8 @@ class Readings(Mapping[str, Reading]):
         if name not in sensors:
             known = ", ".join(sensors) or "none"
             raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, sensors)}")
-        unit = sensors[name]
-        whole = (unit.true, unit.measured, unit.stamp, unit.reading.age, unit.fresh)
+        held = sensors[name].held
+        whole = (held.true, held.measured, held.stamp, held.reading.age, held.reading.fresh)
         parts = whole if self._row is None else tuple(part[self._row] for part in whole)
         return Reading(*(_read_only(part) for part in parts))
 

@@ -10,6 +10,7 @@ Both give the same bits.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Noise, Sensor
-from amorsim.kernels import digest, sensing
+from amorsim.kernels import digest, scans, sensing
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -27,9 +28,10 @@ from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
+from amorsim.simulation.bodies import World
 from amorsim.simulation.moment import Moment
-from amorsim.simulation.sensing import SensorUnit
-from amorsim.simulation.view import GroupView, cone_bearings, directions_of
+from amorsim.simulation.sensing import Batch, SensorUnit
+from amorsim.simulation.view import CONE_WORK, GroupView, cone_bearings, directions_of
 
 __all__ = ["SensePlan"]
 
@@ -44,6 +46,8 @@ _KINDS: Mapping[type[Sensor], int] = {
     Sonar: sensing.SONAR,
 }
 _VALUE_WORK = 0.15  # rays that a value and its noise cost as much as
+_NO_ANGLE = np.zeros((1, 1))
+_NONE: Ints = np.zeros(0, dtype=np.int64)
 
 
 class SensePlan:
@@ -55,6 +59,8 @@ class SensePlan:
         All of the group, their parameters set.
     rows
         How many rows there are.
+    world
+        Where they are.
 
     Attributes
     ----------
@@ -62,7 +68,7 @@ class SensePlan:
         The units that read by themselves.
     """
 
-    def __init__(self, units: Sequence[SensorUnit], rows: int) -> None:
+    def __init__(self, units: Sequence[SensorUnit], rows: int, world: World) -> None:
         self._units = [unit for unit in units if _fits(unit)]
         self.others = [unit for unit in units if not _fits(unit)]
         held = self._units
@@ -73,7 +79,7 @@ class SensePlan:
         links = [len(unit.chain.elements) for unit in held]
         for d, unit in enumerate(held):
             before, after = sum(links[:d]), sum(links[: d + 1])
-            table[d] = (
+            table[d, :-3] = (
                 _KINDS[type(unit.sensor)],
                 sizes[d],
                 sum(sizes[:d]),
@@ -82,11 +88,11 @@ class SensePlan:
                 before,
                 after,
             )
+        self._world = world
         self._rows = rows
         self._sizes = np.array(sizes, dtype=np.int64)
-        self._true = self._measured = np.empty(0)
         self._values = sum(sizes)
-        self._mounts = np.array([unit.mount for unit in held]).reshape(-1, rows, 3)
+        mounts = np.array([unit.mount for unit in held]).reshape(-1, rows, 3)
         most = max([1, *(unit.size for unit in held if type(unit.sensor) is Encoder)])
         numbers = np.zeros((len(held), rows, most))
         for d, unit in enumerate(held):
@@ -105,14 +111,41 @@ class SensePlan:
         keys = np.array([draws.keys for _, draws in links_of], dtype=np.uint64).reshape(-1, rows)
         # Where range finders look from: written anew in each step, and shown to nobody.
         self._places = np.empty((rows * sum(places), 3))
-        self._look = (table, self._mounts, ring)
-        self._read = (table, kinds, parts, keys, self._mounts, numbers)
-        self._finders = [_Finder(unit, table[d], rows, self._places) for d, unit in enumerate(held) if places[d]]
+        limits = np.concatenate([np.zeros(0), *(_limits(unit, n) for unit, n in zip(held, places, strict=True) if n)])
+        finders = [_Finder(unit, table[d], rows, self._places, limits) for d, unit in enumerate(held) if places[d]]
+        beams = _Beams(finders)
+        for finder, columns in zip(finders, beams.columns, strict=True):
+            finder.line[-3:] = columns
+        half_angles = np.array([float(getattr(unit.sensor, "half_angle", _NO_ANGLE)[0, 0]) for unit in held])
+        edges = np.array([[math.cos(angle), math.sin(angle)] for angle in half_angles]).reshape(-1, 2)
+        self._finders = finders
+        self._given = (
+            *world.map.grid,
+            *world.map.lines,
+            *world.map.origin,
+            table,
+            mounts,
+            numbers,
+            ring,
+            limits,
+            half_angles,
+            edges,
+            beams.cosines,
+            beams.sines,
+            beams.order,
+            beams.starts,
+            kinds,
+            parts,
+            keys,
+        )
+        self._batch = Batch(rows, self._values)
         ends = np.cumsum([0, *sizes]) * rows
-        self._spans = [
-            (unit, int(a), int(b), (rows, unit.size)) for unit, a, b in zip(held, ends[:-1], ends[1:], strict=True)
-        ]
-        self._work = int(1.0 + _VALUE_WORK * self._values)
+        for unit, first, end in zip(held, ends[:-1].tolist(), ends[1:].tolist(), strict=True):
+            unit.join(self._batch, first, end)
+        for unit in self.others:
+            unit.leave()
+        rays = sum(finder.work for finder in finders)
+        self._look_work, self._read_work = rays, int(1.0 + _VALUE_WORK * self._values)
 
     def sense(self, view: GroupView, moment: Moment) -> None:
         """Read all units."""
@@ -124,49 +157,78 @@ class SensePlan:
     def absorb(self, fingerprint: npt.NDArray[np.uint64]) -> None:
         """Mix what the units read last into the fingerprints of the rows `(N, 2)`."""
         if self._units:
-            digest.absorb_together(self._sizes, self._true, self._measured, fingerprint)
+            digest.absorb_together(self._sizes, self._batch.true, self._batch.measured, fingerprint)
 
     def _sense(self, view: GroupView, moment: Moment) -> None:
-        true = np.empty(self._rows * self._values)
-        measured = np.empty(self._rows * self._values)
-        if self._finders:
-            sensing.place(*self._look, view.body_pose, self._places)
+        batch = self._batch
+        batch.renew(moment)
+        about = (moment.counter, view.body_pose, view.twist, view.joints)
+        into = (self._places, batch.true, batch.measured)
+        looks = bool(self._finders)
+        if looks and self._world.has_company:
+            self._share(self._look_work, True, False, about, into)
             for finder in self._finders:
-                finder.cast(view, true)
+                finder.meet_bodies(view, batch.true)
+            self._share(self._read_work, False, True, about, into)
+        else:
+            self._share(self._look_work + self._read_work, looks, True, about, into)
 
-        def part(first: int, end: int) -> None:
-            sensing.read(
-                *self._read, moment.counter, view.body_pose, view.twist, view.joints, first, end, true, measured
-            )
-
-        view.workers.share(self._rows, self._work, part)
-        self._true, self._measured = true, measured
-        for unit, a, b, shape in self._spans:
-            unit.deliver(true[a:b].reshape(shape), measured[a:b].reshape(shape), moment)
+    def _share(self, work: int, looks: bool, reads: bool, about: tuple[Any, ...], into: tuple[Any, ...]) -> None:
+        given: tuple[Any, ...] = (looks, reads, *self._given, *about)
+        sense: Any = sensing.sense
+        workers = self._world.workers
+        if workers.threads == 1:
+            sense(*given, 0, self._rows, *into)
+        else:
+            workers.share(self._rows, work, lambda first, end: sense(*given, first, end, *into))
 
 
 class _Finder:
     """A range finder of the plan: from where it looks, and how."""
 
-    def __init__(self, unit: SensorUnit, table: Ints, rows: int, places: Array) -> None:
+    def __init__(self, unit: SensorUnit, line: Ints, rows: int, places: Array, limits: Array) -> None:
         sensor: Any = unit.sensor
-        self._is_cone = type(sensor) is Sonar
-        size = int(table[1])
-        per_row = size if self._is_cone else 1
-        self._span = int(table[2]) * rows, (int(table[2]) + size) * rows
-        self._shape = (rows * size,) if self._is_cone else (rows, size)
-        self._from = places[int(table[4]) * rows : (int(table[4]) + per_row) * rows]
-        self._limits = np.repeat(sensor.range_max[:, 0], per_row)
-        self._half_angle = float(sensor.half_angle[0, 0]) if self._is_cone else 0.0
-        self._table = directions_of(cone_bearings(self._half_angle) if self._is_cone else sensor.bearings())
+        self.line = line  # of the table of devices
+        self.is_cone = type(sensor) is Sonar
+        size = int(line[1])
+        per_row = size if self.is_cone else 1
+        self.work = size * (CONE_WORK if self.is_cone else 1)
+        self._span = int(line[2]) * rows, (int(line[2]) + size) * rows
+        self._shape = (rows * size, 1) if self.is_cone else (rows, size)
+        mine = slice(int(line[4]) * rows, (int(line[4]) + per_row) * rows)
+        self._from, self._limits = places[mine], limits[mine]
+        bearings = cone_bearings(float(sensor.half_angle[0, 0])) if self.is_cone else sensor.bearings()
+        self.table = directions_of(bearings)
 
-    def cast(self, view: GroupView, true: Array) -> None:
-        """Put what it sees into its part of `true`."""
+    def meet_bodies(self, view: GroupView, true: Array) -> None:
+        """Put the bodies that it sees before the walls into its part of `true`."""
         out = true[self._span[0] : self._span[1]].reshape(self._shape)
-        if self._is_cone:
-            view.hear(self._from, self._half_angle, self._table, self._limits, out)
-        else:
-            view.scan(self._from, self._table, self._limits, out)
+        view.cast_bodies(self._from, *self.table, self._limits, out)
+
+
+class _Beams:
+    """The beams of range finders, one after another, as `sensing.sense` takes them; `columns` are of its table."""
+
+    def __init__(self, finders: Sequence[_Finder]) -> None:
+        cosines, sines = [np.zeros(0)], [np.zeros(0)]
+        orders, starts = [_NONE], [_NONE]
+        self.columns = []
+        for finder in finders:
+            (cosine,), (sine,) = finder.table
+            rays = len(cosine)
+            begin, sector = sum(map(len, cosines)), sum(map(len, starts))
+            if not finder.is_cone:
+                cosine, sine, order, start = scans.sorted_beams(cosine, sine)
+                rays = len(cosine)
+                starts.append(start)
+            else:
+                order = np.zeros(rays, dtype=np.int64)
+            cosines.append(cosine)
+            sines.append(sine)
+            orders.append(order)
+            self.columns.append((begin, rays, sector))
+        self.cosines, self.sines = np.concatenate(cosines), np.concatenate(sines)
+        self.order, self.starts = np.concatenate(orders), np.concatenate(starts)
 
 
 def _fits(unit: SensorUnit) -> bool:
@@ -202,6 +264,12 @@ def _link(element: Noise) -> Any:
 def _places(unit: SensorUnit) -> int:
     """From how many places a device looks for ranges."""
     return unit.size if type(unit.sensor) is Sonar else int(type(unit.sensor) is Laser)
+
+
+def _limits(unit: SensorUnit, places: int) -> Array:
+    """The longest range [m] that is seen from each place, `(N * places,)`."""
+    sensor: Any = unit.sensor
+    return np.repeat(sensor.range_max[:, 0], places)
 
 
 def _numbers(sensor: Any) -> Any:

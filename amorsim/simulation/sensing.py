@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,42 @@ Array = npt.NDArray[np.float64]
 Ticks = npt.NDArray[np.int64]
 
 _TOLERANCE = 1e-9  # of a sample: 0.1 s at 10 Hz is one sample, though 0.1 * 10 need not be 1
+
+
+class Batch:
+    """What units of one group read together last; each takes its own out of it when somebody asks.
+
+    Attributes
+    ----------
+    turn
+        How often it was renewed.
+    true, measured
+        `(V * N,)`: of each unit the values of row 0 first.
+    """
+
+    __slots__ = ("always", "measured", "now", "rows", "size", "tick", "true", "turn")
+
+    def __init__(self, rows: int, values: int) -> None:
+        self.rows = rows
+        self.size = rows * values
+        self.turn = 0
+        self.true = self.measured = np.empty(0)
+
+    def renew(self, moment: Moment) -> None:
+        """Make room for what is read now."""
+        self.turn += 1
+        self.true, self.measured = np.empty(self.size), np.empty(self.size)
+        self.tick, self.now, self.always = moment.tick, moment.now, moment.always
+
+
+class Held(NamedTuple):
+    """What a unit holds: its last reading, true and as delivered, when it was taken, and when one was taken last."""
+
+    true: Array
+    measured: Array
+    stamp: Ticks
+    last: Ticks  # the tick of the latest sample, arrived or not
+    reading: Measurement
 
 
 class SensorUnit:
@@ -44,13 +80,53 @@ class SensorUnit:
         self._latency: Array = np.zeros((1, 1))
         self._slots = 1  # samples that can be under way at once, and one
         self._late: Array = self._latency  # [s], of the latest sample beyond the latency
-        self.true: Array = np.zeros((1, size))
-        self.measured: Array = self.true
-        self.stamp: Ticks = np.zeros((1, 1), dtype=np.int64)
-        self.fresh = np.zeros((1, 1), dtype=bool)
-        self._last: Ticks = self.stamp  # the tick of the latest sample, arrived or not
         self._pending: dict[str, npt.NDArray[Any]] = {}
-        self.reading = Measurement(self.measured, self.stamp, np.zeros((1, 1)), self.fresh)
+        self._batch: Batch | None = None  # of the plan that reads for it, and which part of it is its own
+        self._first = self._end = self._turn = 0
+        self._hold_nothing(1)
+
+    @property
+    def held(self) -> Held:
+        """What it holds now."""
+        batch = self._batch
+        if batch is not None and batch.turn != self._turn:
+            self._turn = batch.turn
+            shape = (batch.rows, self.size)
+            true = batch.true[self._first : self._end].reshape(shape)
+            measured = batch.measured[self._first : self._end].reshape(shape)
+            tick = batch.tick
+            self._held = Held(true, measured, tick, tick, Measurement(measured, tick, batch.now, batch.always))
+        return self._held
+
+    def _hold(self, held: Held) -> None:
+        self._held = held
+        if self._batch is not None:
+            self._turn = self._batch.turn
+
+    def _hold_nothing(self, rows: int) -> None:
+        none, never = np.full((rows, self.size), np.nan), np.full((rows, 1), -1, dtype=np.int64)
+        reading = Measurement(none, never, np.zeros((rows, 1)), np.zeros((rows, 1), dtype=bool))
+        self._hold(Held(none, none, never, never, reading))
+
+    @property
+    def true(self) -> Array:
+        """The true values `(N, k)` of the reading that is held."""
+        return self.held.true
+
+    @property
+    def reading(self) -> Measurement:
+        """The reading that is held."""
+        return self.held.reading
+
+    def join(self, batch: Batch, first: int, end: int) -> None:
+        """Take, from now on, what is read for it: values first..end-1 of a batch."""
+        self.leave()
+        self._batch, self._first, self._end, self._turn = batch, first, end, batch.turn
+
+    def leave(self) -> None:
+        """Read by itself from now on."""
+        self._held = self.held
+        self._batch = None
 
     def set_parameters(self, true: Sequence[MountedSensor], dt: float) -> None:
         """Take the true parameters of every row, and the chains, rates and latencies."""
@@ -72,8 +148,7 @@ class SensorUnit:
         self.state = dict(self.sensor.start(context))
         self.chain.states = self.chain.start(context)
         rows = context.rows
-        self.true = self.measured = np.full((rows, self.size), np.nan)
-        self.stamp = self._last = np.full((rows, 1), -1, dtype=np.int64)
+        self._hold_nothing(rows)
         self._pending = {}
         if self._delay is not None:
             self._pending = {
@@ -90,18 +165,14 @@ class SensorUnit:
         """Whether it reads in every step, and every reading arrives at once."""
         return self._rate is None and self._delay is None
 
-    def deliver(self, true: Array, measured: Array, moment: Moment) -> None:
-        """Take what was read for it at this tick; for units that are prompt."""
-        self._last = moment.tick
-        self._deliver(None, true, measured, moment)
-
     def sample(self, view: GroupView, moment: Moment) -> None:
         """Read where a reading is due, take delivery of what arrives, and hold the rest."""
         due = self.due(moment)
         if due is None:
             true, measured = self._read(view, moment)
         elif not due.any():
-            self._deliver(due, self.true, self.measured, moment)
+            held = self.held
+            self._deliver(due, held.true, held.measured, held.last, moment)
             return
         elif due.all():
             true, measured = self._read(view, moment)
@@ -112,8 +183,8 @@ class SensorUnit:
             for state, old in zip((self.state, *self.chain.states), kept, strict=True):
                 for key, before in old.items():
                     state[key] = _choose(due, state[key], before)
-        self._last = moment.tick if due is None else np.where(due, moment.tick, self._last)
-        self._deliver(due, true, measured, moment)
+        last = moment.tick if due is None else np.where(due, moment.tick, self.held.last)
+        self._deliver(due, true, measured, last, moment)
 
     def due(self, moment: Moment) -> npt.NDArray[np.bool_] | None:
         """The rows that read at this tick: the first at or after each due time; none for all of them."""
@@ -129,7 +200,8 @@ class SensorUnit:
         if self._rate is None:
             elapsed = moment.elapsed
         else:
-            elapsed = np.where(self._last < 0, 0.0, (moment.tick - self._last) * moment.dt)
+            last = self.held.last
+            elapsed = np.where(last < 0, 0.0, (moment.tick - last) * moment.dt)
         view.mount, view.sensor = self.mount, self.name
         ideal = Aim()
         if self.chain.aims:
@@ -152,26 +224,29 @@ class SensorUnit:
             self._late = self.chain.delay(elapsed)
         return true, measured
 
-    def _deliver(self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, moment: Moment) -> None:
+    def _deliver(
+        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, last: Ticks, moment: Moment
+    ) -> None:
         tick = moment.tick
         if self._delay is None and due is None:
-            self.true, self.measured, self.stamp, self.fresh = true, measured, tick, moment.always
-            self.reading = Measurement(measured, tick, moment.now, moment.always)
+            self._hold(Held(true, measured, tick, last, Measurement(measured, tick, moment.now, moment.always)))
             return
+        held = self.held
+        stamp, fresh = held.stamp, moment.always
         if self._delay is not None:
             arrived = self._exchange(due, true, measured, tick, moment.dt)
             first = tick == 0  # held from the start, though it arrives later
-            self.true = _choose(arrived[0] | first, np.where(first, true, arrived[1]), self.true)
-            self.measured = _choose(arrived[0] | first, np.where(first, measured, arrived[2]), self.measured)
-            self.stamp = np.where(arrived[0], arrived[3], np.where(first, tick, self.stamp))
-            self.fresh = arrived[0]
+            true = _choose(arrived[0] | first, np.where(first, true, arrived[1]), held.true)
+            measured = _choose(arrived[0] | first, np.where(first, measured, arrived[2]), held.measured)
+            stamp = np.where(arrived[0], arrived[3], np.where(first, tick, stamp))
+            fresh = arrived[0]
         elif due is not None:
-            self.true = _choose(due, true, self.true)
-            self.measured = _choose(due, measured, self.measured)
-            self.stamp = np.where(due, tick, self.stamp)
-            self.fresh = due
-        age = np.multiply(tick - self.stamp, moment.dt, dtype=np.float64)
-        self.reading = Measurement(self.measured, self.stamp, age, self.fresh)
+            true = _choose(due, true, held.true)
+            measured = _choose(due, measured, held.measured)
+            stamp = np.where(due, tick, stamp)
+            fresh = due
+        age = np.multiply(tick - stamp, moment.dt, dtype=np.float64)
+        self._hold(Held(true, measured, stamp, last, Measurement(measured, stamp, age, fresh)))
 
     def _exchange(
         self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, tick: Ticks, dt: float
@@ -208,16 +283,16 @@ class SensorUnit:
 
     def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
         """The unit's own arrays, by name (the states of components are kept apart)."""
-        held = {"true": self.true, "measured": self.measured, "stamp": self.stamp, "last": self._last}
-        return {**held, "fresh": self.fresh, "age": self.reading.age, **{"." + k: v for k, v in self._pending.items()}}
+        true, measured, stamp, last, reading = self.held
+        held = {"true": true, "measured": measured, "stamp": stamp, "last": last}
+        return {**held, "fresh": reading.fresh, "age": reading.age, **{"." + k: v for k, v in self._pending.items()}}
 
-    def set_arrays(self, arrays: dict[str, npt.NDArray[np.generic]]) -> None:
+    def set_arrays(self, arrays: dict[str, npt.NDArray[Any]]) -> None:
         """Put the arrays of `arrays` back."""
-        self.true, self.measured = arrays["true"], arrays["measured"]  # type: ignore[assignment]
-        self.stamp, self._last = arrays["stamp"], arrays["last"]  # type: ignore[assignment]
-        self.fresh = arrays["fresh"]
+        measured, stamp = arrays["measured"], arrays["stamp"]
+        reading = Measurement(measured, stamp, arrays["age"], arrays["fresh"])
         self._pending = {key[1:]: value for key, value in arrays.items() if key.startswith(".")}
-        self.reading = Measurement(self.measured, self.stamp, arrays["age"], self.fresh)  # type: ignore[arg-type]
+        self._hold(Held(arrays["true"], measured, stamp, arrays["last"], reading))
 
 
 def _choose(rows: npt.NDArray[np.bool_], yes: Array, no: Array) -> Array:

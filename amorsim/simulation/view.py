@@ -109,7 +109,7 @@ class GroupView:
 
         world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:
-            self._cast_bodies(origins, cos_b, sin_b, limits, out)
+            self.cast_bodies(origins, cos_b, sin_b, limits, out)
 
     def _table(self, bearings: Array) -> Table:
         """Cosines and sines of the bearings; those of one scan, the same for all rows, are kept while asked for."""
@@ -225,9 +225,9 @@ class GroupView:
 
         world.workers.share(len(origins), CONE_WORK, part)
         if world.has_company:
-            self._cast_bodies(origins, *table, limits, out[:, None])
+            self.cast_bodies(origins, *table, limits, out[:, None])
 
-    def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
+    def cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""
         per_row = len(origins) // self.rows
         known = self._carriers.get(per_row)

@@ -188,7 +188,7 @@ def _play(scenario: Scenario, name: str, sensor: str, commands: Array, replicas:
         group.controller_state["command"] = state
         simulation.step()
         if step % every == 0:
-            kept.append(group.sensors[sensor].measured[rows])
+            kept.append(group.sensors[sensor].reading.measured[rows])
     return np.array(kept)
 
 
