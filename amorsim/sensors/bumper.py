@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.core.shapes import Shape
 
@@ -91,6 +91,10 @@ class Bumper(Sensor):
         pressed = view.touches(tuple(zones), which[mine]) & there[mine]
         return pressed.astype(np.float64), _NOTHING
 
+    def outlines(self, mount: Mount, shape: Shape) -> list[list[tuple[Point, Point]]]:
+        """The lines [m] of each segment on a footprint, in the body's frame, from a mount of one robot."""
+        return [_pieces(shape, mount.x, mount.y, mount.heading, sector) for sector in self.segments]
+
 
 @functools.lru_cache(maxsize=4096)
 def _zones(
@@ -98,18 +102,23 @@ def _zones(
 ) -> tuple[Shape | None, ...]:
     """What presses each segment, in the body's frame: its part of the outline, as thick as the bumper stands out."""
     x, y, heading = mount
-    ring = [(px - x, py - y) for px, py in shape.border]
     found: list[Shape | None] = []
     for sector in segments:
-        pieces = [
-            piece
-            for p, q in zip(ring, ring[1:] + ring[:1], strict=True)
-            for piece in _within(p, q, sector.start + heading, sector.end + heading)
-        ]
-        parts = tuple(((ax + x, ay + y), (bx + x, by + y)) for (ax, ay), (bx, by) in pieces)
+        parts = tuple(_pieces(shape, x, y, heading, sector))
         radius = reach + _SAGITTA * shape.radius
         found.append(Shape(vertices=parts, radius=radius, border=parts[0]) if parts else None)
     return tuple(found)
+
+
+def _pieces(shape: Shape, x: float, y: float, heading: float, sector: Sector) -> list[tuple[Point, Point]]:
+    """The lines of a footprint that lie in a sector as seen from a mount at x, y, in the body's frame."""
+    ring = [(px - x, py - y) for px, py in shape.border]
+    pieces = [
+        piece
+        for p, q in zip(ring, ring[1:] + ring[:1], strict=True)
+        for piece in _within(p, q, sector.start + heading, sector.end + heading)
+    ]
+    return [((ax + x, ay + y), (bx + x, by + y)) for (ax, ay), (bx, by) in pieces]
 
 
 def _within(p: Point, q: Point, start: float, end: float) -> list[tuple[Point, Point]]:

@@ -47,6 +47,7 @@ __all__ = [
     "FRAME_HEADER",
     "MAGIC",
     "Channel",
+    "Drawing",
     "Dynamic",
     "EventLine",
     "Floor",
@@ -112,6 +113,29 @@ class Channel(TypedDict):
     high: float | None
 
 
+class Drawing(TypedDict, total=False):
+    """How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
+
+    - ``beams``, ``cones``: values are ranges [m] along `bearings`.
+    - ``things``: a table of what is seen at a ``range`` and a ``bearing``, with its ``id`` or its ``colour``, which is
+      a place in `colours` and `names`.
+    - ``glow``: a sector before each element, as strong as its value is between the two of `span`.
+    - ``sticks``: a line before each element, as long as its value is between the two of `span`; where that has one
+      alone, the largest of a reading is as long as can be.
+    - ``contacts``: `lines` of the footprint for each value, which are drawn where it is not 0.
+    - ``fix``: a place in the world ``x``, ``y``, with its ``heading`` where that is told.
+    - ``needle``: a heading in the world.
+    """
+
+    style: str
+    half_angle: float  # [rad] of a sector, to either side
+    reach: float  # [m] of a sector
+    span: list[float]  # readings of nothing and of the most
+    lines: list[list[list[float]]]  # x0, y0, x1, y1 [m] in the robot's frame
+    colours: list[str]  # "#rrggbb"
+    names: list[str]
+
+
 class SensorShape(TypedDict):
     """A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
 
@@ -128,6 +152,7 @@ class SensorShape(TypedDict):
     bearings: list[float] | None
     range_max: float | None
     half_angle: float | None  # [rad] of a cone
+    drawing: Drawing | None  # none for what is in numbers alone
 
 
 class Kind(TypedDict):

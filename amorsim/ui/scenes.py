@@ -21,6 +21,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.runs.session import run_name
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.simulation.simulation import Simulation
+from amorsim.ui.drawings import drawing_of
 from amorsim.ui.protocol import (
     Channel,
     Kind,
@@ -241,12 +242,12 @@ def _fastest(drive: Drive, nominal: Drive) -> list[float]:
 
 def sensor_shapes(robot: Robot) -> list[SensorShape]:
     """A robot's sensors as they are drawn, by the parameters that it has."""
-    return [_sensor(name, unit, robot.drive) for name, unit in robot.sensors.items()]
+    return [_sensor(name, unit, robot) for name, unit in robot.sensors.items()]
 
 
-def _sensor(name: str, unit: MountedSensor, drive: Drive) -> SensorShape:
+def _sensor(name: str, unit: MountedSensor, robot: Robot) -> SensorShape:
     sensor: Any = unit.sensor
-    size = sensor.size(drive)
+    size = sensor.size(robot.drive)
     bearings = stack([sensor]).bearings()
     elements: Sequence[Any] = getattr(sensor, "elements", ())
     if size == len(elements) and all(isinstance(element, Mount) for element in elements):
@@ -265,6 +266,7 @@ def _sensor(name: str, unit: MountedSensor, drive: Drive) -> SensorShape:
         "bearings": looks,
         "range_max": _number(sensor, "range_max"),
         "half_angle": _number(sensor, "half_angle"),
+        "drawing": drawing_of(sensor, unit.mount, robot.shape, has_bearings=bearings is not None),
     }
 
 

@@ -127,3 +127,70 @@ def test_a_thousand_robots_of_one_kind_are_one_kind() -> None:
     scene = SceneBuilder(am.Simulation(scenario)).scene
     assert len(scene["kinds"]) == 1
     assert len(json.dumps(scene)) < 200_000
+
+
+def test_each_kind_of_reading_says_how_it_is_drawn() -> None:
+    from amorsim.sensors.bumper import Bumper, Sector
+    from amorsim.sensors.camera import Camera
+    from amorsim.sensors.compass import Compass
+    from amorsim.sensors.encoder import Encoder
+    from amorsim.sensors.fiducial import Fiducial
+    from amorsim.sensors.gps import Gps
+    from amorsim.sensors.infrared import Infrared
+    from amorsim.sensors.laser import Laser
+    from amorsim.sensors.light import Light
+    from amorsim.sensors.sonar import Sonar
+
+    quarter = Sector(start=0.0, end=math.pi / 2.0)
+    sensors = {
+        "laser": Laser(),
+        "sonar": Sonar(elements=(am.Mount(),)),
+        "infrared": Infrared(saturation=900.0),
+        "light": Light(),
+        "lux": Light(bright=None, dark=0.0, gain=1.0),
+        "bumper": Bumper(segments=(quarter,)),
+        "marks": Fiducial(),
+        "camera": Camera(colours=("lime", "#102030")),
+        "gps": Gps(),
+        "compass": Compass(),
+        "encoder": Encoder(counts_per_revolution=500.0),
+    }
+    robot = building.robot(sensors={name: am.MountedSensor(sensor=one) for name, one in sensors.items()})
+    scene = SceneBuilder(am.Simulation(building.scenario(robot))).scene
+    drawings = {shape["name"]: shape["drawing"] for shape in scene["kinds"][0]["sensors"]}
+    assert drawings.pop("encoder") is None
+    lines = drawings["bumper"].pop("lines")
+    assert drawings == {
+        "laser": {"style": "beams"},
+        "sonar": {"style": "cones"},
+        "infrared": {"style": "glow", "half_angle": math.pi / 6.0, "reach": 0.058, "span": [0.0, 900.0]},
+        "light": {"style": "sticks", "span": [500.0, 50.0]},
+        "lux": {"style": "sticks", "span": [0.0]},
+        "bumper": {"style": "contacts"},
+        "marks": {"style": "things"},
+        "camera": {"style": "things", "colours": ["#00ff00", "#102030"], "names": ["lime", "#102030"]},
+        "gps": {"style": "fix"},
+        "compass": {"style": "needle"},
+    }
+    # The footprint's part between ahead and the left.
+    ends = np.array(lines).reshape(-1, 2)
+    assert (ends >= -1e-9).all()
+    np.testing.assert_allclose(ends.max(axis=1), robot.shape.outline.max())  # a square
+
+
+def test_the_true_elements_of_a_ring_are_drawn_where_each_truly_is() -> None:
+    from amorsim.ui.scenes import sensor_shapes
+
+    changes = [
+        "robots.0.errors.sensors.sonar.elements.3.heading_deg.add=5",
+        "robots.0.errors.sensors.sonar.elements.3.x.add=0.02",
+    ]
+    handle = am.Simulation(am.load("demo", changes)).robot("rover")
+    (nominal, true) = (
+        next(shape for shape in sensor_shapes(robot) if shape["name"] == "sonar")
+        for robot in (handle.nominal, handle.true)
+    )
+    apart = np.array(true["mounts"]) - np.array(nominal["mounts"])
+    expected = np.zeros_like(apart)
+    expected[3] = [0.02, 0.0, math.radians(5.0)]
+    np.testing.assert_allclose(apart, expected, atol=1e-12)

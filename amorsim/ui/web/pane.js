@@ -49,7 +49,7 @@ export class Layer {
       if (!isDrawn(sensor) || !this.shows(sensor.name) || !frame.sensors[s]) return;
       const values = isTrue ? frame.sensors[s].true : frame.sensors[s].measured;
       const shape = isTrue ? (state.trueSensors[s] ?? sensor) : sensor;
-      drawReadings(context, camera, shape, pose, values, isTrue ? "true" : "measured", theme);
+      drawReadings({ context, camera, theme, kind: isTrue ? "true" : "measured" }, shape, pose, values);
     });
     if (!isTrue && options.ellipse) {
       drawEllipse(context, camera, pose, Array.from(frame.covariances.subarray(6 * i, 6 * i + 6)), theme);

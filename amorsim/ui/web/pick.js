@@ -1,21 +1,26 @@
-// What lies under the pointer: a robot, a beam's end or a beam, an obstacle.
+// What lies under the pointer: a robot, a reading (a beam's end, a sector, a mark ...), an obstacle.
 
 import { fixed, wrap } from "./dom.js";
-import { eachBeam, isRange } from "./readings.js";
+import { isDrawn, nearestPart, tellPart } from "./readings.js";
 
 const NEAR = 9; // pixels
 
 /** The nearest thing to the world point (x, y), or null: `{kind, title, lines, robot?}`. */
 export function pick(scene, frame, layers, camera, x, y, trueSensors) {
   const near = NEAR / camera.scale;
+  const posesOf = (layer) => (layer.kind === "true" ? frame.truePoses : frame.estimatedPoses);
+  // At a robot's rim there may be a bumper, or what begins at its rim: there it is the robot if it is nothing else.
   for (const layer of layers) {
-    const poses = layer.kind === "true" ? frame.truePoses : frame.estimatedPoses;
-    const robot = nearestRobot(scene, poses, x, y, near);
+    const robot = nearestRobot(scene, posesOf(layer), x, y, near, 0.8);
     if (robot >= 0) return describeRobot(scene, frame, robot);
   }
   for (const layer of layers) {
-    const beam = nearestBeam(scene, frame, layer, x, y, near, trueSensors);
-    if (beam) return beam;
+    const reading = nearestReading(scene, frame, layer, camera, x, y, near, trueSensors);
+    if (reading) return reading;
+  }
+  for (const layer of layers) {
+    const robot = nearestRobot(scene, posesOf(layer), x, y, near, 1);
+    if (robot >= 0) return describeRobot(scene, frame, robot);
   }
   for (let i = 0; i < scene.obstacles.length; i++) {
     const reach = scene.obstacles[i].reach ?? 0.3;
@@ -26,12 +31,12 @@ export function pick(scene, frame, layers, camera, x, y, trueSensors) {
   return null;
 }
 
-function nearestRobot(scene, poses, x, y, near) {
+function nearestRobot(scene, poses, x, y, near, part) {
   let best = -1;
   let least = Infinity;
   for (let i = 0; i < scene.robots.length; i++) {
     const gap = Math.hypot(poses[3 * i] - x, poses[3 * i + 1] - y);
-    if (gap <= Math.max(scene.robots[i].reach, near) && gap < least) {
+    if (gap <= Math.max(part * scene.robots[i].reach, near) && gap < least) {
       least = gap;
       best = i;
     }
@@ -64,44 +69,20 @@ function describeRobot(scene, frame, i) {
   };
 }
 
-function nearestBeam(scene, frame, layer, x, y, near, trueSensors) {
+function nearestReading(scene, frame, layer, camera, x, y, near, trueSensors) {
   const selected = frame.selected;
   const robot = scene.robots[selected];
   if (!robot) return null;
   const poses = layer.kind === "true" ? frame.truePoses : frame.estimatedPoses;
   const pose = [poses[3 * selected], poses[3 * selected + 1], poses[3 * selected + 2]];
   let best = null;
-  let least = near;
   robot.sensors.forEach((sensor, s) => {
-    if (!isRange(sensor) || !layer.shows(sensor.name) || !frame.sensors[s]) return;
-    const values = layer.kind === "true" ? frame.sensors[s].true : frame.sensors[s].measured;
+    const reading = frame.sensors[s];
+    if (!isDrawn(sensor) || !layer.shows(sensor.name) || !reading) return;
+    const values = layer.kind === "true" ? reading.true : reading.measured;
     const shape = layer.kind === "true" ? (trueSensors[s] ?? sensor) : sensor;
-    eachBeam(shape, pose, values, (i, x0, y0, angle, range, met) => {
-      const c = Math.cos(angle);
-      const t = Math.sin(angle);
-      const along = Math.min(range, Math.max(0, (x - x0) * c + (y - y0) * t));
-      let gap = Math.hypot(x0 + along * c - x, y0 + along * t - y);
-      if (met && Math.hypot(x0 + range * c - x, y0 + range * t - y) < near) gap *= 0.25; // ends before beams
-      if (gap < least) {
-        least = gap;
-        best = describeBeam(sensor, frame.sensors[s], i, angle - pose[2]);
-      }
-    });
+    const part = nearestPart(shape, pose, values, x, y, near, camera.scale);
+    if (part && part.gap < (best?.part.gap ?? Infinity)) best = { part, sensor, reading };
   });
-  return best;
-}
-
-function describeBeam(sensor, reading, i, bearing) {
-  const [t, m] = [reading.true[i], reading.measured[i]];
-  const parted = Number.isFinite(t) && Number.isFinite(m) ? `, apart ${fixed(m - t, 4)} ${sensor.unit}` : "";
-  return {
-    kind: "beam",
-    title: `${sensor.name}, ${sensor.half_angle ? "element" : "beam"} ${i}`,
-    lines: [
-      `looks ${fixed((wrap(bearing) * 180) / Math.PI, 1)}° from ahead`,
-      `true ${fixed(t, 4)} ${sensor.unit}, measured ${fixed(m, 4)} ${sensor.unit}${parted}`,
-      ...(Number.isFinite(m) ? [] : ["no return within its range"]),
-      ...(reading.age > 0 ? [`${fixed(reading.age, 2)} s old`] : []),
-    ],
-  };
+  return best && { kind: "reading", ...tellPart(best.sensor, best.reading, best.part) };
 }
