@@ -16,6 +16,12 @@ class StubSession:
         self.windows: set[str] = set()
         self.number = 1
         self.asked: list[dict[str, Any]] = []
+        self._release: asyncio.Event | None = None
+
+    def hold(self) -> asyncio.Event:
+        """Answer no command ``wait`` before this is set."""
+        self._release = asyncio.Event()
+        return self._release
 
     def open_window(self) -> str:
         name = f"window-{len(self.windows) + 1}"
@@ -32,8 +38,8 @@ class StubSession:
 
     async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
         self.asked.append(dict(command))
-        if command.get("do") == "wait":
-            await asyncio.sleep(command["seconds"])
+        if command.get("do") == "wait" and self._release is not None:
+            await self._release.wait()
         return {"ok": True, "window": window, "said": command.get("do")}
 
 

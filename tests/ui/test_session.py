@@ -29,7 +29,7 @@ def done(session: Session, do: str, **keys: Any) -> dict[str, Any]:
     return answer
 
 
-def until(what: Any, timeout: float = 20.0) -> Any:
+def until(what: Any, timeout: float = 60.0) -> Any:
     deadline = time.monotonic() + timeout
     while not (found := what()):
         assert time.monotonic() < deadline, "it never came"
@@ -38,7 +38,7 @@ def until(what: Any, timeout: float = 20.0) -> Any:
 
 
 def frame(session: Session, after: int = -1) -> Dynamic:
-    return unpack_frame(aside(asyncio.wait_for(session.newest_frame(after), 10.0)))
+    return unpack_frame(aside(asyncio.wait_for(session.newest_frame(after), 60.0)))
 
 
 def state(session: Session, window: str) -> dict[str, Any]:
@@ -340,7 +340,7 @@ def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
         "session.start()\n"
         "session.request({'do': 'speed', 'factor': 5.0})\n"
         "session.request({'do': 'run'})\n"
-        "time.sleep(1.0)\n"
+        "while session._link.tick < 5: time.sleep(0.05)\n"
         "print(session._link.pid, flush=True)\n"
         "time.sleep(60)\n"
     )

@@ -106,7 +106,7 @@ def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_fra
     window.do(do="drive", robot="rover", forward=0.8)
     window.do(do="step", steps=60)
     window.until("newest.tick === 60")
-    window.page.wait_for_timeout(150)
+    window.drawn()
     drawn_truth, drawn_belief = window.middle_of("robot", "true"), window.middle_of("control", "estimated")
     truth, belief = window.see("newest.truePoses.slice(0, 3)"), window.see("newest.estimatedPoses.slice(0, 3)")
     apart = ((belief[0] - truth[0]) ** 2 + (belief[1] - truth[1]) ** 2) ** 0.5

@@ -110,7 +110,7 @@ class Window:
         """The value of an expression of the simulator's window: `newest.tick`."""
         return self.page.evaluate(f"{SIMULATOR}.{expression}")
 
-    def until(self, expression: str, *, seconds: float = 10.0) -> None:
+    def until(self, expression: str, *, seconds: float = 30.0) -> None:
         """Wait until something holds of the window; names in the expression are the simulator's."""
         self.page.wait_for_function(
             f"() => {{ const one = {SIMULATOR}; if (!one?.state) return false; with (one) return {expression}; }}",
@@ -146,6 +146,10 @@ class Window:
         for button in self.page.locator(".panel.control .tools button").all():
             if button.get_attribute("aria-pressed") == "true":
                 button.click()
+        self.drawn()
+
+    def drawn(self) -> None:
+        """Wait until what has come is drawn."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def middle_of(self, pane: str, colour: str) -> tuple[float, float, int]:
@@ -175,7 +179,7 @@ class Window:
         return found[0], found[1], found[2]
 
 
-def eventually(holds: Callable[[], bool], seconds: float = 8.0) -> bool:
+def eventually(holds: Callable[[], bool], seconds: float = 30.0) -> bool:
     """Whether something holds within a while."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
