@@ -102,7 +102,7 @@ class Draws:
 
         For kernels that work on each row by itself; `work_per_row` is about how many rays a row costs as much as.
         """
-        if self._workers is None:
+        if self._workers is None or self._workers.threads == 1:
             work(0, len(self._keys))
         else:
             self._workers.share(len(self._keys), work_per_row, work)

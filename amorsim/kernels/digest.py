@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["absorb", "absorb_together"]
+__all__ = ["NOTHING", "absorb", "absorb_together"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -21,7 +21,7 @@ _OTHER = np.uint64(32)
 
 # Arrays a kernel call takes: always so many, for each number of them would be compiled by itself.
 _BATCH = 8
-_NOTHING = np.empty((0, 0))
+NOTHING = np.empty((0, 0))
 
 
 @part
@@ -49,12 +49,26 @@ def _absorb(
 
 
 @kernel
-def absorb_together(sizes: npt.NDArray[np.int64], first: Floats, second: Floats, out: npt.NDArray[np.uint64]) -> None:
-    """Mix many arrays in turn, the first of each kind and then the second, as `absorb` does one by one.
+def absorb_together(
+    a: Floats,
+    b: Floats,
+    c: Floats,
+    d: Floats,
+    e: Floats,
+    sizes: npt.NDArray[np.int64],
+    first: Floats,
+    second: Floats,
+    out: npt.NDArray[np.uint64],
+) -> None:
+    """Mix five arrays (N, k), and then many in turn, the first of each kind and the second, as `absorb` does.
 
     `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,).
     """
     rows = out.shape[0]
+    for values in (a, b, c, d, e):
+        bits = values.view(np.uint64)
+        for i in range(bits.shape[0]):
+            _mix(bits[i], out[i])
     first_bits = first.view(np.uint64)
     second_bits = second.view(np.uint64)
     start = 0
@@ -68,6 +82,6 @@ def absorb_together(sizes: npt.NDArray[np.int64], first: Floats, second: Floats,
 def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:
     """Mix the bits of arrays (N, k), C-contiguous and writeable, into the fingerprints `out` (N, 2), in order."""
     for start in range(0, len(values), _BATCH):
-        batch = [*values[start : start + _BATCH], *(_NOTHING,) * _BATCH]
+        batch = [*values[start : start + _BATCH], *(NOTHING,) * _BATCH]
         a, b, c, d, e, f, g, h = batch[:_BATCH]
         _absorb(a, b, c, d, e, f, g, h, out)

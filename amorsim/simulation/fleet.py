@@ -41,6 +41,8 @@ class Fleet:
         `(R,)` of each replica.
     events
         What happened, in order.
+    rolls
+        Whether the robots have moved already in this step, as they actuated: nothing was in the way.
     touching
         The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
     """
@@ -75,6 +77,7 @@ class Fleet:
         self.everything: list[Group | ObstacleGroup] = [*self.groups, *self.obstacles]
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
+        self.rolls = False
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.place()

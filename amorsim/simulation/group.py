@@ -27,7 +27,8 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import signature, stack, take
-from amorsim.kernels import digest
+from amorsim.drives.differential import Differential
+from amorsim.kernels import digest, rolling
 from amorsim.kernels.paths import ARC, OTHER
 from amorsim.kernels.poses import mean_twists
 from amorsim.scenario.spec import Knowledge, Robot, Zone
@@ -189,6 +190,7 @@ class Group:
         self.joint_rates = np.zeros((rows, joints))
         self.command = np.zeros((rows, len(self.channels)))
         self.active = np.ones((rows, 1), dtype=bool)
+        self._counted, self._are_active = self.active, True
         self.by_hand = np.zeros((rows, 1), dtype=bool)
         self.hand = np.zeros((rows, len(self.channels)))  # the command of those who are driven by hand
         self.some_by_hand = False
@@ -214,7 +216,16 @@ class Group:
         if self.some_by_hand:
             self._control_some()
         elif self.controller is not None:
-            self.command = np.where(self.active, self._asked(None), 0.0)
+            asked = self._asked(None)
+            # A copy: it is the controller's, which may write into it again.
+            self.command = np.array(asked, dtype=np.float64) if self._all_active else np.where(self.active, asked, 0.0)
+
+    @property
+    def _all_active(self) -> bool:
+        if self._counted is not self.active:  # it is replaced, never changed once somebody has asked
+            self._counted = self.active
+            self._are_active = bool(self.active.all())
+        return self._are_active
 
     def _control_some(self) -> None:
         command = self.hand.copy()
@@ -288,6 +299,39 @@ class Group:
             self._ground_after = self.zones.passed(
                 self.drive, self._before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
             )
+
+    def roll(self, world: World) -> bool:
+        """Actuate and move in one call, where that can be and nothing is in the way; else nothing has happened.
+
+        That is for two driven wheels on firm ground, whose robots have no company and are the only ones.
+        """
+        drive = self.drive
+        if type(drive) is not Differential or self.devices or self.ground.elements or self.zones:
+            return False
+        rows = self.rows
+        wheels, end, twists = np.empty((2, rows, 2)), np.empty((rows, 3)), np.empty((rows, 3))
+        made = rolling.roll_free(
+            self.joints,
+            self.joint_rates,
+            self.command,
+            drive.rate_max,
+            drive._acceleration(rows),
+            drive.lag,
+            drive.wheel_radius_left,
+            drive.wheel_radius_right,
+            drive.track,
+            self.dt,
+            world.poses,
+            world.bodies.reach,
+            world.room,
+            wheels,
+            end,
+            twists,
+        )
+        if made:
+            self.joints, self.joint_rates = wheels
+            self.true_pose, self.true_twist = end, twists
+        return bool(made)
 
     # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
 
@@ -378,8 +422,7 @@ class Group:
             covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
             results += [np.ascontiguousarray(estimate.pose), covariance]
         if not self._sensing.others:
-            digest.absorb(results, self.fingerprint)
-            self._sensing.absorb(self.fingerprint)
+            self._sensing.absorb(results, self.fingerprint)
             return
         for unit in self.sensors.values():
             results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.held.measured)]

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Clock
+from amorsim.kernels.ticks import tell_time
 
 __all__ = ["Moment"]
 
@@ -36,12 +37,11 @@ class Moment:
 
     def advance(self) -> None:
         """Put every row to the next tick."""
-        tick = self.tick + 1
-        self.tick = tick
-        self.time = np.multiply(tick, self.dt)
+        before = self.tick
+        self.tick, self.time = np.empty_like(before), np.empty(before.shape)
+        tell_time(before, self.dt, self.counter, self.tick, self.time)
         self.elapsed = self.step
-        self.clock = Clock(tick, self.time, self.dt)
-        self.counter[:, 2] += 1
+        self.clock = Clock(self.tick, self.time, self.dt)
 
     def set_episode(self, episode: npt.NDArray[np.int64]) -> None:
         """Put every row to its episode `(N,)`."""

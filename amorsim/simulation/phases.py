@@ -40,11 +40,27 @@ def _control(fleet: Fleet) -> None:
 
 
 def _actuate(fleet: Fleet) -> None:
+    fleet.rolls = _roll(fleet)
+    if fleet.rolls:
+        return
     for group in fleet.everything:
         group.actuate()
 
 
+def _roll(fleet: Fleet) -> bool:
+    """Let the wheels take the only group of robots on, who have no company and no wall near, where that can be told."""
+    world = fleet.world
+    if world.has_company or world.room_at is not world.poses or len(fleet.everything) != 1:
+        return False
+    return fleet.groups[0].roll(world)
+
+
 def _move(fleet: Fleet) -> None:
+    if fleet.rolls:
+        fleet.touching = NOBODY
+        fleet.world.poses = fleet.world.room_at = fleet.groups[0].true_pose
+        fleet.advance()
+        return
     movers: list[Group | ObstacleGroup] = [*fleet.groups, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
     for contact in contacts:

@@ -46,6 +46,7 @@ _KINDS: Mapping[type[Sensor], int] = {
     Sonar: sensing.SONAR,
 }
 _VALUE_WORK = 0.15  # rays that a value and its noise cost as much as
+_TOGETHER = 5  # results of the commonest robots, besides their readings
 _NO_ANGLE = np.zeros((1, 1))
 _NONE: Ints = np.zeros(0, dtype=np.int64)
 
@@ -154,10 +155,13 @@ class SensePlan:
         for unit in self.others:
             unit.sample(view, moment)
 
-    def absorb(self, fingerprint: npt.NDArray[np.uint64]) -> None:
-        """Mix what the units read last into the fingerprints of the rows `(N, 2)`."""
-        if self._units:
-            digest.absorb_together(self._sizes, self._batch.true, self._batch.measured, fingerprint)
+    def absorb(self, results: Sequence[Array], fingerprint: npt.NDArray[np.uint64]) -> None:
+        """Mix results, and then what the units read last, into the fingerprints of the rows `(N, 2)`."""
+        if len(results) != _TOGETHER:
+            digest.absorb(results, fingerprint)
+            results = (digest.NOTHING,) * _TOGETHER
+        a, b, c, d, e = results
+        digest.absorb_together(a, b, c, d, e, self._sizes, self._batch.true, self._batch.measured, fingerprint)
 
     def _sense(self, view: GroupView, moment: Moment) -> None:
         batch = self._batch
