@@ -14,6 +14,7 @@ from amorsim.core.shapes import Shape
 from amorsim.scenario.spec import Landmark, Obstacle, Pose
 from amorsim.sensors import Camera
 from tests.building import empty, robot, room, scenario
+from tests.sensors.crowd import bearings_of, first_met, in_the_open, random_crowd
 from tests.sensors.sight import random_scene
 
 COLOURS = ("red", "orange", "yellow", "green", "cyan", "blue", "magenta", "white")
@@ -215,9 +216,71 @@ def test_blobs_of_six_random_scenes_are_the_projected_outlines():
     assert sum(check_scene(seed) for seed in range(6)) > 15
 
 
+def check_crowd(seed, width=240):
+    """All cameras in one room against shapely; how many things were seen or not, seen, and seen whole in the open."""
+    fov, range_max = 1.5 * math.pi, 9.0
+    colours = tuple(f"#{20 + i:02x}40{200 - i:02x}" for i in range(100))
+    camera = Camera(width=width, height=400, colours=colours, fov=fov, fov_min=0.1, range_max=range_max, slots=150)
+    crowd = random_crowd(seed, camera, colours=colours, disc=(0.05, 0.2))
+    things = len(crowd.outlines)
+    aside = fov / 2 - 0.5 * np.arange(2 * width + 1) * fov / width
+    judged = seen = 0
+    runs = {}
+    for v, reading in enumerate(crowd.tables(7)):
+        sees = first_met(crowd, v, crowd.poses[v, 2] + aside, range_max)
+        sees = np.stack((sees[:-1:2], sees[1::2], sees[2::2]))  # at the left edge, in the middle, at the right edge
+        found = reading[reading[:, 0] >= 0]
+        thing, left, right = found[:, :3].T.astype(int)
+        in_blob = np.zeros((things, width), dtype=bool)
+        inner = np.zeros_like(in_blob)
+        for t, a, b in zip(thing, left, right, strict=True):
+            in_blob[t, a : b + 1] = True
+            inner[t, a + 1 : b] = True
+            runs.setdefault((v, int(t)), []).append((a, b))
+        # Every column in which shapely sees it from edge to edge is in a blob; every column of a blob, but for those at
+        # its ends, is one in whose middle shapely sees it; and those at its ends are next to one where it is seen.
+        here = sees == np.arange(things)[:, None, None]
+        assert in_blob[here.all(axis=1)].all(), (seed, v)
+        assert here[:, 1][inner].all(), (seed, v)
+        anywhere = here.any(axis=1)
+        grown = anywhere.copy()
+        grown[:, 1:] |= anywhere[:, :-1]
+        grown[:, :-1] |= anywhere[:, 1:]
+        assert grown[in_blob].all(), (seed, v)
+        assert not in_blob[v].any()
+        away = np.hypot(*(np.delete(crowd.places, v, axis=0) - crowd.poses[v, :2]).T)
+        judged += (away < range_max).sum()
+        seen += in_blob.any(axis=1).sum()
+    pairs = np.array(sorted(runs))
+    viewer, thing = pairs[in_the_open(crowd, *pairs.T)].T
+    whole = 0
+    for v, t in zip(viewer.tolist(), thing.tolist(), strict=True):
+        corners = shapely.get_coordinates(crowd.outlines[t])
+        to = shapely.get_coordinates(shapely.centroid(crowd.outlines[t]))
+        middle = bearings_of(crowd, [v], to)[0]
+        spread = wrap_angle(bearings_of(crowd, [v] * len(corners), corners) - middle)
+        far = np.hypot(*(corners - crowd.poses[v, :2]).T).max()
+        if abs(middle) + np.abs(spread).max() < fov / 2 and far < range_max:
+            expected = columns_of([middle + spread.max(), middle + spread.min()], fov, width)
+            assert len(runs[v, t]) == 1, (seed, v, t)
+            assert np.abs(runs[v, t][0] + np.array([0, 1]) - expected).max() <= 1.0, (seed, v, t)
+            whole += 1
+    return judged, seen, whole
+
+
+def test_blobs_in_one_crowded_room_are_the_projected_outlines():
+    judged, seen, whole = check_crowd(0)
+    assert judged > 2000
+    assert seen > 400
+    assert whole > 100
+
+
 @pytest.mark.long
-def test_blobs_of_two_hundred_random_scenes_are_the_projected_outlines():
-    assert sum(check_scene(seed) for seed in range(1000, 1200)) > 500
+def test_a_hundred_thousand_blobs_are_seen_or_not_as_shapely_says_to_one_pixel():
+    judged, seen, whole = np.sum([check_crowd(seed) for seed in range(1000, 1031)], axis=0)
+    assert judged >= 100_000
+    assert seen > 15_000
+    assert whole > 4_000
 
 
 def test_results_do_not_depend_on_replicas_or_threads():

@@ -13,6 +13,7 @@ from amorsim.noise import Gaussian
 from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose
 from amorsim.sensors import Fiducial
 from tests.building import empty, robot, room, scenario
+from tests.sensors.crowd import are_free, bearings_of, lines_of_sight, random_crowd
 from tests.sensors.sight import HAIR, random_scene
 
 EMPTY = [math.inf, math.inf, -1.0]
@@ -152,11 +153,42 @@ def test_twenty_random_scenes_agree_with_shapely():
     assert 30 < seen < judged
 
 
+def check_crowd(seed):
+    """All who look in one room against shapely; how many cases were judged, seen, and in doubt."""
+    fov, range_max = 1.5 * math.pi, 9.0
+    crowd = random_crowd(seed, Fiducial(slots=100, fov=fov, range_max=range_max, range_max_id=range_max))
+    viewer, mark = (index.ravel() for index in np.indices((crowd.viewers, len(crowd.places))))
+    not_own = viewer != mark
+    viewer, mark = viewer[not_own], mark[not_own]
+    away = np.hypot(*(crowd.places[mark] - crowd.poses[viewer, :2]).T)
+    bearing = bearings_of(crowd, viewer, crowd.places[mark])
+    within = (away < range_max) & (np.abs(bearing) < fov / 2)
+    reading = crowd.tables(3)
+    told = np.full((crowd.viewers, len(crowd.places), 2), np.nan)
+    row, slot = np.nonzero(reading[:, :, 2] > 0)
+    told[row, reading[row, slot, 2].astype(int) - 1] = reading[row, slot, :2]
+    seen = ~np.isnan(told[viewer, mark, 0])
+    assert not seen[~within].any()
+    viewer, mark, away, bearing, seen = (column[within] for column in (viewer, mark, away, bearing, seen))
+    free, certain = are_free(crowd, lines_of_sight(crowd, viewer, mark), viewer, mark)
+    np.testing.assert_array_equal(seen[certain], free[certain], err_msg=str(seed))
+    np.testing.assert_allclose(told[viewer, mark][seen], np.stack((away, bearing), axis=1)[seen], rtol=0, atol=1e-12)
+    return certain.sum(), seen.sum(), (~certain).sum()
+
+
+def test_in_one_crowded_room_all_agrees_with_shapely():
+    judged, seen, doubtful = check_crowd(0)
+    assert judged > 2000
+    assert 200 < seen < judged - 200
+    assert doubtful < 10
+
+
 @pytest.mark.long
-def test_a_thousand_random_scenes_agree_with_shapely():
-    judged, seen = np.sum([check_scene(seed) for seed in range(1000, 2000)], axis=0)
-    assert judged > 7_500
-    assert seen > 1_500
+def test_a_hundred_thousand_marks_are_seen_or_not_as_shapely_says():
+    judged, seen, doubtful = np.sum([check_crowd(seed) for seed in range(1000, 1045)], axis=0)
+    assert judged >= 100_000
+    assert 10_000 < seen < judged - 10_000
+    assert doubtful < 1e-3 * judged
 
 
 def test_results_do_not_depend_on_rows_replicas_or_threads():
