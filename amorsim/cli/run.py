@@ -160,7 +160,7 @@ def _with_options(scenario: Scenario, seed: int | None, duration: float | None) 
 
 def _compile_beside(quiet: bool) -> bool:
     """Say so and get help where kernels have to be compiled; whether they have."""
-    from amorsim.kernels.compile import is_cold
+    from amorsim.kernels.cache import is_cold
     from amorsim.simulation.warm import compile_beside
 
     if not is_cold():

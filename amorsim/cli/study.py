@@ -21,7 +21,7 @@ __all__ = ["claim_folder", "draw", "free_folder", "read_study", "significant", "
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
     """The scenario that a user means, with another seed if one is given."""
     from amorsim.core.parameters import ParameterError
-    from amorsim.kernels.compile import is_cold
+    from amorsim.kernels.cache import is_cold
     from amorsim.runs.asked import read_scenario
 
     if is_cold():

@@ -69,7 +69,7 @@ def command(
     if not 0 <= port < 65536:
         raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
 
-    from amorsim.kernels.compile import is_cold
+    from amorsim.kernels.cache import is_cold
     from amorsim.ui.recipe import Recipe
     from amorsim.ui.server import serve
     from amorsim.ui.session import Session

@@ -12,17 +12,14 @@ import hashlib
 import os
 import time
 from pathlib import Path
-from typing import Any
 
-from amorsim.kernels import compile as compiling
-
-__all__ = ["take_turns"]
+__all__ = ["LONGEST", "PAUSE", "Claims"]
 
 LONGEST = 60.0  # [s] that one kernel takes at most; after that its claim counts for nothing
 PAUSE = 0.005  # [s]
 
 
-class _Claims:
+class Claims:
     """Claims of this process in a folder."""
 
     def __init__(self, folder: Path) -> None:
@@ -75,43 +72,3 @@ def _is_void(path: Path) -> bool:
     except (OSError, ValueError):
         return False
     return False
-
-
-def take_turns() -> None:
-    """From now on, let this process and others that do the same compile each kernel once between them."""
-    folder = compiling._cache_folder()
-    cache: Any = compiling._KernelCache
-    if folder is None or hasattr(cache, "claims"):
-        return
-    claims = cache.claims = _Claims(folder)
-    load, save = cache.load_overload, cache.save_overload
-
-    def path_of(self: Any, signature: Any) -> Path:
-        function = self._py_func
-        return claims.path(f"{function.__module__}.{function.__qualname__}", str(signature))
-
-    def load_or_claim(self: Any, signature: Any, target: Any) -> Any:
-        found = load(self, signature, target)
-        path = path_of(self, signature)
-        while found is None:
-            is_claimed = claims.try_for(path)
-            if not is_claimed:
-                time.sleep(PAUSE)
-                if path.exists():
-                    continue
-            # Whoever had the claim has saved the kernel, unless compiling it failed.
-            found = load(self, signature, target)
-            if is_claimed:
-                break
-        if found is not None:
-            claims.give_up(path)
-        return found
-
-    def save_and_give_up(self: Any, signature: Any, compiled: Any) -> None:
-        try:
-            save(self, signature, compiled)
-        finally:
-            claims.give_up(path_of(self, signature))
-
-    cache.load_overload = load_or_claim
-    cache.save_overload = save_and_give_up

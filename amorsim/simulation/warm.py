@@ -22,8 +22,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, MapLoader, Sensor, State, View
 from amorsim.core.map import Map
-from amorsim.kernels import compile as compiling
-from amorsim.kernels.claims import take_turns
+from amorsim.kernels import cache as compiling
+from amorsim.kernels.cache import take_turns
 from amorsim.kernels.draft import FREE
 from amorsim.kernels.grid import Grid
 from amorsim.plugins.hooks import hookimpl
@@ -81,7 +81,7 @@ def compile_contact_beside() -> None:
 
 def _contact_stamp() -> Path | None:
     """The file that says that it is done, for the present sources."""
-    stamp = compiling._stamp()
+    stamp = compiling.stamp_file()
     return None if stamp is None else stamp.with_name(f"contact-{stamp.name}")
 
 

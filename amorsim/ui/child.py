@@ -25,7 +25,7 @@ from typing import IO, Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
-from amorsim.kernels.compile import mark_warm
+from amorsim.kernels.cache import mark_warm
 from amorsim.simulation.warm import compile_contact_beside
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs

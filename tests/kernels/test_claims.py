@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from amorsim.kernels import claims
-from amorsim.kernels.claims import _Claims
+from amorsim.kernels.claims import Claims
 
 COMPILING = """
 from numba.core import event
@@ -23,7 +23,7 @@ class Listener(event.Listener):
     def on_end(self, event):
         pass
 event.register("numba:compile", Listener())
-from amorsim.kernels.claims import take_turns
+from amorsim.kernels.cache import take_turns
 take_turns()
 import numpy as np
 from amorsim.kernels.poses import compose
@@ -48,7 +48,7 @@ def test_two_processes_compile_each_kernel_once(tmp_path: Path) -> None:
 
 
 def test_one_has_a_claim_until_it_is_given_up(tmp_path: Path) -> None:
-    mine, theirs = _Claims(tmp_path), _Claims(tmp_path)
+    mine, theirs = Claims(tmp_path), Claims(tmp_path)
     path = mine.path("a.b", "(float64,)")
     assert path != mine.path("a.b", "(int64,)")
     assert mine.try_for(path)
@@ -66,7 +66,7 @@ def test_a_claim_of_a_process_that_is_gone_counts_for_nothing(tmp_path: Path) ->
     gone.wait()
     path = tmp_path / "a.claim"
     path.write_text(str(gone.pid))
-    assert _Claims(tmp_path).try_for(path)
+    assert Claims(tmp_path).try_for(path)
 
 
 @pytest.mark.skipif(not hasattr(os, "waitid"), reason="there a child is told from one that has ended by asking it")
@@ -74,10 +74,10 @@ def test_nor_does_one_of_a_child_that_has_ended_and_was_not_asked_how(tmp_path: 
     child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
     path = tmp_path / "a.claim"
     path.write_text(str(child.pid))
-    assert not _Claims(tmp_path).try_for(path)
+    assert not Claims(tmp_path).try_for(path)
     child.kill()
     deadline = time.monotonic() + 20.0
-    while not _Claims(tmp_path).try_for(path):
+    while not Claims(tmp_path).try_for(path):
         assert time.monotonic() < deadline
         time.sleep(0.02)
     assert child.wait() == -9  # it was left to whoever started it to ask
@@ -88,12 +88,12 @@ def test_nor_does_one_of_a_child_that_has_ended_and_was_not_asked_how(tmp_path: 
 def test_an_old_claim_counts_for_nothing(tmp_path: Path) -> None:
     path = tmp_path / "a.claim"
     path.write_text(str(os.getpid()))
-    assert not _Claims(tmp_path).try_for(path)
+    assert not Claims(tmp_path).try_for(path)
     old = time.time() - claims.LONGEST - 1.0
     os.utime(path, (old, old))
-    assert _Claims(tmp_path).try_for(path)
+    assert Claims(tmp_path).try_for(path)
 
 
 def test_where_no_file_can_be_made_nobody_waits(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    assert _Claims(tmp_path / "file").try_for(tmp_path / "file" / "a.claim")
+    assert Claims(tmp_path / "file").try_for(tmp_path / "file" / "a.claim")

@@ -1,0 +1,296 @@
+"""The cache of compiled kernels: where it lies, what it depends on, and how it is read.
+
+numba's own cache looks only at the file of the function it compiles, so a change in a callee of another file would
+leave old machine code in use. Here a kernel goes stale with its source and that of every kernel file that it imports.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import re
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import caching, compiler
+from numba.core.runtime import rtsys
+
+from amorsim.kernels.claims import PAUSE, Claims
+from amorsim.kernels.parts import KIND, rebuild_library, stand_in
+
+__all__ = ["KernelCache", "PartCache", "cache_folder", "is_cold", "mark_warm", "sources_of", "stamp_file", "take_turns"]
+
+_HERE = Path(__file__).resolve().parent
+
+
+# Every mention counts, in a comment too: one too many compiles once more, one too few would run stale code.
+_MENTION = re.compile(rb"amorsim\.kernels\.(\w+)")
+
+
+def sources_of(path: Path) -> tuple[Path, ...]:
+    """The file of a kernel and all files of kernels that it reaches through imports, itself first."""
+    found = {path.resolve(): None}
+    waiting = list(found)
+    while waiting:
+        text = waiting.pop().read_bytes()
+        named = {_HERE / f"{name.decode()}.py" for name in _MENTION.findall(text)}
+        if re.search(rb"from\s+amorsim\.kernels\s+import|import\s+amorsim\.kernels\s", text):
+            named.update(_HERE.glob("*.py"))  # whole modules by name: which of them is used is not worth finding out
+        for callee in sorted(named):
+            if callee.exists() and callee not in found:
+                found[callee] = None
+                waiting.append(callee)
+    return tuple(found)
+
+
+def _digest_of(paths: Iterable[Path]) -> str:
+    digest = hashlib.blake2b(digest_size=16)
+    for path in paths:
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    digest.update(numba.__version__.encode())
+    return digest.hexdigest()
+
+
+@functools.cache
+def _source_stamp(path: Path) -> str:
+    """Digest of what the compiled code of one file depends on: its sources and numba's version."""
+    return _digest_of(sources_of(path))
+
+
+@functools.cache
+def _all_sources_stamp() -> str:
+    return _digest_of(sorted(_HERE.rglob("*.py")))
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _candidates() -> Iterator[Path]:
+    if given := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(given) / "amorsim"
+    yield _HERE / "__pycache__"
+    with contextlib.suppress(RuntimeError):  # no home folder is known
+        base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
+        yield Path(base) / "amorsim" / "kernels"
+    # One folder a user: a shared one could hold another user's code.
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
+    yield Path(tempfile.gettempdir()) / f"amorsim-kernels-{user}"
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether nobody else could have put code there: matters for the world-writable temporary folder only."""
+    if not hasattr(os, "getuid"):
+        return True
+    status = folder.stat()
+    return status.st_uid == os.getuid() and not status.st_mode & 0o022
+
+
+@functools.cache
+def cache_folder() -> Path | None:
+    """The first folder that can be written of those that may hold compiled kernels, or none, with a warning."""
+    for folder in _candidates():
+        if _is_writable(folder):
+            if folder.parent == Path(tempfile.gettempdir()):
+                with contextlib.suppress(OSError):
+                    folder.chmod(0o700)
+                if not _is_private(folder):
+                    continue
+            return folder
+    warnings.warn(
+        "no folder can be written for compiled kernels, so every start compiles them anew (some seconds); "
+        "set NUMBA_CACHE_DIR to a folder that can be written",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return None
+
+
+class _KernelLocator(caching._CacheLocator):  # type: ignore[misc, unused-ignore]
+    """Tells numba where compiled kernels lie and what they depend on."""
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        self._line = py_func.__code__.co_firstlineno
+        self._file = Path(py_file)
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder())
+
+    def get_source_stamp(self) -> str:
+        return _source_stamp(self._file)
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _KernelLocator | None:
+        return None if cache_folder() is None else cls(py_func, py_file)
+
+
+class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc, unused-ignore]
+    """Keeps machine code alone: no kernel is linked into another one, its part is."""
+
+    _locator_classes = [_KernelLocator]  # noqa: RUF012 - as numba declares it
+
+    def reduce(self, compiled: Any) -> tuple[Any, ...]:
+        described = compiled.fndesc
+        described.typemap = described.calltypes = None  # may not be picklable, and nobody asks
+        # One without constants is never read, and would have its function's module imported: that of numba's own code.
+        environments = tuple(one for one in compiled._find_referenced_environments() if one.consts)
+        return (
+            self._code_of(compiled),
+            described,
+            compiled.environment,
+            compiled.signature,
+            compiled.reload_init,
+            environments,
+        )
+
+    def rebuild(self, context: Any, kept: tuple[Any, ...]) -> Any:
+        code, described, environment, signature, reload_init, environments = kept
+        for function in reload_init:
+            function()
+        library, entry = self._load(context, code, described, environment)
+        for one in environments:
+            self._tell(library, one)
+        return compiler.compile_result(
+            target_context=context,
+            typing_context=context.typing_context,
+            library=library,
+            environment=environment,
+            entry_point=entry,
+            fndesc=described,
+            signature=signature,
+            objectmode=False,
+            lifted=(),
+            reload_init=reload_init,
+            referenced_envs=environments,
+        )
+
+    def _code_of(self, compiled: Any) -> tuple[Any, ...]:
+        return compiled.library.name, compiled.library._get_compiled_object()
+
+    def _load(self, context: Any, code: tuple[Any, ...], described: Any, environment: Any) -> tuple[Any, Any]:
+        name, machine_code = code
+        library = context.codegen().create_library(name)
+        library.enable_object_caching()
+        library._set_compiled_object(machine_code)
+        library._finalize_final_module()
+        library.codegen._engine._defined_symbols.add(described.llvm_cpython_wrapper_name)
+        return library, context.get_executable(library, described, environment)
+
+    def _tell(self, library: Any, environment: Any) -> None:
+        library.codegen.set_env(environment.env_name, environment)
+
+
+class _PartCacheImpl(_KernelCacheImpl):
+    """Keeps LLVM's code."""
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return f"{super().get_filename_base(fullname, abiflags)}.{KIND}"
+
+    def _code_of(self, compiled: Any) -> tuple[Any, ...]:
+        return compiled.library.name, compiled.library.bitcode()
+
+    def _load(self, context: Any, code: tuple[Any, ...], described: Any, environment: Any) -> tuple[Any, Any]:
+        library = rebuild_library(context.codegen(), *code)
+        return library, stand_in(library, described, environment)
+
+    def _tell(self, library: Any, environment: Any) -> None:
+        pass  # there is no machine code to tell; whoever links this tells its own
+
+
+class KernelCache(caching.FunctionCache):  # type: ignore[misc, unused-ignore]
+    """The machine code of what Python calls."""
+
+    _impl_class = _KernelCacheImpl
+    claims: Claims | None = None  # of this process, once it takes turns with others
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """The compiled function, if the cache has it, or will have, for another process is just compiling it."""
+        found = self._look(signature, context)
+        if self.claims is None:
+            return found
+        path = self._claim(signature)
+        while found is None:
+            is_claimed = self.claims.try_for(path)
+            if not is_claimed:
+                time.sleep(PAUSE)
+                if path.exists():
+                    continue
+            # Whoever had the claim has saved the kernel, unless compiling it failed.
+            found = self._look(signature, context)
+            if is_claimed:
+                break
+        if found is not None:
+            self.claims.give_up(path)
+        return found
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep a compiled function, for later processes and for those that wait."""
+        try:
+            super().save_overload(signature, compiled)
+        finally:
+            if self.claims is not None:
+                self.claims.give_up(self._claim(signature))
+
+    def _look(self, signature: Any, context: Any) -> Any:
+        # numba would first make itself ready to compile, which takes longer than loading all kernels of a run.
+        rtsys.initialize(context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(signature, context)
+
+    def _claim(self, signature: Any) -> Path:
+        assert self.claims is not None
+        return self.claims.path(self._impl.filename_base, str(signature))
+
+
+class PartCache(KernelCache):
+    """LLVM's code of what kernels call."""
+
+    _impl_class = _PartCacheImpl
+
+
+def take_turns() -> None:
+    """From now on, let this process and others that do the same compile each kernel once between them."""
+    folder = cache_folder()
+    if folder is not None and KernelCache.claims is None:
+        KernelCache.claims = Claims(folder)
+
+
+def stamp_file() -> Path | None:
+    """The file whose presence says that the kernels of the present sources are compiled."""
+    folder = cache_folder()
+    return (
+        None if folder is None else folder / f"warm-{_all_sources_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
+    )
+
+
+def is_cold() -> bool:
+    """Whether no process has yet compiled the present sources and said so, so that a first step will take a while."""
+    stamp = stamp_file()
+    return stamp is None or not stamp.exists()
+
+
+def mark_warm() -> None:
+    """Leave word that the kernels are compiled; stamps of other sources go."""
+    stamp = stamp_file()
+    if stamp is not None and not stamp.exists():
+        with contextlib.suppress(OSError):
+            for stale in stamp.parent.glob("warm-*"):
+                stale.unlink(missing_ok=True)
+            stamp.touch()
