@@ -113,6 +113,7 @@ class Context:
     robot: RobotModel  # an obstacle's motion has none, and must not ask
     pose: Array  # (N, 3) [m, m, rad]
     size: int = 0  # values in a sample: for a sensor, and for the elements of a chain
+    names: Sequence[str] = ()  # of the rows' robots or obstacles, for messages
 
 
 class Clock(NamedTuple):
@@ -210,6 +211,10 @@ class View(Protocol):
     )
 
     mount: Array  # (N, 3) true pose of the sensor's mount on the body
+
+    @property
+    def names(self) -> Sequence[str]:
+        """What the rows' robots or obstacles are called, for messages."""
 
     @property
     def pose(self) -> Array:

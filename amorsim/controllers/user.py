@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -20,10 +19,10 @@ from amorsim.contracts import (
     Measurement,
     RobotModel,
     State,
-    parameter,
 )
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.core.errors import ControllerError
+from amorsim.core.user_code import UserCode
 
 __all__ = [
     "PoseVector",
@@ -120,7 +119,7 @@ class RobotClock:
 
 
 @attrs.frozen(kw_only=True)
-class UserController(Controller):
+class UserController(UserCode, Controller):
     """Runs a user's function of one robot, or objects of a user's class, one for each robot.
 
     The function is called as ``function(readings, estimate, clock, **options)``; of a class an object is made
@@ -134,20 +133,14 @@ class UserController(Controller):
     which are copies, theirs to keep. They return a `Twist`, `WheelSpeeds`, a number in rad/s for each channel
     of the drive in order (and of devices that take commands, or these stay at 0), a mapping from some
     channels' names to numbers (0 for the others), or None to stop.
-
-    Parameters
-    ----------
-    source
-        Where it comes from, for messages: ``"file.py:name"``.
-    function
-        The function or the class.
-    options
-        Names and values of its keyword arguments.
     """
 
-    source: str = parameter(static=True, help="where it comes from, as in file.py:name")
-    function: Any = attrs.field()
-    options: tuple[tuple[str, Any], ...] = attrs.field(default=())
+    kind: ClassVar[str] = "controller"
+    signature: ClassVar[str] = "command(self, readings, estimate, clock)"
+
+    def failed(self, message: str, name: str) -> ControllerError:
+        """A `ControllerError` of the robot `name`."""
+        return ControllerError(message, robot=name)
 
     def start(self, context: Context) -> State:
         """An object of the class for each row, ``state["objects"]`` `(N,)`; nothing for a function.
@@ -157,25 +150,7 @@ class UserController(Controller):
         ControllerError
             If it cannot be called, an object cannot be made, or has no method `command`.
         """
-        if not callable(self.function):
-            raise ControllerError(f"controller {self.source!r}: expected a function or a class, got {self.function!r}")
-        if not inspect.isclass(self.function):
-            return {}
-        objects = np.empty(context.rows, dtype=object)
-        for row in range(context.rows):
-            try:
-                objects[row] = self.function(**dict(self.options))
-            except (Exception, SystemExit) as error:
-                raise ControllerError(
-                    f"controller {self.source!r}: making its object for {context.robot.who(row)} with the options "
-                    f"{dict(self.options)} raised {type(error).__name__}: {error}"
-                ) from error
-            if not callable(getattr(objects[row], "command", None)):
-                raise ControllerError(
-                    f"controller {self.source!r}: the class {self.function.__name__} has no method "
-                    "command(self, readings, estimate, clock)"
-                )
-        return {"objects": objects}
+        return dict(self.make_objects(context.rows, context.robot.who))
 
     def command(
         self,
@@ -193,25 +168,19 @@ class UserController(Controller):
         ControllerError
             If the user's code raises, or returns what is no command.
         """
-        rows = robot.rows
-        options = dict(self.options)
-        objects = state.get("objects")
+        caller = self.asker(state)
         answers = _Answers(robot, self.source, joints_of(robot, readings))
-        for row in range(rows):
-            call: Callable[..., Any] = self.function if objects is None else objects[row].command
+        for row in range(robot.rows):
             arguments = (
                 _row_of_readings(readings, row),
                 RobotEstimate(estimate.pose[row].copy().view(PoseVector), estimate.covariance[row].copy()),
                 RobotClock(int(clock.tick[row, 0]), float(clock.time[row, 0]), float(clock.dt)),
             )
             try:
-                answer = call(*arguments, **options) if objects is None else call(*arguments)
+                answer = caller(row)(*arguments)
             except (Exception, SystemExit) as error:
-                raise ControllerError(
-                    f"controller {self.source!r} of {robot.who(row)} at {arguments[2].time:g} s raised "
-                    f"{type(error).__name__}: {error}",
-                    robot=robot.names[row] if robot.names else "",
-                ) from error
+                name = robot.names[row] if robot.names else ""
+                raise self.raised(error, robot.who(row), arguments[2].time, name) from error
             answers.take(row, answer)
         return answers.command()
 

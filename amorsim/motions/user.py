@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Draws, Motion, State, View, parameter
+from amorsim.contracts import Context, Draws, Motion, State, View
 from amorsim.core.errors import ComponentError
+from amorsim.core.user_code import UserCode
 from amorsim.motions.ways import displacement
 
 __all__ = ["ObstacleState", "UserMotion"]
@@ -36,27 +36,21 @@ class ObstacleState:
 
 
 @attrs.frozen(kw_only=True)
-class UserMotion(Motion):
+class UserMotion(UserCode, Motion):
     """Runs a user's function of one obstacle, or objects of a user's class, one for each obstacle.
 
     The function is called as ``function(obstacle, **options)``; of a class an object is made with the options as
     keyword arguments, and its method called as ``velocity(obstacle)``. `obstacle` is an `ObstacleState`. They return
     the velocity that the obstacle wants in the world: ``(x, y)`` [m/s] or ``(x, y, turn)`` [m/s, m/s, rad/s], or None
     to stand.
-
-    Parameters
-    ----------
-    source
-        Where it comes from, for messages: ``"file.py:name"``.
-    function
-        The function or the class.
-    options
-        Names and values of its keyword arguments.
     """
 
-    source: str = parameter(static=True, help="where it comes from, as in file.py:name")
-    function: Any = attrs.field()
-    options: tuple[tuple[str, Any], ...] = attrs.field(default=())
+    kind: ClassVar[str] = "motion"
+    signature: ClassVar[str] = "velocity(self, obstacle)"
+
+    def failed(self, message: str, name: str) -> ComponentError:
+        """A `ComponentError`."""
+        return ComponentError(message)
 
     def start(self, context: Context) -> State:
         """An object of the class for each row, ``state["objects"]`` `(N,)`; nothing for a function.
@@ -66,22 +60,7 @@ class UserMotion(Motion):
         ComponentError
             If it cannot be called, an object cannot be made, or has no method `velocity`.
         """
-        if not inspect.isclass(self.function):
-            return {}
-        objects = np.empty(context.rows, dtype=object)
-        for row in range(context.rows):
-            try:
-                objects[row] = self.function(**dict(self.options))
-            except (Exception, SystemExit) as error:
-                raise ComponentError(
-                    f"motion {self.source!r}: making its object with the options {dict(self.options)} raised "
-                    f"{type(error).__name__}: {error}"
-                ) from error
-            if not callable(getattr(objects[row], "velocity", None)):
-                raise ComponentError(
-                    f"motion {self.source!r}: the class {self.function.__name__} has no method velocity(self, obstacle)"
-                )
-        return {"objects": objects}
+        return dict(self.make_objects(context.rows, lambda row: _who(context.names, row)))
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
         """The velocities times the step.
@@ -91,26 +70,23 @@ class UserMotion(Motion):
         ComponentError
             If the user's code raises, or returns what is no velocity.
         """
-        options, objects = dict(self.options), state.get("objects")
-        bodies = view.bodies()
+        caller = self.asker(state)
+        bodies, names = view.bodies(), view.names
         wanted = np.zeros((view.rows, 3))
         for row in range(view.rows):
             others = np.delete(bodies.poses[row], bodies.own[row], axis=0)
             x, y, heading = view.body_pose[row].tolist()
             time = float(view.tick[row, 0]) * dt
             told = ObstacleState(x, y, heading, float(view.free[row, 0]), time, dt, others)
-            call: Callable[..., Any] = self.function if objects is None else objects[row].velocity
             try:
-                answer = call(told, **options) if objects is None else call(told)
+                answer = caller(row)(told)
             except (Exception, SystemExit) as error:
-                raise ComponentError(
-                    f"motion {self.source!r} at {time:g} s raised {type(error).__name__}: {error}"
-                ) from error
-            wanted[row] = self._velocity(answer)
+                raise self.raised(error, _who(names, row), time, "") from error
+            wanted[row] = self._velocity(answer, _who(names, row))
         dx, dy, turn = (wanted[:, i : i + 1] * dt for i in range(3))
         return displacement(view, dx, dy, turn)
 
-    def _velocity(self, answer: Any) -> tuple[float, float, float]:
+    def _velocity(self, answer: Any, who: str) -> tuple[float, float, float]:
         if answer is None:
             return 0.0, 0.0, 0.0
         try:
@@ -119,8 +95,13 @@ class UserMotion(Motion):
             parts = []
         if len(parts) not in (2, 3) or not all(abs(part) <= FASTEST for part in parts):
             raise ComponentError(
-                f"motion {self.source!r} returned {answer!r}; expected the velocity (x, y) [m/s] in the world, "
-                f"(x, y, turn) with rad/s, each at most {FASTEST:g}, or None to stand"
+                f"motion {self.source!r} of {who} returned {answer!r}; expected the velocity (x, y) [m/s] in the "
+                f"world, (x, y, turn) with rad/s, each at most {FASTEST:g}, or None to stand"
             )
         x, y, turn = (*parts, 0.0)[:3]
         return x, y, turn
+
+
+def _who(names: Sequence[str], row: int) -> str:
+    """The obstacle of a row, as a message calls it."""
+    return f"obstacle {names[row]!r}" if names else f"row {row}"

@@ -182,7 +182,7 @@ class Group:
         """Put every row at the start of an episode. Sensing and estimating come after, when all bodies are placed."""
         rows = self.rows
         told = _poses(self.specified)
-        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told)
+        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told, names=self.names)
         joints = len(self.drive.joints)
         self.true_pose = _poses(self.true)
         self.true_twist = np.zeros((rows, 3))

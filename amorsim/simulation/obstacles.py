@@ -55,7 +55,7 @@ class ObstacleGroup:
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
             nobody: Any = None  # an obstacle is no robot, and is told nothing
-            context = Context(rows=rows, dt=self.moment.dt, pose=self.true_pose, robot=nobody)
+            context = Context(rows=rows, dt=self.moment.dt, pose=self.true_pose, robot=nobody, names=self.names)
             self.state = dict(self.motion.start(context))
 
     def actuate(self) -> None:

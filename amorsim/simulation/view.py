@@ -52,6 +52,11 @@ class GroupView:
         self._mount: Array = np.zeros((self.rows, 3))
 
     @property
+    def names(self) -> Sequence[str]:
+        """What the rows' robots or obstacles are called."""
+        return [self._world.name(body) for body in self._bodies.tolist()]
+
+    @property
     def workers(self) -> Workers:
         """The threads that share the rows of long work."""
         return self._world.workers

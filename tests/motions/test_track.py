@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -146,10 +147,16 @@ def test_a_missing_track_is_a_fault_with_its_place(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("def chase(obstacle, speed):\n    return 'fast'\n", "returned 'fast'; expected the velocity"),
+        (
+            "def chase(obstacle, speed):\n    return 'fast'\n",
+            "mine.py:chase' of obstacle 'bob' returned 'fast'; expected the velocity",
+        ),
         ("def chase(obstacle, speed):\n    return 1.0, float('nan')\n", "expected the velocity"),
         ("def chase(obstacle, speed):\n    return 1e300, 0.0\n", r"\(1e\+300, 0.0\); expected .* each at most 1e\+06"),
-        ("def chase(obstacle, speed):\n    return speed / 0.0, 0.0\n", "at 0 s raised ZeroDivisionError"),
+        (
+            "def chase(obstacle, speed):\n    return speed / 0.0, 0.0\n",
+            "of obstacle 'bob' at 0 s raised ZeroDivisionError",
+        ),
         ("def chase(obstacle, speed):\n    raise SystemExit(3)\n", "at 0 s raised SystemExit: 3"),
     ],
 )
@@ -163,6 +170,43 @@ def test_a_function_that_takes_something_else_is_a_fault(folder: Path) -> None:
     (folder / "mine.py").write_text("def chase():\n    return None\n")
     with pytest.raises(am.ScenarioError, match=r"obstacles.1.motion.use: .*cannot be called as chase\(obstacle"):
         am.load(folder / "s.toml")
+
+
+class Fussy:
+    """Does not like the third of its kind to be made, or to be asked."""
+
+    def __init__(self, at: str) -> None:
+        Fussy.made += 1
+        self.number, self.at = Fussy.made, at
+        if at == "making" and self.number == 3:
+            raise ValueError("no more")
+
+    def velocity(self, obstacle: am.motions.ObstacleState) -> None:
+        if self.number == 3 and obstacle.time > 0.15:
+            raise ValueError("not me")
+
+    made = 0
+
+
+@pytest.mark.parametrize(
+    ("at", "message"),
+    [
+        ("making", "making its object for obstacle 'c' with the options {'at': 'making'} raised ValueError: no more"),
+        ("asking", "of obstacle 'c' at 0.2 s raised ValueError: not me"),
+    ],
+)
+def test_of_many_the_one_that_failed_is_named(at: str, message: str) -> None:
+    Fussy.made = 0
+    motion = am.motions.UserMotion(source="own", function=Fussy, options=(("at", at),))
+    posts = [obstacle(motion, name=name, pose=am.Pose(x=1.0 + i, y=4.0)) for i, name in enumerate("abcd")]
+    with pytest.raises(am.ComponentError, match=re.escape(f"motion 'own'{':' if at == 'making' else ''} {message}")):
+        world(*posts).run(0.5)
+
+
+def test_what_cannot_be_called_is_refused_as_a_motion() -> None:
+    motion = am.motions.UserMotion(source="own", function="go")
+    with pytest.raises(am.ComponentError, match="motion 'own': expected a function or a class, got 'go'"):
+        world(obstacle(motion, pose=am.Pose(x=3.0, y=3.0)))
 
 
 class Patrol:

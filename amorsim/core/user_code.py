@@ -1,0 +1,93 @@
+"""Code of a user's within a component: a plain function of one row, or a class of which each row has an object."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import AmorsimError
+from amorsim.core.parameters import parameter
+
+__all__ = ["UserCode"]
+
+Objects = npt.NDArray[Any]
+
+
+@attrs.frozen(kw_only=True)
+class UserCode:
+    """What controllers and motions of a user's share: making the objects, asking them, and saying who failed.
+
+    Parameters
+    ----------
+    source
+        Where it comes from, for messages: ``"file.py:name"``.
+    function
+        The function or the class.
+    options
+        Names and values of its keyword arguments.
+    """
+
+    kind: ClassVar[str]  # what messages call it
+    signature: ClassVar[str]  # of the method that a class must have: "velocity(self, obstacle)"
+
+    source: str = parameter(static=True, help="where it comes from, as in file.py:name")
+    function: Any = attrs.field()
+    options: tuple[tuple[str, Any], ...] = attrs.field(default=())
+
+    def failed(self, message: str, name: str) -> AmorsimError:
+        """The exception of its kind, for what went wrong with the robot or obstacle `name` (empty: not known)."""
+        return AmorsimError(message)
+
+    def make_objects(self, rows: int, who: Callable[[int], str]) -> dict[str, Objects]:
+        """The state at the start: ``"objects"`` `(N,)`, one of the class for each row; nothing for a function.
+
+        `who` says whom a row is of, as a message calls it. What is raised is what `failed` gives, if it cannot be
+        called, an object cannot be made, or has no such method.
+        """
+        what = f"{self.kind} {self.source!r}"
+        if not callable(self.function):
+            raise self.failed(f"{what}: expected a function or a class, got {self.function!r}", "")
+        if not inspect.isclass(self.function):
+            return {}
+        options = dict(self.options)
+        objects = np.empty(rows, dtype=object)
+        for row in range(rows):
+            try:
+                objects[row] = self.function(**options)
+            except (Exception, SystemExit) as error:
+                raise self.failed(
+                    f"{what}: making its object for {who(row)} with the options {options} raised "
+                    f"{type(error).__name__}: {error}",
+                    "",
+                ) from error
+            if not callable(getattr(objects[row], self._method, None)):
+                raise self.failed(
+                    f"{what}: the class {self.function.__name__} has no method {self.signature}",
+                    "",
+                )
+        return {"objects": objects}
+
+    @property
+    def _method(self) -> str:
+        return self.signature.partition("(")[0]
+
+    def asker(self, state: Mapping[str, Objects]) -> Callable[[int], Callable[..., Any]]:
+        """Whom to call for a row: the method of its object, or the function with its options."""
+        objects = state.get("objects")
+        if objects is not None:
+            made, method = objects, self._method
+            return lambda row: getattr(made[row], method)
+        call = functools.partial(self.function, **dict(self.options))
+        return lambda _: call
+
+    def raised(self, error: BaseException, who: str, time: float, name: str) -> AmorsimError:
+        """What to raise for what the user's code raised."""
+        return self.failed(
+            f"{self.kind} {self.source!r} of {who} at {time:g} s raised {type(error).__name__}: {error}", name
+        )
