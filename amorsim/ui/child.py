@@ -29,9 +29,9 @@ from amorsim.kernels.cache import mark_warm
 from amorsim.simulation.warm import compile_contact_beside
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs
+from amorsim.ui.packing import FrameFlag, pack_bundle
 from amorsim.ui.pipes import JSON, Writer, read_message
 from amorsim.ui.player import Fault, Player
-from amorsim.ui.protocol import FrameFlag, pack_frame
 from amorsim.ui.recipe import Recipe
 from amorsim.ui.scenes import SceneBuilder
 
@@ -70,6 +70,7 @@ class Child:
         self._busy_since: float | None = None  # when the present step, or replay, began
         self._in_step = False
         self._is_wanted = False  # a frame, by the session
+        self._robots: tuple[int, ...] = (0,)  # of which it is to tell all
         self._number = 0
         self._changed = True
         self._last_frame = 0.0
@@ -101,6 +102,7 @@ class Child:
             faulthandler.dump_traceback_later(LONGEST_SILENCE, exit=True, file=2)
             self._writer.send(self._sign_of_life(command))
         elif name == "frame":
+            self._robots = tuple(command["robots"])
             self._is_wanted = True
             self._changed = self._changed or bool(command["now"])
             self._commands.put({"do": ""})  # wakes an idle loop
@@ -223,6 +225,7 @@ class Child:
         is_watched = does.pace.factor is not None or self._is_frame_due()
         if self._is_ending.is_set():
             return
+        player.watched = self._robots
         self._busy_since, self._in_step = time.monotonic(), True
         try:
             made = player.step(watched=is_watched)
@@ -290,10 +293,11 @@ class Child:
             self._last_frame = time.monotonic()
             flags = (FrameFlag.RUNNING if does.is_running else 0) | (FrameFlag.ENDED if does.has_ended else 0)
             speed = float("inf") if does.pace.factor is None else does.pace.factor
-            moment = self._player.frame(
+            self._player.watched = self._robots
+            moments = self._player.frames(
                 version=1, number=self._number, speed=speed, achieved=does.achieved, flags=flags
             )
-            self._writer.send_frame(pack_frame(moment))
+            self._writer.send_frame(pack_bundle(moments))
 
     def close(self) -> None:
         """Write what waits."""

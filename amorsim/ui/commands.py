@@ -46,7 +46,6 @@ class Commands:
         self._does: dict[str, Callable[[Table], Answer | None]] = {
             "state": self._state,
             "scene": lambda _: {"scene": builder.scene},
-            "select": self._select,
             "parameters": self._parameters,
             "history": self._history,
             "events": self._events,
@@ -88,7 +87,7 @@ class Commands:
 
     def _robot(self, command: Table) -> str:
         names = self.player.simulation.names
-        robot = command.get("robot", self.player.selected)
+        robot = command.get("robot")
         if isinstance(robot, int) and not isinstance(robot, bool) and 0 <= robot < len(names):
             return names[robot]
         if isinstance(robot, str):
@@ -129,7 +128,6 @@ class Commands:
             "time": player.tick * player.simulation.dt,
             "speed": self.pace.factor,
             "achieved": self.achieved,
-            "selected": player.selected,
             "by_hand": [names[i] for i in np.flatnonzero(player.simulation.by_hand).tolist()],
             "can_continue": not player.is_past or not player.reason,
             "reason": player.reason if player.is_past else player.snapshots.reason,
@@ -151,9 +149,6 @@ class Commands:
     def achieved(self) -> float:
         """The speed of late."""
         return self.pace.achieved(time.monotonic()) if self.is_running else 0.0
-
-    def _select(self, command: Table) -> None:
-        self.player.select(self.player.simulation.names.index(self._robot(command)))
 
     def _parameters(self, command: Table) -> Answer:
         robot = self._robot(command)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Frame
 from amorsim.core.poses import logarithm, relative
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.protocol import RobotFlag, Selected
+from amorsim.ui.packing import RobotFlag, Selected
 
 __all__ = ["Before", "flags_of", "look_back", "obstacle_poses", "selected_of", "upper_triangle"]
 
@@ -20,20 +21,23 @@ _UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
 
 
 class Before(NamedTuple):
-    """What a frame needs of the step before it, of the selected robot: to tell velocities from positions."""
+    """What a frame needs of the step before it, of the robots that are looked at: to tell velocities from positions."""
 
     tick: int
-    estimated: Array  # (1, 3)
-    angles: Array | None  # (1, j) measured
-    stamp: int
+    estimated: Array  # (R, 3)
+    angles: Mapping[int, tuple[Array, int]]  # measured (1, j), and of which tick, where there are any
 
 
-def _place(simulation: Simulation, robot: int) -> tuple[Frame, int]:
-    name = simulation.names[robot]
-    for frame in simulation.frames():
-        if name in frame.names:
-            return frame, list(frame.names).index(name)
-    raise LookupError(name)
+def _places(simulation: Simulation) -> Callable[[int], tuple[Frame, int]]:
+    """Finds the frame and the row of a robot."""
+    frames = simulation.frames()
+
+    def find(robot: int) -> tuple[Frame, int]:
+        name = simulation.names[robot]
+        frame = next(frame for frame in frames if name in frame.names)
+        return frame, list(frame.names).index(name)
+
+    return find
 
 
 def _measured_angles(frame: Frame, row: int) -> tuple[Array, int] | None:
@@ -47,27 +51,32 @@ def _measured_angles(frame: Frame, row: int) -> tuple[Array, int] | None:
     return None
 
 
-def look_back(simulation: Simulation, robot: int) -> Before:
-    """What the frame of the next step will need of this one."""
-    frame, row = _place(simulation, robot)
-    measured = _measured_angles(frame, row)
-    angles, stamp = (None, -1) if measured is None else measured
-    return Before(simulation.tick, simulation.estimated_pose[robot : robot + 1], angles, stamp)
+def look_back(simulation: Simulation, robots: Iterable[int]) -> Before:
+    """What the frames of the next step will need of this one, for those who look at these robots."""
+    find = _places(simulation)
+    measured = {robot: _measured_angles(*find(robot)) for robot in robots}
+    known = {robot: angles for robot, angles in measured.items() if angles is not None}
+    return Before(simulation.tick, simulation.estimated_pose, known)
 
 
-def selected_of(simulation: Simulation, robot: int, before: Before | None) -> Selected:
-    """All of one robot; what only the step before could tell is 0 at the start, and nan where it is not known."""
-    frame, row = _place(simulation, robot)
+def selected_of(simulation: Simulation, robots: Iterable[int], before: Before | None) -> dict[int, Selected]:
+    """All of each robot; what only the step before could tell is 0 at the start, and nan where it is not known."""
+    find, pose = _places(simulation), simulation.estimated_pose
+    return {robot: _selected(simulation, robot, *find(robot), pose[robot : robot + 1], before) for robot in robots}
+
+
+def _selected(
+    simulation: Simulation, robot: int, frame: Frame, row: int, estimated: Array, before: Before | None
+) -> Selected:
     joints = len(frame.joint_names)
-    estimated = simulation.estimated_pose[robot : robot + 1]
     rates, twist = np.full(joints, np.nan), np.full(3, np.nan)
     if simulation.tick == 0:
         rates, twist = np.zeros(joints), np.zeros(3)
     elif before is not None and before.tick == simulation.tick - 1:
-        twist = logarithm(relative(before.estimated, estimated))[0] / simulation.dt
-        measured = _measured_angles(frame, row)
-        if measured is not None and before.angles is not None and measured[1] > before.stamp:
-            rates = (measured[0] - before.angles)[0] / ((measured[1] - before.stamp) * simulation.dt)
+        twist = logarithm(relative(before.estimated[robot : robot + 1], estimated))[0] / simulation.dt
+        measured, was = _measured_angles(frame, row), before.angles.get(robot)
+        if measured is not None and was is not None and measured[1] > was[1]:
+            rates = (measured[0] - was[0])[0] / ((measured[1] - was[1]) * simulation.dt)
     readings = list(frame.readings.values())
     nothing = np.empty(0)
     return Selected(

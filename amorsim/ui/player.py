@@ -18,7 +18,8 @@ from amorsim.runs.session import RunSession
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
 from amorsim.ui.inputs import Input, Inputs
-from amorsim.ui.protocol import Dynamic, EventLine, FrameFlag
+from amorsim.ui.packing import Dynamic, FrameFlag, Selected
+from amorsim.ui.protocol import EventLine
 from amorsim.ui.timeline import Paths, Snapshots
 
 __all__ = ["Fault", "Player"]
@@ -63,7 +64,7 @@ class Player:
     ) -> None:
         self.simulation = simulation
         self.epoch = epoch
-        self.selected = 0
+        self.watched: tuple[int, ...] = (0,)  # robots of which frames tell all
         self.inputs = Inputs()
         self.fault: Fault | None = None
         self._remarks: list[tuple[int, EventLine]] = []  # each with how many events there were before it
@@ -145,7 +146,7 @@ class Player:
         self._expect_present()
         simulation = self.simulation
         if watched:
-            self._before = look_back(simulation, self.selected)
+            self._before = look_back(simulation, self.watched)
         try:
             simulation.step()
         except Exception as error:
@@ -217,7 +218,7 @@ class Player:
         self._before = None
         for now in self.inputs.replay(self.simulation, tick):
             if now == tick - 1:
-                self._before = look_back(self.simulation, self.selected)
+                self._before = look_back(self.simulation, self.watched)
             (notice or self._notice)(now)
 
     @property
@@ -299,11 +300,6 @@ class Player:
         """Hold a parameter for unchanged: it was set to what the scenario says."""
         self._changes.pop((robot, path), None)
 
-    def select(self, robot: int) -> None:
-        """Show all of another robot."""
-        self.selected = robot
-        self._before = None
-
     @property
     def changes(self) -> dict[tuple[str, str], Any]:
         """What was set while it ran, by robot and path."""
@@ -365,8 +361,8 @@ class Player:
             line["number"] = number
         return lines
 
-    def frame(self, *, version: int, number: int, speed: float, achieved: float, flags: int) -> Dynamic:
-        """The moment that is shown."""
+    def frames(self, *, version: int, number: int, speed: float, achieved: float, flags: int) -> list[Dynamic]:
+        """The moment that is shown, for each robot that is watched."""
         simulation = self.simulation
         robots = len(simulation.names)
         if self._is_past:
@@ -375,16 +371,19 @@ class Player:
             flags |= FrameFlag.FAULT
         true, estimated = simulation.true_pose, simulation.estimated_pose
         covariance = upper_triangle(simulation.covariance)
-        selected = selected_of(simulation, self.selected, self._before)
+        selected = selected_of(simulation, self.watched, self._before)
         marks = flags_of(simulation)
         if self.poses_only is not None:
             flags |= FrameFlag.POSES_ONLY
             kept = self.paths.at(self.poses_only)[1].astype(float)
             true, estimated = kept[:, :3], kept[:, 3:]
             covariance = np.full((robots, 6), math.nan)
-            selected = type(selected)(*(np.full_like(part, math.nan) for part in selected))
+            selected = {
+                robot: Selected(*(np.full_like(part, math.nan) for part in one)) for robot, one in selected.items()
+            }
             marks = np.zeros(robots, dtype=np.uint8)
-        return Dynamic(
+        first = self.watched[0]
+        moment = Dynamic(
             version=version,
             number=number,
             epoch=self.epoch,
@@ -396,14 +395,15 @@ class Player:
             oldest=0,
             flags=flags,
             events=self.event_count,
-            selected_robot=self.selected,
+            selected_robot=first,
             true_pose=true,
             estimated_pose=estimated,
             covariance=covariance,
             obstacle_pose=obstacle_poses(simulation, self._obstacles),
             robot_flags=marks,
-            selected=selected,
+            selected=selected[first],
         )
+        return [moment._replace(selected_robot=robot, selected=one) for robot, one in selected.items()]
 
     # ---------------------------------------------------------------------------------------------------------- ending
 

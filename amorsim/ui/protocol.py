@@ -1,14 +1,14 @@
 """What the child process, the session and the window say to each other: scenes, frames, commands and answers.
 
 A **scene** (JSON) is sent when a scenario is loaded: all that stays as it is while the simulation runs. A **frame**
-(binary, see `pack_frame`) is one moment. **Commands** are small tables ``{"do": NAME, ...}``; each is answered by a
-table with ``ok``, and where that is false with ``error``, a text for the user.
+(binary, see `amorsim.ui.packing`) is one moment. **Commands** are small tables ``{"do": NAME, ...}``; each is answered
+by a table with ``ok``, and where that is false with ``error``, a text for the user.
 
 | command | further keys | answer | needs the controls |
 |---|---|---|---|
 | ``state`` | | `State` | |
 | ``scene`` | | ``scene``: a `Scene` | |
-| ``select`` | ``robot`` | | |
+| ``select`` | ``robot`` that this window looks at | | |
 | ``parameters`` | ``robot`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true | |
 | ``history`` | ``robot``, ``max_points`` | `History` | |
 | ``events`` | ``after`` (0: all) | ``epoch``, ``events``: list of `EventLine`, ``next`` | |
@@ -30,28 +30,19 @@ table with ``ok``, and where that is false with ``error``, a text for the user.
 | ``restart`` | ``without``: robots that go over to the hand, or none | | yes |
 | ``controls`` | ``want``: ``"take"``, ``"ask"``, ``"give"``, with ``to`` a window | ``holder`` | |
 
-Angles are radians, and robots are named by name, or by their place in the scene's list.
+Angles are radians, and robots are named by name, or by their place in the scene's list; where a window names none, the
+one that it looks at is meant.
 """
 
 from __future__ import annotations
 
-import enum
-import struct
-from collections.abc import Sequence
-from typing import Any, NamedTuple, NotRequired, TypedDict
-
-import numpy as np
-import numpy.typing as npt
+from typing import NotRequired, TypedDict
 
 __all__ = [
-    "FRAME_HEADER",
-    "MAGIC",
     "Channel",
     "Drawing",
-    "Dynamic",
     "EventLine",
     "Floor",
-    "FrameFlag",
     "History",
     "Image",
     "Kind",
@@ -61,17 +52,10 @@ __all__ = [
     "Outline",
     "ParameterForm",
     "RobotEntry",
-    "RobotFlag",
     "Scene",
-    "Selected",
     "SensorShape",
     "State",
-    "pack_frame",
-    "unpack_frame",
-    "with_flags",
 ]
-
-Array = npt.NDArray[np.float64]
 
 # ---------------------------------------------------------------------------------------------------------- scenes
 
@@ -272,7 +256,7 @@ class State(TypedDict):
     time: float
     speed: float | None  # none: as fast as possible
     achieved: float
-    selected: int
+    selected: NotRequired[int]  # the robot that the window looks at
     by_hand: list[str]
     can_continue: bool
     reason: str  # why not
@@ -288,165 +272,3 @@ class History(TypedDict):
     ticks: list[int]
     true: list[list[float]]  # x, y, heading
     estimated: list[list[float]]
-
-
-# ----------------------------------------------------------------------------------------------------------- frames
-
-MAGIC = b"amf1"
-
-# magic, scene version, frame number, epoch; time; speed asked (inf: as fast as possible), achieved; tick, newest tick;
-# flags, events; robots R, obstacles O; selected robot, its values V; sensors S, joints J; channels C, oldest tick.
-FRAME_HEADER = struct.Struct("<4sIIIdffIIIIIIiIIIII")
-_NUMBER_AT, _FLAGS_AT = 8, 40
-
-
-class FrameFlag(enum.IntFlag):
-    """How the simulation stands in a frame."""
-
-    RUNNING = 1
-    ENDED = 2  # the scenario's duration is over
-    SCRUBBED = 4  # this is the past
-    FAULT = 8  # a controller raised an error; it waits
-    HANG = 16  # no sign of life
-    LOADING = 32  # compiling, replaying
-    POSES_ONLY = 64  # of this moment of the past only poses are known; the readings are nan
-
-
-class RobotFlag(enum.IntFlag):
-    """How a robot stands in a frame."""
-
-    TOUCHING = 1
-    ENDED = 2  # its controller has ended
-    BY_HAND = 4
-
-
-class Selected(NamedTuple):
-    """What a frame tells of the selected robot alone."""
-
-    true: Array  # (V,) the sensors' true values, in the scene's order
-    measured: Array  # (V,)
-    age: Array  # (S,) [s]
-    true_rates: Array  # (J,) [rad/s]
-    measured_rates: Array  # (J,) nan where nothing measures them
-    true_twist: Array  # (3,)
-    estimated_twist: Array  # (3,)
-    command: Array  # (C,)
-
-
-class Dynamic(NamedTuple):
-    """A moment: what `pack_frame` makes a frame of."""
-
-    version: int
-    number: int
-    epoch: int
-    time: float
-    speed: float
-    achieved: float
-    tick: int
-    newest: int
-    oldest: int
-    flags: int
-    events: int
-    selected_robot: int
-    true_pose: Array  # (R, 3)
-    estimated_pose: Array  # (R, 3)
-    covariance: Array  # (R, 6) xx, xy, xh, yy, yh, hh
-    obstacle_pose: Array  # (O, 3)
-    robot_flags: npt.NDArray[np.uint8]  # (R,)
-    selected: Selected
-
-
-def pack_frame(moment: Dynamic) -> bytes:
-    """The bytes of a frame, little endian: `FRAME_HEADER` (80 bytes), then
-
-    - float64, of the selected robot: true values (V), measured values (V), ages (S), true joint rates (J), measured
-      ones (J), true twist (3), estimated twist (3), command (C);
-    - float32: true poses (R, 3), estimated poses (R, 3), covariances (R, 6), obstacles' poses (O, 3);
-    - uint8: a `RobotFlag` for each robot (R).
-
-    A thousand robots are 49 kB.
-    """
-    selected = moment.selected
-    header = FRAME_HEADER.pack(
-        MAGIC,
-        moment.version,
-        moment.number,
-        moment.epoch,
-        moment.time,
-        moment.speed,
-        moment.achieved,
-        moment.tick,
-        moment.newest,
-        moment.flags,
-        moment.events,
-        len(moment.true_pose),
-        len(moment.obstacle_pose),
-        moment.selected_robot,
-        len(selected.true),
-        len(selected.age),
-        len(selected.true_rates),
-        len(selected.command),
-        moment.oldest,
-    )
-    exact = np.concatenate(selected).astype("<f8")
-    drawn = (moment.true_pose, moment.estimated_pose, moment.covariance, moment.obstacle_pose)
-    poses = np.concatenate([part.reshape(-1) for part in drawn]).astype("<f4")
-    return header + exact.tobytes() + poses.tobytes() + moment.robot_flags.astype(np.uint8).tobytes()
-
-
-def unpack_frame(data: bytes) -> Dynamic:
-    """What `pack_frame` packed, as the window's script reads it.
-
-    Raises
-    ------
-    ValueError
-        If these are not the bytes of a frame.
-    """
-    if len(data) < FRAME_HEADER.size or data[:4] != MAGIC:
-        raise ValueError(f"expected a frame, which begins with {MAGIC!r}, got {data[:4]!r}")
-    (_, version, number, epoch, time, speed, achieved, tick, newest, flags, events, *rest) = FRAME_HEADER.unpack_from(
-        data
-    )
-    robots, obstacles, selected, values, sensors, joints, channels, oldest = rest
-    sizes = (values, values, sensors, joints, joints, 3, 3, channels)
-    start = FRAME_HEADER.size
-    exact = np.frombuffer(data, "<f8", sum(sizes), start).astype(float)
-    start += exact.nbytes
-    drawn = (robots * 3, robots * 3, robots * 6, obstacles * 3)
-    poses = np.frombuffer(data, "<f4", sum(drawn), start)
-    start += poses.nbytes
-    if len(data) != start + robots:
-        raise ValueError(f"expected a frame of {start + robots} bytes, got {len(data)}")
-    true, estimated, covariance, obstacle = _parts(poses.astype(float), drawn)
-    return Dynamic(
-        version=version,
-        number=number,
-        epoch=epoch,
-        time=time,
-        speed=speed,
-        achieved=achieved,
-        tick=tick,
-        newest=newest,
-        oldest=oldest,
-        flags=flags,
-        events=events,
-        selected_robot=selected,
-        true_pose=true.reshape(-1, 3),
-        estimated_pose=estimated.reshape(-1, 3),
-        covariance=covariance.reshape(-1, 6),
-        obstacle_pose=obstacle.reshape(-1, 3),
-        robot_flags=np.frombuffer(data, np.uint8, robots, start).copy(),
-        selected=Selected(*_parts(exact, sizes)),
-    )
-
-
-def _parts(whole: Array, sizes: Sequence[int]) -> list[Array]:
-    return np.split(whole, np.cumsum(sizes)[:-1])
-
-
-def with_flags(data: bytes, number: int, flags: int) -> bytes:
-    """The same frame under another number and with other flags: for a session whose child no longer answers."""
-    changed: Any = bytearray(data)
-    struct.pack_into("<I", changed, _NUMBER_AT, number)
-    struct.pack_into("<I", changed, _FLAGS_AT, flags)
-    return bytes(changed)

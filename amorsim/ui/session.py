@@ -19,9 +19,11 @@ from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.runs.folder import next_folder
 from amorsim.ui.controls import Controls
 from amorsim.ui.link import Link
+from amorsim.ui.looks import Looks
 from amorsim.ui.mailbox import Mailbox
+from amorsim.ui.packing import Bundle
 from amorsim.ui.project import Saver, place_for
-from amorsim.ui.protocol import FRAME_HEADER, Scene
+from amorsim.ui.protocol import Scene
 from amorsim.ui.recipe import Recipe
 
 __all__ = ["LOOKING", "Session"]
@@ -33,12 +35,13 @@ LOOKING = ("state", "scene", "parameters", "history", "events", "image", "folder
 """Commands that need no controls."""
 
 DRIVING = (
-    *("select", "run", "pause", "step", "speed", "reset", "scrub", "continue"),
+    *("run", "pause", "step", "speed", "reset", "scrub", "continue"),
     *("hand_over", "drive", "command", "stop", "set", "restore"),
 )
-"""Commands that only the window with the controls may give, but for ``select``."""
+"""Commands that only the window with the controls may give."""
 
-_OWN = ("controls", "restart", "save_run", "save_scenario")
+_OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "restore")  # which they name, or look at
+_OWN = ("restart", "save_run", "save_scenario")
 
 BETWEEN_PINGS = 0.5  # [s]
 LONGEST_INTERRUPT = 1.0  # [s] that a controller gets to be broken off
@@ -73,6 +76,7 @@ class Session:
         self._link: Link | None = None
         self._scene: Scene | None = None
         self._controls = Controls()
+        self._looks = Looks()
         self._mailbox = Mailbox(self._ask_frame)
         self._epoch = 0
         self._hang: dict[str, Any] | None = None  # what the child, or its end, tells of a controller that hangs
@@ -145,6 +149,7 @@ class Session:
 
     def close_window(self, window: str) -> None:
         """Let a window go; what it drove by hand stands."""
+        self._looks.close(window)
         if self._controls.close(window):
             with contextlib.suppress(AmorsimError):
                 self._send({"do": "stop"})
@@ -169,20 +174,22 @@ class Session:
         try:
             if not self._controls.knows(window):
                 raise AmorsimError("this window is not known any more; load the page again")
-            known = (*LOOKING, *DRIVING, *_OWN)
+            known = (*LOOKING, *DRIVING, *_OWN, "controls", "select")
             if name not in known:
                 raise AmorsimError(f"there is no command {name!r}.{did_you_mean(str(name), known)}")
             if name == "controls":
                 return self._controls.carry_out(window, command)
-            if name not in LOOKING and self.holder != window and name != "select":
+            if name == "select":
+                return self._select(window, command)
+            if name not in LOOKING and self.holder != window:
                 raise AmorsimError("another window has the controls; ask for them")
             if name in _OWN:
                 return await asyncio.to_thread(self._own, command)
             if name == "state":
-                return await self._told_state(command)
+                return {**await self._told_state(command), "selected": self._looks.of(window)}
             if self._hang is not None:
                 raise AmorsimError(f"the simulation does not answer: {self._hang['text']}")
-            answer = await asyncio.wrap_future(self._send(command))
+            answer = await asyncio.wrap_future(self._send(self._with_robot(window, command)))
             self._mailbox.spoil()
             return answer
         except AmorsimError as error:
@@ -193,7 +200,9 @@ class Session:
         try:
             if command.get("do") in _OWN:
                 return self._own(command)
-            answer = self._send(command).result(LONGEST_ANSWER)
+            if command.get("do") == "select":
+                return self._select("", command)
+            answer = self._send(self._with_robot("", command)).result(LONGEST_ANSWER)
             self._mailbox.spoil()
             return answer
         except AmorsimError as error:
@@ -203,9 +212,27 @@ class Session:
         link = self._link
         if link is None or self._is_closed.is_set():
             raise AmorsimError("the simulation has ended")
-        if command.get("do") in ("speed", "select"):
+        if command.get("do") == "speed":
             self._kept[command["do"]] = dict(command)
         return link.send(command)
+
+    def _select(self, window: str, command: Table) -> Answer:
+        """Let a window look at a robot, whatever others look at."""
+        names = [robot["name"] for robot in self.scene["robots"]]
+        robot = command.get("robot")
+        if isinstance(robot, str) and robot in names:
+            robot = names.index(robot)
+        if not isinstance(robot, int) or isinstance(robot, bool) or not 0 <= robot < len(names):
+            hint = did_you_mean(str(robot), names) if isinstance(robot, str) else ""
+            raise AmorsimError(f"expected a robot's name or its place from 0 to {len(names) - 1}, got {robot!r}.{hint}")
+        self._looks.turn(window, robot)
+        self._mailbox.turn()
+        return {"ok": True}
+
+    def _with_robot(self, window: str, command: Table) -> Table:
+        if command.get("do") in _OF_ROBOT and "robot" not in command:
+            return {**command, "robot": self._looks.of(window)}
+        return command
 
     def _own(self, command: Table) -> Answer:
         name = command["do"]
@@ -263,26 +290,27 @@ class Session:
 
     # ---------------------------------------------------------------------------------------------------------- frames
 
-    async def newest_frame(self, after: int = 0) -> bytes:
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
         """The newest frame whose number is above `after`, as soon as there is one; never, once the session has ended.
 
-        Frames are made only while somebody waits for one, at most 40 in a second.
+        It tells all of the robot that the window looks at. Frames are made only while somebody waits for one, at most
+        40 in a second.
         """
-        return await self._mailbox.newest(after)
+        return await self._mailbox.newest(after, lambda: self._looks.of(window))
 
     def _ask_frame(self, now: bool) -> bool:
         link = self._link
         if link is None or not link.is_alive:
             return False
-        link.tell({"do": "frame", "now": now})
+        link.tell({"do": "frame", "now": now, "robots": self._looks.robots})
         return True
 
     def _take_frame(self, data: bytes) -> None:
-        header = FRAME_HEADER.unpack_from(data)
-        self._epoch = header[3]
+        bundle = Bundle(data)
+        self._epoch = bundle.epoch
         if self._link is not None:
-            self._link.tick = header[8]
-        self._mailbox.take(data)
+            self._link.tick = bundle.newest
+        self._mailbox.take(bundle)
 
     # -------------------------------------------------------------------------------------------------------- watching
 

@@ -33,8 +33,8 @@ class Simulated(Protocol):
     def close_window(self, window: str) -> None:
         """A window has gone; what it drove by hand stops."""
 
-    async def newest_frame(self, after: int = 0) -> bytes:
-        """The newest frame, once there is one whose number is above `after`; nothing where there will be none."""
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
+        """A window's newest frame, once there is one whose number is above `after`; nothing where none will come."""
 
     async def ask(self, window: str, command: Mapping[str, Any]) -> Table:
         """The answer to a command."""
@@ -108,7 +108,7 @@ class Talk:
         clock = asyncio.get_running_loop().time
         due = clock()
         while True:
-            frame = await self.session.newest_frame(after)
+            frame = await self.session.newest_frame(after, self.window)
             if not frame:
                 return
             after = int.from_bytes(frame[8:12], "little")

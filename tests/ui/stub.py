@@ -31,7 +31,7 @@ class StubSession:
     def close_window(self, window: str) -> None:
         self.windows.discard(window)
 
-    async def newest_frame(self, after: int = 0) -> bytes:
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
         while self.number <= after:
             await asyncio.sleep(0.001)
         return b"amf1" + bytes(4) + self.number.to_bytes(4, "little") + bytes(68)

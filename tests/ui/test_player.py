@@ -13,8 +13,8 @@ import pytest
 import amorsim as am
 from amorsim.noise.gaussian import Gaussian
 from amorsim.ui.inputs import Input
+from amorsim.ui.packing import Dynamic, FrameFlag, RobotFlag
 from amorsim.ui.player import Player
-from amorsim.ui.protocol import Dynamic, FrameFlag, RobotFlag
 from amorsim.ui.timeline import Paths
 from tests import building
 
@@ -45,7 +45,7 @@ def play(one: Player, steps: int) -> None:
 
 
 def frame(one: Player) -> Dynamic:
-    return one.frame(version=1, number=1, speed=1.0, achieved=1.0, flags=0)
+    return one.frames(version=1, number=1, speed=1.0, achieved=1.0, flags=0)[0]
 
 
 def same(a: Dynamic, b: Dynamic) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.ui.protocol import FRAME_HEADER, Dynamic, FrameFlag, Selected, pack_frame, unpack_frame, with_flags
+from amorsim.ui.packing import FRAME_HEADER, Bundle, Dynamic, FrameFlag, Selected, pack_bundle, pack_frame, unpack_frame
 
 SIZES = st.integers(0, 5)
 
@@ -79,11 +79,34 @@ def test_a_thousand_robots_stay_below_64_kilobytes() -> None:
     assert len(pack_frame(moment(1000, 20, 200, 5, 4, 4))) < 64_000
 
 
-def test_flags_and_number_can_be_changed_in_the_bytes() -> None:
-    data = pack_frame(moment(2, 0, 3, 1, 2, 2))
-    changed = unpack_frame(with_flags(data, 41, int(FrameFlag.HANG)))
-    assert (changed.number, changed.flags) == (41, FrameFlag.HANG)
-    np.testing.assert_array_equal(changed.true_pose, unpack_frame(data).true_pose)
+@given(st.lists(st.tuples(SIZES, SIZES, SIZES, SIZES), min_size=1, max_size=4), SIZES, SIZES)
+def test_a_bundle_gives_each_window_its_frame(
+    parts: list[tuple[int, int, int, int]], robots: int, obstacles: int
+) -> None:
+    first = moment(robots, obstacles, *parts[0])
+    moments = [
+        first._replace(selected_robot=i, selected=moment(robots, obstacles, *sizes).selected)
+        for i, sizes in enumerate(parts)
+    ]
+    bundle = Bundle(pack_bundle(moments))
+    assert bundle.robots == list(range(len(parts)))
+    assert (bundle.epoch, bundle.newest, bundle.flags) == (7, 456, FrameFlag.RUNNING | FrameFlag.SCRUBBED)
+    for i, one in enumerate(moments):
+        assert bundle.frame(i, 41) == pack_frame(one._replace(number=41))
+        assert bundle.frame(i, 41, 16) == pack_frame(one._replace(number=41, flags=16))
+    assert bundle.frame(len(parts), 41) is None
+    # Of a robot that nobody looked at there is what there is of all.
+    bare = unpack_frame(bundle.bare_frame(9, 41, 16))
+    assert (bare.selected_robot, bare.number, bare.flags, bare.tick) == (9, 41, 16, first.tick)
+    assert [len(part) for part in bare.selected] == [0, 0, 0, 0, 0, 3, 3, 0]
+    np.testing.assert_array_equal(bare.true_pose, first.true_pose)
+    np.testing.assert_array_equal(bare.robot_flags, first.robot_flags)
+
+
+@pytest.mark.parametrize("data", [b"", b"amb1", b"nope" + bytes(200)])
+def test_bytes_that_are_no_bundle_are_refused(data: bytes) -> None:
+    with pytest.raises(ValueError, match="expected a bundle"):
+        Bundle(data)
 
 
 @pytest.mark.parametrize("data", [b"", b"amf1", b"nope" + bytes(200), None])

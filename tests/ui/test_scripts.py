@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from amorsim.ui.protocol import Dynamic, Selected, pack_frame, unpack_frame
+from amorsim.ui.packing import Dynamic, Selected, pack_frame, unpack_frame
 from tests.ui.windows import Window
 
 

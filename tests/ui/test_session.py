@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.ui.protocol import Dynamic, FrameFlag, RobotFlag, unpack_frame
+from amorsim.ui.packing import Dynamic, FrameFlag, RobotFlag, unpack_frame
 from amorsim.ui.recipe import Recipe
 from amorsim.ui.session import Session
 from tests.ui.aside import aside
@@ -37,8 +37,8 @@ def until(what: Any, timeout: float = 60.0) -> Any:
     return found
 
 
-def frame(session: Session, after: int = -1) -> Dynamic:
-    return unpack_frame(aside(asyncio.wait_for(session.newest_frame(after), 60.0)))
+def frame(session: Session, after: int = -1, window: str = "") -> Dynamic:
+    return unpack_frame(aside(asyncio.wait_for(session.newest_frame(after, window), 60.0)))
 
 
 def state(session: Session, window: str) -> dict[str, Any]:
@@ -163,6 +163,7 @@ def test_windows_and_the_controls(start: Make) -> None:
     assert session.holder == ""
     assert ask(first, "controls", want="take")["holder"] == first
     assert ask(first, "step")["ok"]
+    done(session, "select", robot="rover")
     assert frame(session).selected.command.tolist() == [0.0, 0.0]
 
     # A window that goes while another one asks.
@@ -195,6 +196,41 @@ def test_windows_and_the_controls(start: Make) -> None:
         answer = aside(session.ask(first, command))
         assert not answer["ok"], command
         assert "Traceback" not in answer["error"]
+
+
+def test_each_window_looks_at_its_own_robot(start: Make) -> None:
+    session = start()
+    first, second = session.open_window(), session.open_window()
+
+    def ask(window: str, do: str, **keys: Any) -> dict[str, Any]:
+        return aside(session.ask(window, {"do": do, **keys}))
+
+    assert "expected a robot's name or its place from 0 to 1" in ask(first, "select", robot="rovr")["error"]
+    assert ask(second, "select", robot="rover")["ok"]  # which needs no controls
+    assert ask(first, "step", steps=5)["ok"]
+    seen = [frame(session, window=window) for window in (first, second)]
+    assert [one.selected_robot for one in seen] == [0, 1]
+    assert [ask(window, "state")["selected"] for window in (first, second)] == [0, 1]
+    # Each tells all of its robot, and both the same of what is common.
+    other, rover = seen
+    assert other.selected.true_twist.tolist() == [0.0, 0.0, 0.0]
+    assert rover.selected.true_twist[0] > 0.1
+    assert rover.selected.estimated_twist[0] == pytest.approx(rover.selected.true_twist[0], rel=0.1)
+    assert len(rover.selected.measured) > 190
+    assert (other.tick, rover.tick) == (5, 5)
+    # What names no robot is meant for the one that is looked at.
+    assert ask(second, "history")["true"] == ask(first, "history", robot="rover")["true"]
+    assert ask(first, "history")["true"] == ask(second, "history", robot="other")["true"]
+    # While nothing moves, whoever turns sees the other robot, and nobody else does.
+    assert ask(first, "select", robot=1)["ok"]
+    turned = frame(session, seen[0].number, first)
+    assert (turned.selected_robot, turned.tick) == (1, 5)
+    assert ask(second, "select", robot=0)["ok"]
+    assert frame(session, seen[1].number, second).selected_robot == 0
+    assert frame(session, window=first).selected_robot == 1
+    # A window that goes is not looked for.
+    session.close_window(second)
+    assert session._looks.robots == [1]
 
 
 def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) -> None:

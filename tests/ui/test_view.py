@@ -17,7 +17,7 @@ import pytest
 
 import amorsim as am
 from amorsim.cli import main
-from amorsim.ui.protocol import FRAME_HEADER
+from amorsim.ui.packing import FRAME_HEADER
 from tests.ui.aside import aside
 from tests.ui.sessions import in_time, write_project
 

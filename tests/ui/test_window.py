@@ -288,6 +288,12 @@ def test_a_second_window_watches_and_may_ask_for_the_controls(
     assert not refused["ok"]
     assert "controls" in refused["error"]
     watcher.until("isMine === false")
+    # It looks at what it likes, and the other window goes on with its own robot.
+    watcher.page.locator("select.robots").select_option("1")
+    watcher.until("robot.name === 'second' && newest.selected === 1 && newest.sensors.length > 3")
+    assert watcher.page.locator("#numbers-title").inner_text() == "second"
+    tick = window.see("newest.tick")
+    window.until(f"newest.tick > {tick} && newest.selected === 0 && robot.name === 'rover'")
     assert watcher.page.locator("#run").is_disabled()
     chip = watcher.page.locator(".controls")
     assert "ask for the controls" in chip.inner_text()
