@@ -19,7 +19,7 @@ from numba.core.registry import CPUDispatcher
 from amorsim.kernels.cache import KernelCache, PartCache, cache_folder
 from amorsim.kernels.parts import PartCompiler
 
-__all__ = ["kernel", "part"]
+__all__ = ["inlined", "kernel", "part"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -40,6 +40,14 @@ def part(function: F) -> F:
     of a small function: cones were told in half the time without.
     """
     return _compiled(function, _nrt=False)
+
+
+def inlined(function: F) -> F:
+    """Compile `function` as a `part` that is put into each place where it is called, however long it is.
+
+    For what is called once in a loop that is to go several wide: a loop with a call in it does not.
+    """
+    return _compiled(function, _nrt=False, forceinline=True)
 
 
 def _compiled(function: F, **options: Any) -> F:

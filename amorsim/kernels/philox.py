@@ -5,14 +5,13 @@ Source: J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random num
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.compile import inlined, kernel, part
+from amorsim.kernels.normals import normals
 
-__all__ = ["fill_normal", "fill_uniform", "normals", "pairs", "philox"]
+__all__ = ["fill_normal", "fill_uniform", "pairs", "philox"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -27,7 +26,7 @@ _TO_UNIT = 1.0 / 9007199254740992.0  # 2**-53
 Words = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
 
 
-@part
+@inlined
 def philox(c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.uint64, k1: np.uint64) -> Words:
     """Four random 32-bit words (in uint64) from a counter of four words and a key of two."""
     for _ in range(10):
@@ -42,11 +41,11 @@ def philox(c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.ui
     return c0, c1, c2, c3
 
 
-@part
+@inlined
 def _unit(high: np.uint64, low: np.uint64) -> float:
     # 53 bits, and half a step, so that neither 0 (its logarithm) nor 1 ever comes out.
     bits = ((high >> np.uint64(5)) << np.uint64(26)) | (low >> np.uint64(6))
-    return (np.float64(bits) + 0.5) * _TO_UNIT
+    return (np.float64(np.int64(bits)) + 0.5) * _TO_UNIT
 
 
 @part
@@ -64,17 +63,6 @@ def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int,
         )
         first[b] = _unit(w0, w1)
         second[b] = _unit(w2, w3)
-
-
-@part
-def normals(first: Floats, second: Floats) -> None:
-    """Turn pairs of uniform draws into pairs of standard normal ones, in place, by Box and Muller's transform."""
-    for b in range(first.shape[0]):
-        first[b] = math.sqrt(-2.0 * math.log(first[b]))
-    for b in range(first.shape[0]):
-        angle = 2.0 * math.pi * second[b]
-        second[b] = first[b] * math.sin(angle)
-        first[b] = first[b] * math.cos(angle)
 
 
 @part
@@ -105,7 +93,9 @@ def fill_normal(
     """Standard normal draws into `out` (N, k), two from each block."""
     first = np.empty((out.shape[1] + 1) // 2)
     second = np.empty((out.shape[1] + 1) // 2)
+    power = np.empty((out.shape[1] + 1) // 2)
+    first_bits = first.view(np.int64)
     for i in range(out.shape[0]):
         pairs(keys[i], counter, i, block, first, second)
-        normals(first, second)
+        normals(first, second, first_bits, power)
         _lay_out(first, second, out[i])

@@ -18,7 +18,8 @@ from amorsim.kernels.cone_walls import AT_ONCE, MOST
 from amorsim.kernels.cones import hear
 from amorsim.kernels.grid import Grid
 from amorsim.kernels.lines import Lines
-from amorsim.kernels.philox import normals, pairs
+from amorsim.kernels.normals import normals
+from amorsim.kernels.philox import pairs
 from amorsim.kernels.poses import displaced, wrap
 from amorsim.kernels.rays import to_frame
 from amorsim.kernels.scans import FINE, ROOM_F, ROOM_Q, ROOM_RINGS, cast_scan
@@ -191,7 +192,7 @@ def _sense(
 @part
 def _noisy(value: float, part: Floats, noise: float) -> float:
     deviation = part[0] + part[1] * abs(value)
-    return value + deviation * noise if deviation > 0.0 and abs(value) < np.inf else value
+    return value + deviation * noise if (deviation > 0.0) & (abs(value) < np.inf) else value
 
 
 @part
@@ -201,15 +202,18 @@ def _scatter(
     row: int,
     part: Floats,
     values: Floats,
-    first: Floats,
-    second: Floats,
+    drawn: Floats,
+    drawn_bits: Ints,
 ) -> None:
     """Put Gaussian noise on values, as `philox.fill_normal` and `readings.scatter` do one after the other.
 
-    `first` and `second` are room to work in.
+    `drawn` (3, h) is room to work in for h pairs of values or fewer, and `drawn_bits` the same seen as whole numbers.
     """
+    half = (len(values) + 1) // 2
+    first = drawn[0, :half]
+    second = drawn[1, :half]
     pairs(key, counter, row, 0, first, second)
-    normals(first, second)
+    normals(first, second, drawn_bits[0, :half], drawn[2, :half])
     for b in range(len(values) // 2):
         values[2 * b] = _noisy(values[2 * b], part, first[b])
         values[2 * b + 1] = _noisy(values[2 * b + 1], part, second[b])
@@ -233,14 +237,13 @@ def _read_rows(
     end: int,
     true: Floats,
     measured: Floats,
-    one: Floats,
-    other: Floats,
+    drawn: Floats,
+    drawn_bits: Ints,
 ) -> None:
     """What `sense` does to read, with room to work in."""
     rows = body.shape[0]
     for d in range(table.shape[0]):
         k = table[d, _SIZE]
-        half = (k + 1) // 2
         for i in range(first, end):
             at = table[d, _VALUES] * rows + i * k
             _sense(table[d, _KIND], mounts[d, i], numbers[d, i], body[i], twist[i], joints[i], true[at : at + k])
@@ -250,7 +253,7 @@ def _read_rows(
             for c in range(table[d, _FIRST], table[d, _LAST]):
                 number = parts[c, i, 0]
                 if chains[c] == GAUSSIAN:
-                    _scatter(keys[c, i], counter, i, parts[c, i], values, one[:half], other[:half])
+                    _scatter(keys[c, i], counter, i, parts[c, i], values, drawn, drawn_bits)
                 elif chains[c] == BIAS:
                     for j in range(k):
                         values[j] = values[j] - (0.0 - number)
@@ -385,7 +388,7 @@ def sense(
             rooms,
         )
     if reads:
-        half = (table[:, _SIZE].max() + 1) // 2
+        drawn = np.empty((3, (table[:, _SIZE].max() + 1) // 2))
         _read_rows(
             table,
             chains,
@@ -401,6 +404,6 @@ def sense(
             end,
             true,
             measured,
-            np.empty(half),
-            np.empty(half),
+            drawn,
+            drawn.view(np.int64),
         )
