@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping
 from typing import Any
 
@@ -48,9 +47,11 @@ def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
     return rest
 
 
-@functools.cache
 def _only_rolls(joints: tuple[Joint, ...]) -> bool:
-    return all(joint.rolls for joint in joints)
+    for joint in joints:  # noqa: SIM110 - asked in every step, and a generator takes longer
+        if not joint.rolls:
+            return False
+    return True
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:

@@ -27,11 +27,11 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import signature, stack, take
-from amorsim.drives.differential import Differential
-from amorsim.kernels import digest, rolling
+from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
 from amorsim.kernels.poses import mean_twists
 from amorsim.scenario.spec import Knowledge, Robot, Zone
+from amorsim.simulation import wheels
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.driving import ask_some
@@ -145,7 +145,7 @@ class Group:
         self.ground.set_parameters([robot.ground for robot in true])
         for name, unit in self.sensors.items():
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
-        self._sensing = SensePlan(list(self.sensors.values()), self.rows, self.world)
+        self.sensing = SensePlan(list(self.sensors.values()), self.rows, self.world)
         nominal = self.specified
         knowledge: Knowledge = nominal[0].knowledge
         self.robot = RobotModel(
@@ -300,39 +300,6 @@ class Group:
                 self.drive, self._before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
             )
 
-    def roll(self, world: World) -> bool:
-        """Actuate and move in one call, where that can be and nothing is in the way; else nothing has happened.
-
-        That is for two driven wheels on firm ground, whose robots have no company and are the only ones.
-        """
-        drive = self.drive
-        if type(drive) is not Differential or self.devices or self.ground.elements or self.zones:
-            return False
-        rows = self.rows
-        wheels, end, twists = np.empty((2, rows, 2)), np.empty((rows, 3)), np.empty((rows, 3))
-        made = rolling.roll_free(
-            self.joints,
-            self.joint_rates,
-            self.command,
-            drive.rate_max,
-            drive._acceleration(rows),
-            drive.lag,
-            drive.wheel_radius_left,
-            drive.wheel_radius_right,
-            drive.track,
-            self.dt,
-            world.poses,
-            world.bodies.reach,
-            world.room,
-            wheels,
-            end,
-            twists,
-        )
-        if made:
-            self.joints, self.joint_rates = wheels
-            self.true_pose, self.true_twist = end, twists
-        return bool(made)
-
     # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
 
     def travel(self) -> Array:
@@ -400,10 +367,13 @@ class Group:
 
     def sense(self) -> None:
         """Read all sensors."""
-        self._sensing.sense(self.view, self.moment)
+        self.sensing.sense(self.view, self.moment)
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""
+        self._is_recorded = wheels.conclude(self)
+        if self._is_recorded:
+            return
         elapsed = self.moment.elapsed
         for name, estimator in self.estimators.items():
             self.estimates[name] = estimator.update(
@@ -416,13 +386,15 @@ class Group:
             )
 
     def record(self) -> None:
-        """Mix the step's exact results into the fingerprint of each row."""
+        """Mix the step's exact results into the fingerprint of each row, unless that is done already."""
+        if self._is_recorded:
+            return
         results = [self.true_pose, self.joints, np.ascontiguousarray(self.command)]
         for estimate in self.estimates.values():
             covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
             results += [np.ascontiguousarray(estimate.pose), covariance]
-        if not self._sensing.others:
-            self._sensing.absorb(results, self.fingerprint)
+        if not self.sensing.others:
+            self.sensing.absorb(results, self.fingerprint)
             return
         for unit in self.sensors.values():
             results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.held.measured)]

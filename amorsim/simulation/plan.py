@@ -67,6 +67,8 @@ class SensePlan:
     ----------
     others
         The units that read by themselves.
+    batch, sizes
+        What the units that are read together read last, and how many values each of them has.
     """
 
     def __init__(self, units: Sequence[SensorUnit], rows: int, world: World) -> None:
@@ -91,7 +93,7 @@ class SensePlan:
             )
         self._world = world
         self._rows = rows
-        self._sizes = np.array(sizes, dtype=np.int64)
+        self.sizes = np.array(sizes, dtype=np.int64)
         self._values = sum(sizes)
         mounts = np.array([unit.mount for unit in held]).reshape(-1, rows, 3)
         most = max([1, *(unit.size for unit in held if type(unit.sensor) is Encoder)])
@@ -139,10 +141,10 @@ class SensePlan:
             parts,
             keys,
         )
-        self._batch = Batch(rows, self._values)
+        self.batch = Batch(rows, self._values)
         ends = np.cumsum([0, *sizes]) * rows
         for unit, first, end in zip(held, ends[:-1].tolist(), ends[1:].tolist(), strict=True):
-            unit.join(self._batch, first, end)
+            unit.join(self.batch, first, end)
         for unit in self.others:
             unit.leave()
         rays = sum(finder.work for finder in finders)
@@ -161,10 +163,10 @@ class SensePlan:
             digest.absorb(results, fingerprint)
             results = (digest.NOTHING,) * _TOGETHER
         a, b, c, d, e = results
-        digest.absorb_together(a, b, c, d, e, self._sizes, self._batch.true, self._batch.measured, fingerprint)
+        digest.absorb_together(a, b, c, d, e, self.sizes, self.batch.true, self.batch.measured, fingerprint)
 
     def _sense(self, view: GroupView, moment: Moment) -> None:
-        batch = self._batch
+        batch = self.batch
         batch.renew(moment)
         about = (moment.counter, view.body_pose, view.twist, view.joints)
         into = (self._places, batch.true, batch.measured)

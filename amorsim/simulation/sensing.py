@@ -81,8 +81,8 @@ class SensorUnit:
         self._slots = 1  # samples that can be under way at once, and one
         self._late: Array = self._latency  # [s], of the latest sample beyond the latency
         self._pending: dict[str, npt.NDArray[Any]] = {}
-        self._batch: Batch | None = None  # of the plan that reads for it, and which part of it is its own
-        self._first = self._end = self._turn = 0
+        self._batch: Batch | None = None  # of the plan that reads for it, and which part of it is its own, from `first`
+        self.first = self._end = self._turn = 0
         self._hold_nothing(1)
 
     @property
@@ -92,8 +92,8 @@ class SensorUnit:
         if batch is not None and batch.turn != self._turn:
             self._turn = batch.turn
             shape = (batch.rows, self.size)
-            true = batch.true[self._first : self._end].reshape(shape)
-            measured = batch.measured[self._first : self._end].reshape(shape)
+            true = batch.true[self.first : self._end].reshape(shape)
+            measured = batch.measured[self.first : self._end].reshape(shape)
             tick = batch.tick
             self._held = Held(true, measured, tick, tick, Measurement(measured, tick, batch.now, batch.always))
         return self._held
@@ -121,7 +121,7 @@ class SensorUnit:
     def join(self, batch: Batch, first: int, end: int) -> None:
         """Take, from now on, what is read for it: values first..end-1 of a batch."""
         self.leave()
-        self._batch, self._first, self._end, self._turn = batch, first, end, batch.turn
+        self._batch, self.first, self._end, self._turn = batch, first, end, batch.turn
 
     def leave(self) -> None:
         """Read by itself from now on."""

@@ -45,6 +45,10 @@ def own_drive(robot: Robot) -> Robot:
     return attrs.evolve(robot, drive=itself(robot.drive))
 
 
+def own_estimators(robot: Robot) -> Robot:
+    return attrs.evolve(robot, estimators={name: itself(it) for name, it in robot.estimators.items()})
+
+
 def chain(*noise: Any) -> tuple[NoiseElement, ...]:
     return tuple(
         NoiseElement(name=f"{type(element).__name__.lower()}{n}", noise=element) for n, element in enumerate(noise)
@@ -118,7 +122,7 @@ def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: in
     together = run(made, replicas=replicas, threads=threads)
     alone = run(changed(made, change), replicas=replicas)
     for sim, others in ((together, 0), (alone, len(sensors()) - 2 * (change is own_noise))):
-        assert len(sim._fleet.groups[0]._sensing.others) == others
+        assert len(sim._fleet.groups[0].sensing.others) == others
     for name, reading in together.readings.items():
         np.testing.assert_array_equal(reading.true, alone.readings[name].true, err_msg=name)
         np.testing.assert_array_equal(reading.measured, alone.readings[name].measured, err_msg=name)
@@ -141,6 +145,27 @@ def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: 
     assert together.digest() == alone.digest()
 
 
+@pytest.mark.parametrize("change", [own_drive, own_estimators])
+@pytest.mark.parametrize("replicas", [1, 4])
+def test_bits_do_not_tell_whether_phases_are_made_in_one_call(change: Any, replicas: int) -> None:
+    made = scenario(1)
+    together, alone = am.Simulation(made, replicas=replicas), am.Simulation(changed(made, change), replicas=replicas)
+    rolled = 0
+    for step in range(300):
+        if step == 200:  # before a wall, so that it runs into it
+            together.set_pose("r0", (0.45, 2.0, np.pi), replica=0)
+            alone.set_pose("r0", (0.45, 2.0, np.pi), replica=0)
+        together.step()
+        alone.step()
+        rolled += together._fleet.rolls
+        assert not alone._fleet.rolls or change is own_estimators
+    assert 20 < rolled < 300  # near walls it is looked
+    assert any(event.kind == "collision" for event in together.events)
+    np.testing.assert_array_equal(together.true_pose, alone.true_pose)
+    np.testing.assert_array_equal(together.covariance, alone.covariance)
+    assert together.digest() == alone.digest()
+
+
 @pytest.mark.parametrize(
     "unit",
     [
@@ -154,7 +179,7 @@ def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: 
 def test_what_has_no_twin_is_read_by_itself(unit: MountedSensor) -> None:
     robot = building.robot(sensors={"encoder": building.encoder(), "other": unit})
     group = am.Simulation(building.scenario(robot))._fleet.groups[0]
-    assert [other.name for other in group._sensing.others] == ["other"]
+    assert [other.name for other in group.sensing.others] == ["other"]
 
 
 def test_a_parameter_that_is_set_is_in_the_plan_from_the_next_step_on() -> None:
