@@ -44,7 +44,7 @@ def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
 def beams_of(model: SensorModel, rows: int) -> Array:
     """Where each value is seen from and which way: poses in the robot's frame, cosine and sine of their headings.
 
-    `(N, k, 5)`: x, y [m], heading [rad], and the two.
+    `(N, 5, k)`: x, y [m], heading [rad], and the two.
     """
     bearings = model.sensor.bearings()
     assert bearings is not None
@@ -66,16 +66,18 @@ def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
     course = robot.drive.course(joints)
     if course is None:
         return beams
-    rows, k, _ = beams.shape
+    rows, _, k = beams.shape
     back = np.zeros((rows, k, 3))
     back[:, :, 2] = -course
-    return with_directions(compose(back.reshape(-1, 3), beams[:, :, :3].reshape(-1, 3)).reshape(rows, k, 3))
+    return with_directions(
+        compose(back.reshape(-1, 3), np.swapaxes(beams[:, :3], 1, 2).reshape(-1, 3)).reshape(rows, k, 3)
+    )
 
 
 def with_directions(beams: Array) -> Array:
-    """Beams `(N, k, 5)` as `beams_of` gives them, of their poses `(N, k, 3)`."""
+    """Beams `(N, 5, k)` as `beams_of` gives them, of their poses `(N, k, 3)`."""
     rows, k, _ = beams.shape
     headings = np.ascontiguousarray(beams[:, :, 2])
     cosine, sine = np.empty((rows, k)), np.empty((rows, k))
     poses.directions(headings, cosine, sine)
-    return np.concatenate((beams, cosine[:, :, None], sine[:, :, None]), axis=2)
+    return np.stack((beams[:, :, 0], beams[:, :, 1], headings, cosine, sine), axis=1)

@@ -99,13 +99,13 @@ class Wander(Controller):
         body[:, 0] = robot.shape.reach
         body[:, 1] = np.abs(robot.shape.outline[:, 1]).max()
         body[:, 2:6] = twist_limits(robot)
-        body[:, 6] = np.maximum(beams[:, :, 2].min(axis=1), -math.pi)
-        body[:, 7] = np.minimum(beams[:, :, 2].max(axis=1), math.pi)
+        body[:, 6] = np.maximum(beams[:, 2].min(axis=1), -math.pi)
+        body[:, 7] = np.minimum(beams[:, 2].max(axis=1), math.pi)
         if robot.drive.course(at_rest(robot)) is not None:
             _check_all_round(robot, self.sensor, beams, float(np.max(half_angle)))
             body[:, 6], body[:, 7] = -math.pi, math.pi
-        elif not hasattr(model.sensor, "half_angle") and beams.shape[1] > 1:
-            body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[1] - 1), _SWAY_MAX)
+        elif not hasattr(model.sensor, "half_angle") and beams.shape[2] > 1:
+            body[:, 8] = np.minimum((body[:, 7] - body[:, 6]) / (beams.shape[2] - 1), _SWAY_MAX)
         curvature = np.array(curvature_max(robot))
         cars = np.isfinite(curvature).any()
         return {
@@ -185,7 +185,7 @@ class Wander(Controller):
 
 
 def _check_all_round(robot: RobotModel, name: str, beams: Array, half_angle: float) -> None:
-    headings = np.sort(wrap_angle(beams[0, :, 2]))
+    headings = np.sort(wrap_angle(beams[0, 2]))
     gaps = np.diff(np.append(headings, headings[0] + 2.0 * math.pi)) - 2.0 * half_angle
     if gaps.max() > _GAP_MAX:
         raise ComponentError(

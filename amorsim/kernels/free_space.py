@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["choose_direction", "find_opening", "free_way", "nearest_point", "see_points"]
+__all__ = ["choose_direction", "find_opening", "free_way", "nearest_distance", "nearest_side", "see_points"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -33,32 +33,37 @@ _ABEAM_COUNT = 8  # directions about abeam, twice that far between
 
 @part
 def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
-    """Where something was seen, into `points` (p, 2) [m] in the robot's frame; inf for no return.
+    """Where something was seen, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
 
-    `ranges` (k,) [m] are seen from `beams` (k, 5), poses in the robot's frame with cosine and sine of their headings.
+    Its last row is room to work in, for what is worked out of the points.
+
+    `ranges` (k,) [m] are seen from `beams` (5, k): x, y and headings in the robot's frame, cosine and sine of these.
     With a `half_angle` [rad] a return may come from anywhere on an arc: there are `p // k` points on each, less those
     that another cone saw past.
     """
     k = ranges.shape[0]
-    samples = points.shape[0] // k
+    samples = points.shape[1] // k
+    if samples == 1:
+        for j in range(k):
+            seen = abs(ranges[j]) < math.inf
+            x = beams[0, j] + ranges[j] * beams[3, j]
+            y = beams[1, j] + ranges[j] * beams[4, j]
+            points[0, j] = x if seen else math.inf
+            points[1, j] = y if seen else math.inf
+        return
     for j in range(k):
         for n in range(samples):
             index = j * samples + n
-            points[index, 0] = math.inf
-            points[index, 1] = math.inf
+            points[0, index] = math.inf
+            points[1, index] = math.inf
             if not math.isfinite(ranges[j]):
                 continue
-            c = beams[j, 3]
-            s = beams[j, 4]
-            if samples > 1:
-                bearing = beams[j, 2] + half_angle * (2.0 * n / (samples - 1) - 1.0)
-                c = math.cos(bearing)
-                s = math.sin(bearing)
-            x = beams[j, 0] + ranges[j] * c
-            y = beams[j, 1] + ranges[j] * s
-            if samples == 1 or not _seen_past(ranges, beams, half_angle, j, x, y):
-                points[index, 0] = x
-                points[index, 1] = y
+            bearing = beams[2, j] + half_angle * (2.0 * n / (samples - 1) - 1.0)
+            x = beams[0, j] + ranges[j] * math.cos(bearing)
+            y = beams[1, j] + ranges[j] * math.sin(bearing)
+            if not _seen_past(ranges, beams, half_angle, j, x, y):
+                points[0, index] = x
+                points[1, index] = y
 
 
 @part
@@ -67,14 +72,30 @@ def _seen_past(ranges: Floats, beams: Floats, half_angle: float, own: int, x: fl
     for j in range(ranges.shape[0]):
         if j == own or math.isnan(ranges[j]):
             continue
-        dx = x - beams[j, 0]
-        dy = y - beams[j, 1]
+        dx = x - beams[0, j]
+        dy = y - beams[1, j]
         distance = math.sqrt(dx * dx + dy * dy)
         if distance + _DOUBT < ranges[j]:
-            along = dx * beams[j, 3] + dy * beams[j, 4]
+            along = dx * beams[3, j] + dy * beams[4, j]
             if along >= distance * math.cos(half_angle):
                 return True
     return False
+
+
+@part
+def _least(numbers: Floats) -> float:
+    """The least of them, which are lost: half after half is compared with the other, several numbers at a time."""
+    count = numbers.shape[0]
+    if count == 0:
+        return math.inf
+    while count > 1:
+        half = count // 2
+        low = numbers[:half]
+        high = numbers[count - half : count]
+        for n in range(half):
+            low[n] = high[n] if high[n] < low[n] else low[n]
+        count -= half
+    return float(numbers[0])
 
 
 @part
@@ -86,31 +107,37 @@ def free_way(points: Floats, bearing: float, half_width: float, spread: float) -
     """
     c = math.cos(bearing)
     s = math.sin(bearing)
-    free = math.inf
     square = half_width * half_width
-    for n in range(points.shape[0]):
-        along = c * points[n, 0] + s * points[n, 1]
-        if 0.0 < along < free + half_width:
-            across = max(0.0, abs(c * points[n, 1] - s * points[n, 0]) - spread * along)
-            room = square - across * across
-            if room > 0.0:
-                free = min(free, along - math.sqrt(room))
-    return max(free, 0.0)
+    ways = points[2]
+    for n in range(points.shape[1]):
+        along = c * points[0, n] + s * points[1, n]
+        across = max(0.0, abs(c * points[1, n] - s * points[0, n]) - spread * along)
+        room = square - across * across
+        way = along - math.sqrt(room)
+        ways[n] = way if (along > 0.0) & (room > 0.0) else math.inf
+    return max(_least(ways), 0.0)
 
 
 @part
-def nearest_point(points: Floats) -> tuple[float, float]:
-    """Distance [m] of the nearest point from the base point, and which side it is on: 1 left, -1 right."""
+def nearest_distance(points: Floats) -> float:
+    """How far [m] the nearest point is from the base point."""
+    squares = points[2]
+    for n in range(points.shape[1]):
+        squares[n] = points[0, n] * points[0, n] + points[1, n] * points[1, n]
+    return math.sqrt(_least(squares))
+
+
+@part
+def nearest_side(points: Floats) -> float:
+    """Which side the nearest point is on: 1 left, -1 right."""
     nearest = math.inf
     side = 1.0
-    for n in range(points.shape[0]):
-        x = points[n, 0]
-        y = points[n, 1]
-        square = x * x + y * y
+    for n in range(points.shape[1]):
+        square = points[0, n] * points[0, n] + points[1, n] * points[1, n]
         if square < nearest:
             nearest = square
-            side = 1.0 if y > 0.0 else -1.0
-    return math.sqrt(nearest), side
+            side = 1.0 if points[1, n] > 0.0 else -1.0
+    return side
 
 
 @part

@@ -46,17 +46,17 @@ def follow_wall(
     curvature is the error of distance over the square of half the distance to keep, and twice the wall's error of
     bearing over that half: critically damped, within about that length.
     """
-    points = np.empty((ranges.shape[1] * samples, 2))
+    points = np.empty((3, ranges.shape[1] * samples))
     for i in range(ranges.shape[0]):
         see_points(ranges[i], beams[i], half_angle[i, 0], points)
         keep = distance[i, 0]
         nearest = math.inf
         bearing = 0.0
-        for j in range(points.shape[0]):
-            if not math.isfinite(points[j, 0]):
+        for j in range(points.shape[1]):
+            if not math.isfinite(points[0, j]):
                 continue
-            b = math.atan2(side * points[j, 1], points[j, 0])
-            d = math.sqrt(points[j, 0] ** 2 + points[j, 1] ** 2)
+            b = math.atan2(side * points[1, j], points[0, j])
+            d = math.sqrt(points[0, j] ** 2 + points[1, j] ** 2)
             if _FROM <= b <= _TO and d < nearest:
                 nearest = d
                 bearing = b

@@ -9,7 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.free_space import choose_direction, find_opening, free_way, nearest_point, see_points
+from amorsim.kernels.free_space import (
+    choose_direction,
+    find_opening,
+    free_way,
+    nearest_distance,
+    nearest_side,
+    see_points,
+)
 
 __all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "wander"]
 
@@ -83,7 +90,7 @@ def _choose(
 ) -> int:
     """Choose where to go; what to do next, with the angle to turn in the memory."""
     swing = body[_SWING] + clearance
-    if nearest_point(points)[0] < body[_SWING] + 0.4 * clearance:
+    if nearest_distance(points) < body[_SWING] + 0.4 * clearance:
         # Something stands where the robot would sweep: a thin thing seen late, or so it was put there.
         if memory[_TRACE] > 0.05:
             memory[_TRACE] = min(memory[_TRACE], _TRACE_MAX)
@@ -136,7 +143,7 @@ def _decide(
             return _TURN
         memory[_STILL] = 0.0
         mode = _LOOK
-    tight = nearest_point(points)[0] < body[_SWING] + 0.6 * clearance
+    tight = nearest_distance(points) < body[_SWING] + 0.6 * clearance
     if mode == _BACK:
         if memory[_TRACE] > 0.03 and tight:
             return _BACK
@@ -211,7 +218,7 @@ def _wander_row(
         v = min(v, math.sqrt(braking * ahead))
         v = min(v, max(_SLOW, min(clear / _TIME_TO_STOP, math.sqrt(braking * clear))))
         if mode == _CREEP:
-            w = -nearest_point(points)[1] * v / _CREEP_RADIUS
+            w = -nearest_side(points) * v / _CREEP_RADIUS
             memory[_WARY] = 0.0
         elif _SWAY_RATE * dt < 1.0 and v > 0.0:
             # A thin wall seen end on hides between two beams, unless they sweep.
@@ -269,7 +276,7 @@ def wander(
         Where the robots believe to be, (N, 3); for the trail of places only.
     beams, half_angle, samples
         Where each range is seen from and which way, poses in the robot's frame, cosine and sine of their headings
-        (N, k, 5); half the angle of the cone about that [rad] (N, 1); and how many points stand for a return: 1 of a
+        (N, 5, k); half the angle of the cone about that [rad] (N, 1); and how many points stand for a return: 1 of a
         beam, more on the arc of a cone.
     body
         What the robot knows of its own body, (N, BODY_COLUMNS).
@@ -282,7 +289,7 @@ def wander(
     first, end
         The rows that are worked on.
     """
-    points = np.empty((ranges.shape[1] * samples, 2))
+    points = np.empty((3, ranges.shape[1] * samples))
     for i in range(first, end):
         see_points(ranges[i], beams[i], half_angle[i, 0], points)
         _wander_row(

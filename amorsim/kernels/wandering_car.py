@@ -102,11 +102,15 @@ def wander_car(
         something, (N, p, 2), by its estimate; changed.
     """
     count = ranges.shape[1] * samples
+    now = np.empty((3, count))
     points = np.empty((count + seen.shape[1], 2))
     length = front - rear
     places = trail.shape[1]
     for i in range(ranges.shape[0]):
-        see_points(ranges[i], beams[i], half_angle[i, 0], points[:count])
+        see_points(ranges[i], beams[i], half_angle[i, 0], now)
+        for n in range(count):
+            points[n, 0] = now[0, n]
+            points[n, 1] = now[1, n]
         own = memory[i]
         c = math.cos(pose[i, 2])
         s = math.sin(pose[i, 2])

@@ -8,17 +8,29 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from amorsim.controllers.beams import with_directions
-from amorsim.kernels.free_space import choose_direction, find_opening, free_way, nearest_point, see_points
+from amorsim.kernels.free_space import (
+    choose_direction,
+    find_opening,
+    free_way,
+    nearest_distance,
+    nearest_side,
+    see_points,
+)
 
 EMPTY_TRAIL = np.zeros((8, 2))
 HALF_CIRCLE = np.radians([-90.0, 90.0])
 
 
 def scan(beams, ranges, half_angle=0.0, samples=1):
-    points = np.empty((len(ranges) * samples, 2))
+    points = np.empty((3, len(ranges) * samples))
     placed = with_directions(np.array(beams, dtype=float)[None])[0]
     see_points(np.array(ranges, dtype=float), placed, half_angle, points)
     return points
+
+
+def as_seen(points):
+    """Points (p, 2) as `see_points` leaves them."""
+    return np.concatenate((np.transpose(points), np.empty((1, len(points)))))
 
 
 def box_scan(ahead, left, right, behind):
@@ -52,33 +64,34 @@ def test_the_free_way_is_as_far_as_a_disc_can_be_walked(seed, bearing, half_widt
     points = np.concatenate((points, [[math.inf, math.inf]]))
     walked = min(4.0, walk(points, bearing, half_width))
     # Steps may miss a point that the disc only grazes, so a hair wider and a hair narrower bound it.
-    wider, narrower = (free_way(points, bearing, half_width + hair, 0.0) for hair in (1e-4, -1e-4))
+    wider, narrower = (free_way(as_seen(points), bearing, half_width + hair, 0.0) for hair in (1e-4, -1e-4))
     assert min(4.0, wider) - 2e-3 <= walked <= narrower + 2e-3
 
 
 def test_points_far_ahead_count_as_nearer_to_a_way_that_may_spread():
-    points = np.array([[2.0, 0.5]])
+    points = as_seen([[2.0, 0.5]])
     assert free_way(points, 0.0, 0.4, 0.0) == math.inf
     assert free_way(points, 0.0, 0.4, 0.06) == pytest.approx(2.0 - math.sqrt(0.4**2 - 0.38**2))
 
 
 def test_beams_are_points_and_no_return_is_none():
     points = scan([[0.1, 0.0, 0.0], [0.1, 0.2, math.pi / 2], [0.0, 0.0, 1.0]], [1.0, 0.5, math.inf])
-    np.testing.assert_allclose(points[:2], [[1.1, 0.0], [0.1, 0.7]], atol=1e-15)
-    assert np.isinf(points[2]).all()
-    assert nearest_point(points) == (pytest.approx(math.hypot(0.1, 0.7)), 1.0)
+    np.testing.assert_allclose(points[:2, :2], [[1.1, 0.1], [0.0, 0.7]], atol=1e-15)
+    assert np.isinf(points[:2, 2]).all()
+    assert nearest_distance(points) == pytest.approx(math.hypot(0.1, 0.7))
+    assert nearest_side(points) == 1.0
 
 
 def test_a_return_may_come_from_anywhere_on_its_arc():
     points = scan([[0.0, 0.0, 0.5]], [2.0], half_angle=0.2, samples=5)
-    np.testing.assert_allclose(np.hypot(*points.T), 2.0)
-    np.testing.assert_allclose(np.arctan2(points[:, 1], points[:, 0]), [0.3, 0.4, 0.5, 0.6, 0.7])
+    np.testing.assert_allclose(np.hypot(*points[:2]), 2.0)
+    np.testing.assert_allclose(np.arctan2(points[1], points[0]), [0.3, 0.4, 0.5, 0.6, 0.7])
 
 
 def test_another_cone_that_sees_past_it_rules_a_part_of_the_arc_out():
     points = scan([[0.0, 0.0, 0.0], [0.0, 0.0, 0.3]], [2.0, 4.0], half_angle=0.2, samples=5)
-    bearings = np.arctan2(points[:5, 1], points[:5, 0])
-    assert np.isfinite(points[:, 0]).tolist() == [True, True, True, False, False, True, True, True, True, True]
+    bearings = np.arctan2(points[1, :5], points[0, :5])
+    assert np.isfinite(points[0]).tolist() == [True, True, True, False, False, True, True, True, True, True]
     np.testing.assert_allclose(bearings[:3], [-0.2, -0.1, 0.0], atol=1e-15)
 
 
@@ -112,8 +125,8 @@ def test_with_a_bar_only_what_promises_more_than_straight_ahead_is_taken():
 
 def test_an_opening_abeam_is_found_on_its_side():
     points = box_scan(ahead=5.0, left=1.0, right=1.0, behind=1.0)
-    door = (np.abs(points[:, 0]) < 0.55) & (points[:, 1] > 0.9)
-    points[door] *= 4.0
+    door = (np.abs(points[0]) < 0.55) & (points[1] > 0.9)
+    points[:2, door] *= 4.0
     room, bearing = find_opening(points, HALF_CIRCLE, 0.37, 1.0)
     assert room > 2.2
     assert math.radians(70.0) < bearing <= math.radians(90.0)
