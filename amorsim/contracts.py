@@ -465,6 +465,13 @@ class Controller(Component, abc.ABC):
     ) -> Array:
         """The command `(N, c)`: ``robot.channels`` in order, or the drive's alone, which leaves devices at 0."""
 
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The places in the world that it is told to drive to: the field that tells each ("waypoints.2"), x, y [m].
+
+        Asked of the controller as it was made; ``amorsim check`` remarks on those where nobody gets.
+        """
+        return ()
+
 
 class Motion(Component, abc.ABC):
     """How an obstacle wants to move; the engine says what part of it was free (``view.free``)."""
@@ -479,6 +486,10 @@ class Motion(Component, abc.ABC):
         Asked of the motion as it was made, before there are rows.
         """
         return None
+
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The places in the world that it is told to move to, as of `Controller.makes_for`."""
+        return ()
 
 
 class MapLoader(abc.ABC):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -56,6 +56,10 @@ class GoTo(Controller):
     tolerance: float = parameter(0.02, unit="m", gt=0, help="distance from the place within which it stops")
     speed: float = parameter(0.3, unit="m/s", gt=0, help="at which it drives")
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns")
+
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The place."""
+        return [("x", self.x, self.y)]
 
     def start(self, context: Context) -> State:
         """The limits of the drive `(N, 4)`, and the speed `(N, 1)` [m/s] that the robot has come to.

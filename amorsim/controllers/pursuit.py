@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -68,6 +68,10 @@ class Pursuit(Controller):
     def __attrs_post_init__(self) -> None:
         if not self.waypoints:
             raise ParameterError("waypoints", "expected one waypoint at least, got none")
+
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The waypoints."""
+        return [(f"waypoints.{i}", x, y) for i, (x, y) in enumerate(self.waypoints)]
 
     def start(self, context: Context) -> State:
         """The paths from where the robots stand, and what they know of their drives.

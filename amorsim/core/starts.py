@@ -13,12 +13,13 @@ from amorsim.core.map import Map
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.contact import map_gaps
 
-__all__ = ["freest_start", "wall_gaps"]
+__all__ = ["freest_start", "out_of_reach", "overlap_with_walls", "wall_gaps"]
 
 Array = npt.NDArray[np.float64]
 
 _PLACES = 2000  # that are looked at where the roomiest one is too small
 _HEADINGS = 16
+_IN_A_WALL = "is in a wall"
 
 
 def wall_gaps(world: Map, shapes: Sequence[Shape], poses: Array, cap: float = 0.0) -> tuple[Array, Array]:
@@ -31,6 +32,39 @@ def wall_gaps(world: Map, shapes: Sequence[Shape], poses: Array, cap: float = 0.
     every, caps = np.arange(count, dtype=np.int64), np.full(count, cap)
     map_gaps(world.grid, *world.origin, pack(shapes), every, np.ascontiguousarray(poses), caps, gaps, where)
     return gaps, where
+
+
+def out_of_reach(world: Map, x: float, y: float) -> str:
+    """What is wrong with a place in the world where somebody wants to be, in words; nothing if it is free."""
+    if not world.occupied([[x, y]])[0]:
+        return ""
+    return _outside(world, x, y) or _IN_A_WALL
+
+
+def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float]) -> str:
+    """What is wrong with a footprint at a place that overlaps an occupied cell `near`, in words."""
+    outside = _outside(world, x, y)
+    if outside:
+        return f"({x:.3f}, {y:.3f}) m {outside}; expected a free place"
+    half = 0.5 * world.resolution
+    about = [(near[0] + dx, near[1] + dy) for dx in (-half, half) for dy in (-half, half)]
+    walls = [place for place in about if out_of_reach(world, *place) == _IN_A_WALL]
+    of_what = "a wall" if walls else "the edge of the map"
+    return (
+        f"at ({x:.3f}, {y:.3f}) m the footprint overlaps {of_what} near ({near[0]:.3f}, {near[1]:.3f}) m; "
+        "expected a free place"
+    )
+
+
+def _outside(world: Map, x: float, y: float) -> str:
+    origin_x, origin_y, yaw = world.origin
+    c, s = math.cos(yaw), math.sin(yaw)
+    along, up = c * (x - origin_x) + s * (y - origin_y), c * (y - origin_y) - s * (x - origin_x)
+    width, height = world.size
+    if 0.0 <= along <= width and 0.0 <= up <= height:
+        return ""
+    turned = f", turned by {math.degrees(yaw):g} degrees" if yaw else ""
+    return f"is outside the map, which is {width:g} m x {height:g} m from ({origin_x:g}, {origin_y:g}) m on{turned}"
 
 
 def freest_start(world: Map, shape: Shape) -> tuple[float, float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
@@ -65,6 +66,10 @@ class Pedestrian(Motion):
         help="what he does when somebody stands in his way: go on trying, or take the next goal",
     )
     patience: float = parameter(5.0, unit="s", ge=0, help="how long he is blocked before he takes the next goal")
+
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The goals."""
+        return [(f"goals.{i}", x, y) for i, (x, y) in enumerate(self.goals)]
 
     def start(self, context: Context) -> State:
         """Velocity, desired speed and first goal; drawn in the first step, as far as they are random."""

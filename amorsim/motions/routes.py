@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
@@ -43,6 +44,10 @@ class _Route(Motion):
     def __attrs_post_init__(self) -> None:
         if not self.waypoints:
             raise ParameterError("waypoints", "expected one waypoint [x, y] at least, got none")
+
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The waypoints."""
+        return [(f"waypoints.{i}", x, y) for i, (x, y) in enumerate(self.waypoints)]
 
     def begins_at(self) -> tuple[float, float, float]:
         """At the first waypoint, looking towards the second."""

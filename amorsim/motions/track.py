@@ -6,6 +6,7 @@ import csv
 import functools
 import math
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
+from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
 from amorsim.motions.ways import displacement, facing
@@ -24,6 +26,7 @@ Array = npt.NDArray[np.float64]
 
 _COLUMNS = ("time", "x", "y")
 _HEADING = "heading_deg"
+_ANGLES = ("heading", "heading_rad", "theta", "yaw", "angle")
 
 
 class Recorded(NamedTuple):
@@ -42,7 +45,7 @@ class Recorded(NamedTuple):
 
 
 def read_track(path: str | os.PathLike[str]) -> Recorded:
-    """The track in a CSV file headed ``time,x,y`` or ``time,x,y,heading_deg``; other columns are left out.
+    """The track in a CSV file headed ``time,x,y`` or ``time,x,y,heading_deg``, in any order.
 
     Its first time counts as 0.
 
@@ -63,6 +66,14 @@ def read_track(path: str | os.PathLike[str]) -> Recorded:
     if missing:
         raise ParameterError(
             "file", f"{path}: expected a first line such as time,x,y,heading_deg, got {','.join(header)[:80]!r}"
+        )
+    known = (*_COLUMNS, _HEADING)
+    strange = [name for i, name in enumerate(header) if name not in known or name in header[:i]]
+    if strange:
+        turned = strange[0] in _ANGLES
+        hint = f" An angle is told in degrees, as {_HEADING}." if turned else did_you_mean(strange[0], known)
+        raise ParameterError(
+            "file", f"{path}: expected no columns but {', '.join(known)}, each once, got also {strange[0]!r}.{hint}"
         )
     wanted = [*_COLUMNS, *([_HEADING] if _HEADING in header else [])]
     values = np.array([_numbers(path, number, header, row, wanted) for number, row in rows[1:]]).reshape(
@@ -130,10 +141,25 @@ class Track(Motion):
         heading = float(track.heading[0]) if track.heading is not None else 0.0
         return float(track.x[0]), float(track.y[0]), heading
 
+    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+        """The places of the recording."""
+        track = read_track(self.file)
+        return [("file", x, y) for x, y in zip(track.x.tolist(), track.y.tolist(), strict=True)]
+
     def start(self, context: Context) -> State:
-        """The recording's time [s], and its file's age: one that is changed meanwhile is not read anew."""
+        """The recording's time [s], and its file's age: one that is changed meanwhile is not read anew.
+
+        Raises
+        ------
+        ComponentError
+            If the file has gone meanwhile, or is no track any more.
+        """
         rows = context.rows
-        stamp = Path(self.file).stat().st_mtime_ns
+        try:
+            stamp = Path(self.file).stat().st_mtime_ns
+            _known(self.file, stamp)
+        except (OSError, ParameterError) as error:  # it was in order when this was made
+            raise ComponentError(f"track {self.file!r} is there no more, or not as it was: {error}") from error
         return {
             "time": np.zeros((rows, 1)),
             "step": np.zeros((rows, 1)),

@@ -13,7 +13,7 @@ import shapely
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.starts import wall_gaps
+from amorsim.core.starts import overlap_with_walls, wall_gaps
 from amorsim.kernels.bodies import body_gaps
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose, read_shape
@@ -175,12 +175,7 @@ def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
     shapes = [item.shape for item in fixed]
     gaps, where = wall_gaps(world, shapes, poses)
     for i in np.flatnonzero(gaps < 0.0).tolist():
-        (x, y, _), (near_x, near_y) = poses[i], where[i]
-        _fault(
-            fixed[i],
-            f"at ({x:.3f}, {y:.3f}) m the footprint overlaps a wall near ({near_x:.3f}, {near_y:.3f}) m; "
-            "expected a free place",
-        )
+        _fault(fixed[i], overlap_with_walls(world, poses[i, 0], poses[i, 1], where[i]))
     reach = np.array([shape.reach for shape in shapes])
     boxes = shapely.box(*(poses[:, :2] - reach[:, None]).T, *(poses[:, :2] + reach[:, None]).T)
     a, b = shapely.STRtree(boxes).query(boxes)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import collections
+
 import numpy as np
 
-from amorsim.scenario.spec import Scenario
+from amorsim.contracts import Controller, Motion
+from amorsim.core.starts import out_of_reach
+from amorsim.scenario.spec import Obstacle, Robot, Scenario
 
 __all__ = ["advice"]
 
+_MOST = 3  # places of one body that are remarked on
 _TURN = np.arange(32) * (np.pi / 16.0)
 
 
@@ -30,6 +35,8 @@ def advice(scenario: Scenario) -> list[str]:
                 )
         if robot.controller is None:
             remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
+    remarks += _unreachable(scenario)
+    remarks += _alike(scenario)
     for i, mark in enumerate(scenario.landmarks):
         x, y = mark.x + mark.radius * np.cos(_TURN), mark.y + mark.radius * np.sin(_TURN)
         if scenario.map.occupied(np.stack((np.append(x, mark.x), np.append(y, mark.y)), axis=1)).all():
@@ -41,5 +48,51 @@ def advice(scenario: Scenario) -> list[str]:
         if scenario.map.occupied([[light.x, light.y]])[0]:
             remarks.append(
                 f"lights.{i}: ({light.x:g}, {light.y:g}) m is in a wall or outside the map; the lamp lights nothing"
+            )
+    return remarks
+
+
+def _unreachable(scenario: Scenario) -> list[str]:
+    """Places that robots and obstacles are told to go to, and that nobody gets to; of a series, once."""
+    remarks = []
+    asked: set[int] = set()
+    bodies: list[tuple[str, Controller | Motion | None]] = [
+        *((f"robots.{robot.name}.controller", robot.controller) for robot in scenario.robots),
+        *((f"obstacles.{obstacle.name}.motion", obstacle.motion) for obstacle in scenario.obstacles),
+    ]
+    for path, component in bodies:
+        places = [] if component is None or id(component) in asked else list(component.makes_for())
+        asked.add(id(component))
+        if not places:
+            continue
+        lost = np.flatnonzero(scenario.map.occupied([(x, y) for _, x, y in places]))
+        told = [(*places[i], out_of_reach(scenario.map, *places[i][1:])) for i in lost.tolist()]
+        for field, x, y, problem in told[:_MOST]:
+            remarks.append(f"{path}.{field}: ({x:g}, {y:g}) m {problem}; it cannot get there")
+        if len(told) > _MOST:
+            remarks.append(f"{path}: so are {len(told) - _MOST} more of the {len(places)} places that it is told")
+    return remarks
+
+
+def _alike(scenario: Scenario) -> list[str]:
+    """Landmarks with the mark of another landmark, or of a body."""
+    remarks = []
+    bodies: list[tuple[str, Robot | Obstacle]] = [
+        *(("robots", robot) for robot in scenario.robots),
+        *(("obstacles", obstacle) for obstacle in scenario.obstacles),
+    ]
+    seen = {body.fiducial: f"{kind}.{body.name}" for kind, body in reversed(bodies) if body.fiducial}
+    for i, mark in enumerate(scenario.landmarks):
+        if mark.id in seen:
+            remarks.append(
+                f"landmarks.{i}.id: {seen[mark.id]} carries {mark.id} too; who sees one of them cannot tell which"
+            )
+        seen.setdefault(mark.id, f"landmarks.{i}")
+    for robot in scenario.robots:
+        told = collections.Counter(number for number in robot.knowledge.landmark_ids if number)
+        twice = [number for number, count in told.items() if count > 1]
+        if twice:
+            remarks.append(
+                f"robots.{robot.name}.knowledge.landmarks: more than one has the id {twice[0]}; expected each id once"
             )
     return remarks

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.rows import signature
+from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 from amorsim.simulation.bodies import World
@@ -108,11 +109,8 @@ class Fleet:
         gaps, where = world.wall_gaps(world.everyone, world.poses, none)
         faults = []
         for body in np.flatnonzero(gaps < 0.0).tolist():
-            (x, y, _), (near_x, near_y) = world.poses[body], where[body]
-            message = (
-                f"at ({x:.3f}, {y:.3f}) m the footprint overlaps a wall near ({near_x:.3f}, {near_y:.3f}) m; "
-                "expected a free place"
-            )
+            x, y, _ = world.poses[body]
+            message = overlap_with_walls(world.map, x, y, where[body])
             faults.append(self._start_fault(body, message))
         a, b = world.pairs_within(world.poses, none)
         overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0

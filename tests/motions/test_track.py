@@ -33,7 +33,7 @@ def test_it_is_where_the_recording_has_it(file: str) -> None:
 
 
 def test_headings_are_taken_the_short_way(tmp_path: Path) -> None:
-    (tmp_path / "turn.csv").write_text("time, heading_deg, x, who, y\n0, 170, 2, a, 2\n1, -170, 2, a, 2\n")
+    (tmp_path / "turn.csv").write_text("time, heading_deg, x, y\n0, 170, 2, 2\n1, -170, 2, 2\n")
     poses = track(world(obstacle(Track(file=str(tmp_path / "turn.csv")))), 12)
     assert np.abs(poses[5, 2]) == pytest.approx(np.pi)
     assert poses[10, 2] == pytest.approx(np.radians(-170.0))
@@ -73,6 +73,10 @@ def test_from_elsewhere_it_makes_for_its_place(file: str) -> None:
     [
         ("", "expected a first line such as time,x,y"),
         ("t,x,y\n0,1,1\n", "expected a first line such as time,x,y,heading_deg, got 't,x,y'"),
+        ("time,x,y,heading\n0,1,1,0\n1,1,1,0\n", "got also 'heading'. An angle is told in degrees, as heading_deg."),
+        ("time,x,y,haeding_deg\n0,1,1,0\n1,1,1,0\n", "got also 'haeding_deg'. Did you mean 'heading_deg'?"),
+        ("time,x,y,who\n0,1,1,a\n1,1,1,a\n", "no columns but time, x, y, heading_deg, each once, got also 'who'."),
+        ("time,x,y,x\n0,1,1,1\n1,1,1,1\n", "each once, got also 'x'."),
         ("time,x,y\n0,1,1\n", "two lines at least below the first, got 1"),
         ("time,x,y\n0,1,1\n\n1,1,2\n1,2,2\n", "line 5: expected a time above 1, got 1"),
         ("time,x,y\n0,1,1\n1,1\n", "line 3: expected 3 cells, got 2"),
@@ -170,6 +174,14 @@ def test_a_function_that_takes_something_else_is_a_fault(folder: Path) -> None:
     (folder / "mine.py").write_text("def chase():\n    return None\n")
     with pytest.raises(am.ScenarioError, match=r"obstacles.1.motion.use: .*cannot be called as chase\(obstacle"):
         am.load(folder / "s.toml")
+
+
+def test_a_track_that_has_gone_meanwhile_is_told_of(file: str) -> None:
+    sim = world(obstacle(Track(file=file)))
+    Path(file).unlink()
+    sim.step()  # what was read is kept
+    with pytest.raises(am.ComponentError, match=r"walk.csv' is there no more"):
+        sim.reset()
 
 
 class Fussy:

@@ -13,6 +13,7 @@ from amorsim.scenario.angles import parse_float
 from amorsim.scenario.document import document_of
 from amorsim.scenario.read import loads
 from amorsim.scenario.write import document_text
+from tests import building
 
 HEAD = 'format = 1\n[world]\nmap = "room.wld"\nresolution = 0.01\n'
 SWARM = (
@@ -195,6 +196,31 @@ def test_a_start_in_a_wall_is_reported_beside_other_faults(file):
         am.load(path)
     assert {fault.path for fault in caught.value.faults} == {"robots.0.pose", "robots.0.colour"}
     assert all(fault.file == str(path) for fault in caught.value.faults)
+
+
+@pytest.mark.parametrize(
+    ("x", "words"),
+    [
+        ("44.0", "(44.000, 1.500) m is outside the map, which is "),
+        ("-0.5", "(-0.500, 1.500) m is outside the map, which is "),
+        ("4.0", "at (4.000, 1.500) m the footprint overlaps a wall near (4.000, 1.377) m"),
+        ("0.1", "at (0.100, 1.500) m the footprint overlaps a wall near (0.000, "),
+    ],
+)
+@pytest.mark.parametrize("by", ["the file", "the true pose"])
+def test_a_start_outside_the_map_is_told_from_one_in_a_wall(file, x, words, by):
+    text = ROVER.replace("x = 2.0", f"x = {x}") if by == "the file" else ROVER + f"errors.pose.x = {x}\n"
+    with pytest.raises(am.ScenarioError) as caught:
+        am.Simulation(am.load(file(text)))
+    (fault,) = caught.value.faults
+    assert words in fault.message
+    assert fault.message.endswith("expected a free place")
+
+
+def test_the_edge_of_a_map_without_walls_is_called_so():
+    rover = building.robot(pose=am.Pose(x=4.9, y=0.0))
+    with pytest.raises(am.ScenarioError, match=r"overlaps the edge of the map near \(5.000, -?0"):
+        am.Simulation(building.scenario(rover, map=building.empty(10.0)))
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,10 @@
 
 import pytest
 
-from amorsim.scenario.spec import Landmark, Light
+import amorsim as am
+from amorsim.scenario.spec import Knowledge, Landmark, Light
 from amorsim.simulation.advice import advice
-from tests.building import room, scenario
+from tests.building import robot, room, scenario
 
 
 @pytest.mark.parametrize(
@@ -19,3 +20,60 @@ from tests.building import room, scenario
 def test_marks_and_lamps_that_nobody_can_see_are_remarked_on(landmarks, lights, paths):
     found = advice(scenario(map=room(), landmarks=landmarks, lights=lights))
     assert [remark.partition(":")[0] for remark in found] == paths
+
+
+def remarks(*robots, **changes):
+    return advice(scenario(*robots, map=room(), **changes))
+
+
+@pytest.mark.parametrize(
+    ("place", "problem"),
+    [
+        ((5.0, 2.0), ""),
+        ((6.0, 2.0), "(6, 2) m is in a wall; it cannot get there"),
+        ((7.5, 2.0), "(7.5, 2) m is outside the map, which is 6 m x 5 m from (0, 0) m on; it cannot get there"),
+    ],
+)
+def test_places_where_nobody_gets_are_remarked_on(place, problem, tmp_path):
+    ways = ((1.0, 1.0), place)
+    (tmp_path / "track.csv").write_text(f"time,x,y\n0,1,1\n1,{place[0]},{place[1]}\n")
+    makes = am.motions
+    motions = {
+        "motion.waypoints.1": makes.Loop(waypoints=ways),
+        "motion.goals.1": makes.Pedestrian(goals=ways),
+        "motion.file": makes.Track(file=str(tmp_path / "track.csv")),
+    }
+    for path, motion in motions.items():
+        thing = am.Obstacle(name="it", shape=am.Shape.circle(0.2), motion=motion)
+        expected = [f"obstacles.it.{path}: {problem}"] if problem else []
+        assert [found for found in remarks(obstacles=[thing]) if found.startswith("obstacles")] == expected
+    controllers = {
+        "waypoints.1": am.controllers.Pursuit(waypoints=ways),
+        "x": am.controllers.GoTo(x=place[0], y=place[1]),
+    }
+    for path, controller in controllers.items():
+        expected = [f"robots.rover.controller.{path}: {problem}"] if problem else []
+        assert remarks(robot(controller=controller)) == expected
+
+
+def test_of_many_places_and_of_a_crowd_little_is_said():
+    walk = am.motions.Pedestrian(goals=tuple((9.0, float(i)) for i in range(10)))
+    crowd = [am.Obstacle(name=f"p{i}", shape=am.Shape.circle(0.2), motion=walk) for i in range(5)]
+    found = remarks(obstacles=crowd)
+    assert len(found) == 4
+    assert found[-1] == "obstacles.p0.motion: so are 7 more of the 10 places that it is told"
+
+
+def test_marks_that_cannot_be_told_apart_are_remarked_on():
+    told = Knowledge(landmarks=((1.0, 1.0), (2.0, 2.0), (3.0, 3.0)), landmark_ids=(4, 0, 4))
+    found = remarks(
+        robot(fiducial=2, knowledge=told),
+        landmarks=[Landmark(id=i, x=1.0 + 0.1 * n, y=1.0) for n, i in enumerate((1, 2, 3, 1))],
+        obstacles=[am.Obstacle(name="post", shape=am.Shape.circle(0.2), fiducial=3)],
+    )
+    assert found == [
+        "landmarks.1.id: robots.rover carries 2 too; who sees one of them cannot tell which",
+        "landmarks.2.id: obstacles.post carries 3 too; who sees one of them cannot tell which",
+        "landmarks.3.id: landmarks.0 carries 1 too; who sees one of them cannot tell which",
+        "robots.rover.knowledge.landmarks: more than one has the id 4; expected each id once",
+    ]
