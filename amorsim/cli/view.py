@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import gc
 import importlib.util
+import os
+import sys
 import threading
 import webbrowser
 from pathlib import Path
@@ -15,6 +17,8 @@ import typer
 from amorsim.cli.console import complain, say
 
 __all__ = ["command"]
+
+LONGEST_REST = 0.5  # [s] that the server gets to end once the simulation has
 
 
 def command(
@@ -78,6 +82,24 @@ def command(
         say("compiling the kernels, once after installing (some ten seconds) ...")
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
     session = Session(recipe, out=out)
+    told = threading.Lock()  # the last word, once
+
+    def tell() -> None:
+        if told.acquire(blocking=False) and session.folder:
+            say(f"results: {session.folder}")
+
+    def leave() -> None:
+        tell()
+        sys.stdout.flush()
+        os._exit(0)
+
+    def end() -> None:
+        session.close()
+        # The files are whole. What the server still does (a GIF that is being made) shall not hold up the end.
+        rest = threading.Timer(LONGEST_REST, leave)
+        rest.daemon = True
+        rest.start()
+
     try:
         session.start()
         for remark in session.remarks:
@@ -90,10 +112,9 @@ def command(
                 threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
 
         with contextlib.suppress(KeyboardInterrupt):
-            serve(session, host=host, port=port, ready=ready, ending=session.close)
+            serve(session, host=host, port=port, ready=ready, ending=end)
     finally:
         session.close()
         # Python's last look for what nobody uses takes a second with all that NiceGUI and numba hold.
         gc.freeze()
-    if session.folder:
-        say(f"results: {session.folder}")
+    tell()

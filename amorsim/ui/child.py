@@ -29,6 +29,7 @@ from amorsim.kernels.cache import mark_warm
 from amorsim.simulation.warm import compile_contact_beside
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs
+from amorsim.ui.orphan import stay
 from amorsim.ui.packing import FrameFlag, pack_bundle
 from amorsim.ui.pipes import JSON, Writer, read_message
 from amorsim.ui.player import Fault, Player
@@ -338,6 +339,7 @@ def main() -> None:
     with contextlib.suppress(AttributeError, ValueError):
         signal.signal(signal.SIGTERM, lambda *_: child.end())
     threading.Thread(target=child.read, name="amorsim-reader", daemon=True).start()
+    stay()
     child.work(
         Recipe.from_json(order["recipe"]),
         out=Path(order["out"]) if order["out"] else None,

@@ -20,9 +20,14 @@ LARGEST = 1 << 30
 def python_for(module: str) -> list[str]:
     """The command that runs `main` of a module in another process, which finds modules where this one does.
 
-    ``python -m`` would look into the present folder first, where a user's ``random.py`` may lie.
+    ``python -m`` would look into the present folder first, where a user's ``random.py`` may lie. While the module is
+    loaded the process ends with its standard input; `main` is to `stay` (see `amorsim.ui.orphan`) and to read that.
     """
-    script = f"import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {module} import main; main()"
+    script = (
+        "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+        "from amorsim.ui.orphan import leave_with_the_session; leave_with_the_session(); "
+        f"from {module} import main; main()"
+    )
     return [sys.executable, "-P", "-c", script, json.dumps(sys.path)]
 
 

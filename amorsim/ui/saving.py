@@ -18,6 +18,7 @@ from typing import Any
 from amorsim.core.errors import AmorsimError
 from amorsim.runs.session import RunSession
 from amorsim.ui.inputs import Input, Inputs
+from amorsim.ui.orphan import stay
 from amorsim.ui.recipe import Recipe
 
 __all__ = ["main", "save_again"]
@@ -46,6 +47,7 @@ def main() -> None:
     """Read the order as a line of standard input, and answer with a line."""
     order: Mapping[str, Any] = json.loads(sys.stdin.readline())
     threading.Thread(target=_end_with_the_session, name="amorsim-end", daemon=True).start()
+    stay()
     answers = sys.stdout
     sys.stdout = sys.stderr  # what a user's controller prints
     try:

@@ -25,11 +25,12 @@ pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
 
 
 class View:
-    """`amorsim view` with these arguments, once it has told its address."""
+    """`amorsim view` with these arguments, once it has told its address; `first` is done by the process before."""
 
-    def __init__(self, *arguments: str, cwd: Path, command: str = "view") -> None:
+    def __init__(self, *arguments: str, cwd: Path, command: str = "view", first: str = "") -> None:
+        script = f"import sys\n{first}\nfrom amorsim.cli import main\nmain()"
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "amorsim", command, *arguments, "--no-open"],
+            [sys.executable, "-c", script, command, *arguments, "--no-open"],
             cwd=cwd,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -52,10 +53,8 @@ class View:
         """Send a signal; how long it took until the process and its child were gone [s], and what it said then."""
         began = time.monotonic()
         self.process.send_signal(number)
-        said, _ = self.process.communicate(timeout=10.0)
-        while any(_is_running(pid) for pid in self.children):
-            assert time.monotonic() - began < 10.0, "an orphan is left"
-            time.sleep(0.01)
+        said, _ = self.process.communicate(timeout=60.0)
+        _until_gone(self.children)
         return time.monotonic() - began, said
 
 
@@ -65,6 +64,15 @@ def _children(pid: int) -> list[str]:
         for task in Path(f"/proc/{pid}/task").iterdir()
         for word in (task / "children").read_text(encoding="ascii").split()
     ]
+
+
+def _until_gone(pids: list[int]) -> float:
+    """Wait until none of these processes is left; how long it took [s]."""
+    began = time.monotonic()
+    while any(_is_running(pid) for pid in pids):
+        assert time.monotonic() - began < 60.0, "an orphan is left"
+        time.sleep(0.01)
+    return time.monotonic() - began
 
 
 def _is_running(pid: int) -> bool:
@@ -115,6 +123,15 @@ def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list
     assert outcome.steps > 3
 
 
+def _cookie(view: View) -> str:
+    parts = urlsplit(view.address)
+    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
+    connection.request("GET", f"{parts.path}?{parts.query}")
+    cookie = (connection.getresponse().getheader("set-cookie") or "").partition(";")[0]
+    connection.close()
+    return cookie
+
+
 def _drive(view: View) -> None:
     """Let it run, as a window does."""
     import asyncio
@@ -124,20 +141,16 @@ def _drive(view: View) -> None:
 
     async def talk() -> None:
         parts = urlsplit(view.address)
-        connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=10.0)
-        connection.request("GET", f"{parts.path}?{parts.query}")
-        cookie = (connection.getresponse().getheader("set-cookie") or "").partition(";")[0]
-        connection.close()
         origin = f"http://{parts.netloc}"
         async with websockets.connect(
             f"ws://{parts.netloc}/amorsim/socket",
-            additional_headers={"Cookie": cookie},
+            additional_headers={"Cookie": _cookie(view)},
             origin=origin,  # type: ignore[arg-type]
         ) as socket:
             await socket.send(json.dumps({"id": 1, "do": "speed", "factor": 5.0}))
             await socket.send(json.dumps({"id": 2, "do": "run"}))
             while True:
-                said: Any = await asyncio.wait_for(socket.recv(), 10.0)
+                said: Any = await asyncio.wait_for(socket.recv(), 60.0)
                 if isinstance(said, bytes):
                     header = FRAME_HEADER.unpack_from(said)
                     await socket.send(json.dumps({"drawn": header[2]}))
@@ -145,6 +158,89 @@ def _drive(view: View) -> None:
                         return
 
     aside(talk())
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a terminal is made as on Linux")
+def test_it_ends_with_its_terminal(tmp_path: Path) -> None:
+    import os
+    import pty
+
+    scenario = write_project(tmp_path)
+    terminal, inside = pty.openpty()
+    script = (
+        "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); "
+        f"os.execv(sys.executable, [sys.executable, '-m', 'amorsim', 'view', {scenario.name!r}, '--no-open'])"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", script],
+        cwd=tmp_path,
+        stdin=inside,
+        stdout=inside,
+        stderr=inside,
+        start_new_session=True,
+    )
+    os.close(inside)
+    try:
+        said = b""
+        while b"http://" not in said:
+            said += os.read(terminal, 1000)
+        pids = [process.pid, *(int(pid) for pid in _children(process.pid))]
+        assert len(pids) > 1
+        os.close(terminal)
+        process.wait(60.0)
+        assert _until_gone(pids) < 10.0 + in_time()
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+
+
+def test_a_process_that_is_still_being_loaded_ends_with_its_session(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from amorsim.ui.pipes import python_for
+
+    # As numpy and numba on a machine that has much else to do, only longer.
+    (tmp_path / "heavy.py").write_text("import time\nprint('loading', flush=True)\ntime.sleep(3600)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with subprocess.Popen(python_for("heavy"), stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"loading\n"
+        process.stdin.write(b"an order that nobody reads any more")
+        process.stdin.flush()
+        assert process.poll() is None
+        process.stdin.close()
+        try:
+            assert process.wait(60.0) == 1
+        finally:
+            process.kill()
+
+
+def test_a_gif_that_is_being_made_does_not_hold_up_the_end(tmp_path: Path, views: list[View]) -> None:
+    scenario = write_project(tmp_path)
+    first = (
+        "import pathlib, time\n"
+        "import amorsim.ui.server as server\n"
+        "server.gif_of = lambda film: (pathlib.Path('begun').touch(), time.sleep(3600))"
+    )
+    view = View(scenario.name, "--out", "out", cwd=tmp_path, first=first)
+    views.append(view)
+    _drive(view)
+    cookie, parts = _cookie(view), urlsplit(view.address)
+    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
+    body = (3).to_bytes(4, "little") + b"png"
+    headers = {"Cookie": cookie, "Origin": f"http://{parts.netloc}"}
+    connection.request("POST", "/amorsim/gif?every=100", body=body, headers=headers)
+    while not (tmp_path / "begun").exists():
+        assert view.process.poll() is None
+        time.sleep(0.01)
+    seconds, said = view.end(signal.SIGINT)
+    connection.close()
+    assert seconds < 10.0 + in_time()
+    assert view.process.returncode == 0
+    assert said.count("results: out") == 1
+    assert am.reproduce(tmp_path / "out").is_exact
 
 
 @pytest.fixture
