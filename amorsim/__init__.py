@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         Mount,
         Noise,
         ObstacleFrame,
+        Part,
         Recorder,
         RobotModel,
         RunInfo,
@@ -88,7 +89,8 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint Lights MapLoader Measurement "
-        "Motion Mount Noise ObstacleFrame Recorder RobotModel RunInfo Sensor SensorModel Sightings State View parameter"
+        "Motion Mount Noise ObstacleFrame Part Recorder RobotModel RunInfo Sensor SensorModel Sightings State View "
+        "parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -155,6 +157,7 @@ __all__ = [
     "Obstacle",
     "ObstacleFrame",
     "ParameterError",
+    "Part",
     "PluginError",
     "Pose",
     "RandomStart",

@@ -52,6 +52,7 @@ __all__ = [
     "Mount",
     "Noise",
     "ObstacleFrame",
+    "Part",
     "Recorder",
     "RobotModel",
     "RunInfo",
@@ -172,13 +173,13 @@ class Emissions(NamedTuple):
 
 
 class BodyStates(NamedTuple):
-    """All bodies of each row's replica, robots and obstacles, the row's own among them; B of them."""
+    """All bodies of each row's replica, robots, obstacles and parts of robots, the row's own among them; B of them."""
 
     poses: Array  # (N, B, 3) true, in the world
     twists: Array  # (N, B, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
     own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
-    is_robot: npt.NDArray[np.bool_]  # (B,) the others are obstacles
+    is_robot: npt.NDArray[np.bool_]  # (B,) a robot or a part of one; the others are obstacles
 
 
 class Lights(NamedTuple):
@@ -297,6 +298,13 @@ class Joint:
     rolls: bool = True
 
 
+class Part(NamedTuple):
+    """A rigid body that a drive moves beside the robot's own: a trailer, a boom. Its shape is in its own frame."""
+
+    name: str
+    shape: Shape
+
+
 class Drive(Component, abc.ABC):
     """How joints follow commands, and how a body moves as its joints go from one position to another.
 
@@ -307,6 +315,8 @@ class Drive(Component, abc.ABC):
     # Both may be properties, where static fields decide what is there.
     joints: ClassVar[tuple[Joint, ...]]
     channels: ClassVar[tuple[str, ...]]  # of a command, in order; joint rates [rad/s] or positions [rad]
+    # What there is of the robot beside its own footprint; a property, too, where static fields decide.
+    parts: ClassVar[tuple[Part, ...]] = ()
 
     @abc.abstractmethod
     def advance(
@@ -355,6 +365,18 @@ class Drive(Component, abc.ABC):
     def follow(self, joints: Array, displacement: Array) -> Array:
         """The joints `(N, j)` once passive ones have followed what the body really did, after contact."""
         return joints
+
+    def part_poses(self, joints: Array) -> Array:
+        """Where the `parts` are `(N, p, 3)`, in the body's frame, while the joints are so."""
+        return np.zeros((len(joints), 0, 3))
+
+    def part_travel(self, before: Array, after: Array) -> Array:
+        """Bounds on the parts' paths in the world `(N, p, 2)` [m, rad], as `travel` gives the body's.
+
+        At a fraction f the joints are ``follow(between(before, after, f), displacement(before, after, f))``, and the
+        parts where `part_poses` has them then. Told too low, parts pass through walls; too high only costs time.
+        """
+        return np.zeros((len(before), 0, 2))
 
     def course(self, joints: Array) -> Array | None:
         """Which way is ahead `(N, 1)` [rad], in the body's frame, for whoever drives it; None: the way it looks.

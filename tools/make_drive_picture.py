@@ -57,7 +57,14 @@ def _cases() -> list[tuple[str, Drive, list[float], str]]:
         ),
         (
             "tractor: left 6, right 9 rad/s",
-            Tractor(**_PAIR, trailer_length=0.55, hitch_offset=0.12),
+            Tractor(
+                **_PAIR,
+                trailer_length=0.55,
+                hitch_offset=0.12,
+                trailer_width=0.4,
+                trailer_front=0.36,
+                trailer_rear=0.2,
+            ),
             [6.0, 9.0],
             "pair",
         ),
@@ -87,8 +94,8 @@ def _body(axes: Any, kind: str, drive: Any, pose: Any, joints: Any) -> None:
             _wheel(axes, pose, 0.0, y)
         if isinstance(drive, Tractor):
             rows: Any = stack([drive])
-            trailer = rows.trailer_poses(np.array([pose]), joints)[0]
-            _fill(axes, trailer, [(-0.2, -0.2), (0.36, -0.2), (0.36, 0.2), (-0.2, 0.2)], "#dfe5e8", _GREY, 2)
+            trailer = compose(np.array([pose]), rows.part_poses(joints)[:, 0])[0]
+            _fill(axes, trailer, drive.parts[0].shape.outline, "#dfe5e8", _GREY, 2)
             hitch = compose(np.array([pose]), np.array([[-drive.hitch_offset, 0.0, 0.0]]))[0]
             axes.plot(*np.array([trailer[:2], hitch[:2], pose[:2]]).T, color=_GREY, linewidth=1.5, zorder=5)
             for y in (-0.18, 0.18):

@@ -10,10 +10,11 @@ import numpy.typing as npt
 
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
+from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.contact import map_gaps
 
-__all__ = ["freest_start", "out_of_reach", "overlap_with_walls", "wall_gaps"]
+__all__ = ["freest_start", "least_gaps", "out_of_reach", "overlap_with_walls", "wall_gaps"]
 
 Array = npt.NDArray[np.float64]
 
@@ -41,17 +42,18 @@ def out_of_reach(world: Map, x: float, y: float) -> str:
     return _outside(world, x, y) or _IN_A_WALL
 
 
-def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float]) -> str:
-    """What is wrong with a footprint at a place that overlaps an occupied cell `near`, in words."""
+def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], what: str = "the footprint") -> str:
+    """What is wrong with a footprint, or with `what`, at a place that overlaps an occupied cell `near`, in words."""
     outside = _outside(world, x, y)
     if outside:
-        return f"({x:.3f}, {y:.3f}) m {outside}; expected a free place"
+        of_part = "" if what == "the footprint" else f", where {what} is,"
+        return f"({x:.3f}, {y:.3f}) m{of_part} {outside}; expected a free place"
     half = 0.5 * world.resolution
     about = [(near[0] + dx, near[1] + dy) for dx in (-half, half) for dy in (-half, half)]
     walls = [place for place in about if out_of_reach(world, *place) == _IN_A_WALL]
     of_what = "a wall" if walls else "the edge of the map"
     return (
-        f"at ({x:.3f}, {y:.3f}) m the footprint overlaps {of_what} near ({near[0]:.3f}, {near[1]:.3f}) m; "
+        f"at ({x:.3f}, {y:.3f}) m {what} overlaps {of_what} near ({near[0]:.3f}, {near[1]:.3f}) m; "
         "expected a free place"
     )
 
@@ -67,11 +69,13 @@ def _outside(world: Map, x: float, y: float) -> str:
     return f"is outside the map, which is {width:g} m x {height:g} m from ({origin_x:g}, {origin_y:g}) m on{turned}"
 
 
-def freest_start(world: Map, shape: Shape) -> tuple[float, float, float]:
+def freest_start(
+    world: Map, shape: Shape, others: Sequence[tuple[Shape, Sequence[float]]] = ()
+) -> tuple[float, float, float]:
     """A free pose (x [m], y [m], heading [rad]) for a footprint with much room about it, the same one every time.
 
     That is at the map's roomiest place, looking along x, if the footprint fits in there; else, of many roomy places and
-    headings, where its gap to the walls is widest.
+    headings, where its gap to the walls is widest. `others` are to have room, too: shapes at poses in its frame.
 
     Raises
     ------
@@ -79,18 +83,32 @@ def freest_start(world: Map, shape: Shape) -> tuple[float, float, float]:
         If it fits in nowhere that was looked at.
     """
     x, y = world.freest_place()
-    if wall_gaps(world, [shape], np.array([[x, y, 0.0]]))[0][0] >= 0.0:
+    together = [(shape, (0.0, 0.0, 0.0)), *others]
+    if least_gaps(world, together, np.array([[x, y, 0.0]]))[0] >= 0.0:
         return x, y, 0.0
     places = np.array(world.roomy_places(_PLACES))
     headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
     headings[headings > math.pi] -= 2.0 * math.pi
     poses = np.column_stack((np.repeat(places, _HEADINGS, axis=0), np.tile(headings, len(places))))
-    gaps, _ = wall_gaps(world, [shape] * len(poses), poses, max(world.size))
+    gaps = least_gaps(world, together, poses, max(world.size))
     best = int(np.argmax(gaps))
     if gaps[best] < 0.0:
         raise MapError(
-            f"the map has no place where a footprint that reaches {shape.reach:.3g} m from its base point fits in; at "
-            f"the best of those looked at, ({poses[best, 0]:.3f}, {poses[best, 1]:.3f}) m, it lacks "
+            f"the map has no place where a footprint that reaches {_reach(together):.3g} m from its base point fits "
+            f"in; at the best of those looked at, ({poses[best, 0]:.3f}, {poses[best, 1]:.3f}) m, it lacks "
             f"{-gaps[best]:.3g} m; take a smaller robot or a larger map"
         )
     return float(poses[best, 0]), float(poses[best, 1]), float(poses[best, 2])
+
+
+def least_gaps(world: Map, together: Sequence[tuple[Shape, Sequence[float]]], poses: Array, cap: float = 0.0) -> Array:
+    """The least gap `(N,)` of several shapes that stand at poses in the frame of each of `poses` `(N, 3)`."""
+    found: Array = np.full(len(poses), math.inf)
+    for shape, inside in together:
+        at = compose(poses, np.repeat([inside], len(poses), axis=0))
+        found = np.minimum(found, wall_gaps(world, [shape] * len(poses), at, cap)[0])
+    return found
+
+
+def _reach(together: Sequence[tuple[Shape, Sequence[float]]]) -> float:
+    return max(math.hypot(x, y) + shape.reach for shape, (x, y, _) in together)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Draws, Joint, State, parameter
+from amorsim.contracts import Draws, Joint, Part, State, parameter
+from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, logarithm
+from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.drives.motors import own_first
 from amorsim.kernels import trailer
@@ -26,9 +30,12 @@ class Tractor(Differential):
     The third joint is the hitch: the tractor's heading less the trailer's, 0 at the start. Nobody drives it. It follows
     what the body really did, after contact, in closed form: with v forward, w the turn, l the trailer's length and c
     the offset of the hitch, b' = w - (v / l) sin b + (c w / l) cos b. Drawn along a circle of radius R, a trailer
-    hitched on the axle comes to sin b = l / R; pushed, it folds under.
+    hitched on the axle comes to sin b = l / R; pushed, it folds under, as far as `hitch_max` lets it: there it is
+    dragged along as if it were one with the tractor, until the tractor pulls it straight again.
 
-    The trailer is no body: it meets no walls, and nobody sees it.
+    The trailer is a body, a rectangle: it meets walls and other bodies, which stops the tractor, and others see it.
+    With its own tractor it does not collide: give a `hitch_max` at which their outlines do not cross. The drawbar is
+    too thin to touch or to be seen.
 
     Parameters
     ----------
@@ -36,6 +43,12 @@ class Tractor(Differential):
         From the hitch to the trailer's axle [m].
     hitch_offset
         How far behind the tractor's axle the hitch is [m].
+    hitch_max
+        How far the hitch turns to either side [rad].
+    trailer_width
+        Of the trailer's outline [m].
+    trailer_front, trailer_rear
+        How far its outline goes ahead of the trailer's axle, and behind it [m].
     wheel_radius_left, wheel_radius_right, track, rate_max, lag, acceleration_max
         Of the tractor; see `Differential`.
     """
@@ -44,6 +57,20 @@ class Tractor(Differential):
 
     trailer_length: float = parameter(unit="m", gt=0, help="from the hitch to the trailer's axle")
     hitch_offset: float = parameter(0.0, unit="m", help="how far behind the tractor's axle the hitch is")
+    hitch_max: float = parameter(math.pi, unit="rad", gt=0, le=math.pi, help="how far the hitch turns to either side")
+    trailer_width: float = parameter(unit="m", gt=0, static=True, help="how wide the trailer's outline is")
+    trailer_front: float = parameter(unit="m", static=True, help="how far its outline goes ahead of the trailer's axle")
+    trailer_rear: float = parameter(unit="m", static=True, help="how far its outline goes behind the trailer's axle")
+
+    def __attrs_post_init__(self) -> None:
+        if self.trailer_front + self.trailer_rear <= 0.0:
+            problem = f"expected more than {-self.trailer_front!r}, behind its front, got {self.trailer_rear!r}"
+            raise ParameterError("trailer_rear", problem)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:  # type: ignore[override]
+        """The trailer, in the frame of its axle."""
+        return (Part("trailer", _outline(self.trailer_width, self.trailer_front, self.trailer_rear)),)
 
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
@@ -62,18 +89,42 @@ class Tractor(Differential):
         """The joints `(N, 3)` once the hitch has followed what the tractor did."""
         out = np.empty((len(joints), 1))
         trailer.follow_hitch(
-            np.ascontiguousarray(joints[:, 2:]), logarithm(displacement), self.trailer_length, self.hitch_offset, out
+            np.ascontiguousarray(joints[:, 2:]),
+            logarithm(displacement),
+            self.trailer_length,
+            self.hitch_offset,
+            self.hitch_max,
+            out,
         )
         return np.concatenate((joints[:, :2], out), axis=1)
 
-    def trailer_poses(self, poses: Array, joints: Array) -> Array:
-        """Where the middles of the trailers' axles are, and how they head `(N, 3)`, with tractors at `poses`."""
-        back = np.zeros_like(poses)
+    def part_poses(self, joints: Array) -> Array:
+        """Where the middle of the trailer's axle is, and how it heads `(N, 1, 3)`, in the tractor's frame."""
+        back = np.zeros((len(joints), 3))
         back[:, 0:1] = -np.asarray(self.hitch_offset)
         back[:, 2] = -joints[:, 2]
-        length = np.zeros_like(poses)
+        length = np.zeros_like(back)
         length[:, 0:1] = -np.asarray(self.trailer_length)
-        return compose(compose(poses, back), length)
+        return compose(back, length)[:, None, :]
+
+    def part_travel(self, before: Array, after: Array) -> Array:
+        """How far the trailer's axle goes, and how far it turns, at most `(N, 1, 2)`.
+
+        The hitch goes h, and the axle no farther, for it does not slip aside; no farther than h / l it turns. Where
+        the hitch may come to its end the trailer may also turn with the tractor, about the hitch.
+        """
+        twist = self.twist(before, after)
+        turn = np.abs(twist[:, 2:])
+        length, aside = np.asarray(self.trailer_length), np.asarray(self.hitch_offset) * turn
+        hitch = np.sqrt(twist[:, :1] ** 2 + aside**2)
+        reaches = np.abs(before[:, 2:]) + turn + hitch / length >= np.asarray(self.hitch_max)
+        way = hitch + np.where(reaches, length * turn, 0.0)
+        return np.stack((way, np.maximum(hitch / length, np.where(reaches, turn, 0.0))), axis=2)
+
+
+@functools.lru_cache(maxsize=64)
+def _outline(width: float, front: float, rear: float) -> Shape:
+    return Shape.rectangle(front + rear, width, x=0.5 * (front - rear))
 
 
 def _wheels(joints: Array) -> Array:

@@ -38,6 +38,8 @@ class BodyHash(NamedTuple):
     """Bodies of bucket k, counted over the rows of all replicas, are ``first[k]:first[k + 1]``, of the sorted ones."""
     body: Ints
     """Which body a sorted one is, (T,); in order within a bucket."""
+    owner: Ints
+    """Whose a sorted one is, (T,): its own, or that of the body that it is a part of."""
     disc: Floats
     """Of the sorted ones, the circle that holds the body: x, y, radius [m], (T, 3)."""
 
@@ -79,10 +81,11 @@ def run_of_bodies(
 
 
 @kernel
-def hash_bodies(poses: Floats, reach: Floats, replica_first: Ints, table: BodyHash) -> None:
-    """Write `first`, `body` and `disc` of `table` for bodies at `poses` (T, 3) that reach so far [m] (T,).
+def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, table: BodyHash) -> None:
+    """Write `first`, `body`, `owner` and `disc` of `table` for bodies at `poses` (T, 3) that reach so far [m] (T,).
 
-    Bodies of replica r are ``replica_first[r]:replica_first[r + 1]``, int64 (R + 1,).
+    `owner` (T,) is the body that each is a part of, or itself. Bodies of replica r are
+    ``replica_first[r]:replica_first[r + 1]``, int64 (R + 1,).
     """
     first = table.first
     bucket = np.empty(reach.shape[0], dtype=np.int64)
@@ -101,6 +104,7 @@ def hash_bodies(poses: Floats, reach: Floats, replica_first: Ints, table: BodyHa
         first[bucket[i]] -= 1
         place = first[bucket[i]]
         table.body[place] = i
+        table.owner[place] = owner[i]
         table.disc[place, 0] = poses[i, 0]
         table.disc[place, 1] = poses[i, 1]
         table.disc[place, 2] = reach[i]

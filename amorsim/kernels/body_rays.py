@@ -250,7 +250,7 @@ def _cast_rows(
                     near[_CIRCLE, count] = circle
                     # Kept by going on behind it, which is quicker than a branch that cannot be foreseen.
                     keeps = (x >= x0 - circle) & (x <= x1 + circle) & (y >= y0 - circle) & (y <= y1 + circle)
-                    count += int(keeps & (table.body[n] != own[i]))
+                    count += int(keeps & (table.owner[n] != own[i]))
                 place = end
             if count == 0:
                 break
@@ -295,7 +295,7 @@ def cast_bodies(
     replica
         Of each row, int64 (N,).
     own
-        The body that carries the sensor and is not seen, -1 for none, int64 (N,).
+        The body that carries the sensor, -1 for none, int64 (N,). It is not seen, nor is what it is the owner of.
     origins
         Where the rays of each row start, and what their bearings are measured from, (N, 3), like `body_pose`.
     cos_b, sin_b

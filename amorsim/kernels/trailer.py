@@ -18,17 +18,24 @@ Column = Any
 
 
 @kernel
-def follow_hitch(hitch: Floats, twists: Floats, trailer_length: Column, hitch_offset: Column, out: Floats) -> None:
+def follow_hitch(
+    hitch: Floats, twists: Floats, trailer_length: Column, hitch_offset: Column, hitch_max: Column, out: Floats
+) -> None:
     """Hitch angles [rad] after constant twists (N, 3), into `out` (N, 1).
 
     The angle b is the tractor's heading less the trailer's. With v forward, w the turn, l the trailer's length and c
     how far behind the axle the hitch is, b' = w - (v / l) sin b + (c w / l) cos b. For (sin b/2, cos b/2), up to its
     length, that is linear, with a matrix whose square is a number times the identity: so its exponential is at hand.
+    The equation holds no time, so b never turns back within a step: stopping it at `hitch_max` is to cut off what is
+    beyond. A tractor that stands leaves the hitch as it is, to the bit.
     """
     for i in range(hitch.shape[0]):
         length = trailer_length[i, 0]
         v = twists[i, 0]
         w = twists[i, 2]
+        if v == 0.0 and w == 0.0:
+            out[i, 0] = hitch[i, 0]
+            continue
         pull = -0.5 * v / length
         swing = 0.5 * hitch_offset[i, 0] * w / length
         turn = 0.5 * w
@@ -50,3 +57,4 @@ def follow_hitch(hitch: Floats, twists: Floats, trailer_length: Column, hitch_of
         out[i, 0] = 2.0 * math.atan2(above, below)
         # The same turn of the trailer around the tractor: no jump as it folds under.
         out[i, 0] += 4.0 * math.pi * math.floor((hitch[i, 0] - out[i, 0]) / (4.0 * math.pi) + 0.5)
+        out[i, 0] = min(max(out[i, 0], -hitch_max[i, 0]), hitch_max[i, 0])

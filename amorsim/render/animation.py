@@ -36,11 +36,15 @@ _OBSTACLE, _OBSTACLE_EDGE = "#f0c9a0", "#a8652a"
 
 @attrs.frozen(kw_only=True, eq=False)
 class Shown:
-    """A body in a moving picture: its outline (V, 2) [m] in its own frame, and what it is drawn as."""
+    """A body in a moving picture: its outline (V, 2) [m] in its own frame, and what it is drawn as.
+
+    A part of a robot is drawn as one, beneath it, without a trail and a line ahead.
+    """
 
     outline: Points
     is_robot: bool
     colour: str | None = None
+    is_part: bool = False
 
 
 class Animation:
@@ -144,14 +148,14 @@ class Animation:
         image = background.copy()
         pen = ImageDraw.Draw(image)
         now, poses = self._times[number], self._poses[number]
-        robots = [i for i, body in enumerate(self._bodies) if body.is_robot]
+        robots = [i for i, body in enumerate(self._bodies) if body.is_robot and not body.is_part]
         if len(robots) <= TRAILS_UP_TO:
             first = next(i for i in range(number + 1) if self._times[i] >= now - TRAIL)
             for i in robots:
                 trail = self._fine(np.array([frame[i, :2] for frame in self._poses[first : number + 1]]))
                 if len(trail) > 1:
                     pen.line([*map(tuple, trail.tolist())], _TRAIL, 3 * FINENESS)
-        order = sorted(range(len(self._bodies)), key=lambda i: self._bodies[i].is_robot)
+        order = sorted(range(len(self._bodies)), key=lambda i: (self._bodies[i].is_robot, not self._bodies[i].is_part))
         for i in order:
             body = self._bodies[i]
             x, y, heading = poses[i]
@@ -164,7 +168,7 @@ class Animation:
             )
             fill, edge = (_ROBOT, _ROBOT_EDGE) if body.is_robot else (_OBSTACLE, _OBSTACLE_EDGE)
             pen.polygon([*map(tuple, self._fine(turned).tolist())], body.colour or fill, edge)
-            if body.is_robot:
+            if body.is_robot and not body.is_part:
                 ahead = self._fine(np.array([[x, y], [x + c * 0.3, y + s * 0.3]]))
                 reach = self._scale * FINENESS * float(np.abs(body.outline).max())
                 tip = ahead[0] + (ahead[1] - ahead[0]) / (0.3 * self._scale * FINENESS) * reach

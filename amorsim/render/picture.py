@@ -53,8 +53,8 @@ class RobotPath:
     """Where a robot went, in world metres.
 
     `true` and `estimated` are its paths, (T, 2); either may be empty, and a point that is not finite
-    interrupts it. `outline` is the robot's body (V, 2) at the end, or None; `collisions`, (K, 2), are where
-    it touched something.
+    interrupts it. `outline` is the robot's body (V, 2) at the end, or None, `parts` those of its parts;
+    `collisions`, (K, 2), are where it touched something.
     """
 
     name: str
@@ -64,6 +64,7 @@ class RobotPath:
         default=None, converter=attrs.converters.optional(_points), validator=_check_points
     )
     collisions: Points = attrs.field(factory=_no_points, converter=_points, validator=_check_points)
+    parts: Sequence[Points] = ()
 
 
 def draw_map(map: Map, *, size: int = 1600, title: str = "") -> Image.Image:  # noqa: A002 - the field's word
@@ -199,6 +200,8 @@ class _Page:
         true, estimated = self._on_page(_finite(path.true)), self._on_page(_finite(path.estimated))
         if len(true):
             marks.draw_start(canvas, true[0], unit)
+        for part in path.parts:
+            marks.draw_body(canvas, self._on_page(part), unit)
         if path.outline is not None and len(path.outline) > 2 and np.all(np.isfinite(path.outline)):
             marks.draw_body(canvas, self._on_page(path.outline), unit)
         if len(true):

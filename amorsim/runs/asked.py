@@ -36,16 +36,14 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
 
 def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:
     """The simulation of a scenario, and a remark for the user, or nothing."""
-    import numpy as np
-
-    from amorsim.core.starts import wall_gaps
+    from amorsim.scenario.worlds import is_free_at
     from amorsim.simulation.simulation import Simulation
 
     simulation = Simulation(scenario, replicas=replicas, threads=threads)
     world, first = scenario.map, scenario.robots[0]
     if scenario.source is not None or world.start is None or first.pose is None:
         return simulation, ""
-    if wall_gaps(world, [first.shape], np.array([world.start]))[0][0] >= 0.0:
+    if is_free_at(world, first, world.start):
         return simulation, ""
     (x, y, _), pose = world.start, first.pose
     return simulation, (

@@ -74,10 +74,11 @@ class Film:
         bodies: dict[str, Robot | Obstacle] = {body.name: body for body in scenario.robots}
         bodies |= {body.name: body for body in scenario.obstacles}
         world = simulation._fleet.world
-        shown = [
-            Shown(outline=bodies[name].shape.outline, is_robot=name in robots, colour=bodies[name].colour)
-            for name in world.names
-        ]
+        shown = []
+        for number, shape in enumerate(world.shapes):
+            name, is_part = world.name(int(world.owner[number])), number >= world.named
+            colour = bodies[name].colour
+            shown.append(Shown(outline=shape.outline, is_robot=name in robots, colour=colour, is_part=is_part))
         try:
             self._animation = Animation(simulation.scenario.map, shown, size=size)
         except ParameterError as error:

@@ -121,6 +121,7 @@ class Traces:
         shapes = {robot.name: robot.shape for robot in self._simulation.scenario.robots}
         found = []
         for i, name in enumerate(self._simulation.names):
+            handle = self._simulation.robot(name, self._simulation.replicas[0])
             found.append(
                 RobotPath(
                     name=name,
@@ -128,6 +129,7 @@ class Traces:
                     estimated=points[:, i, 2:],
                     outline=_placed(shapes[name], self._simulation.true_pose[i : i + 1]),
                     collisions=self.collisions(name),
+                    parts=[_placed(part.shape, handle.parts[part.name][None]) for part in handle.true.drive.parts],
                 )
             )
         return found

@@ -138,7 +138,7 @@ class _Writer:
         if robot.start is not None:
             written["start"] = write_fields(robot.start)
         else:
-            pose = pose or start_of(world, robot.shape)
+            pose = pose or start_of(world, robot)
             written["pose"] = write_fields(pose)
         written["shape"] = self._shape(robot.shape, path)
         if robot.controller is not None:

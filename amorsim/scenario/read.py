@@ -12,12 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import attrs
-import numpy as np
 
 from amorsim.core.errors import Fault, MapError, ScenarioError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.core.starts import freest_start, wall_gaps
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_recording
@@ -27,7 +25,7 @@ from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
-from amorsim.scenario.spec import Landmark, Light, Obstacle, Pose, Robot, Scenario
+from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
 
@@ -250,10 +248,7 @@ def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> No
 def _put(node: Node, robot: Robot, world: Map, is_map_alone: bool) -> Robot | None:
     """A robot without a pose, put where the map wants it; for a map alone elsewhere if there is no room for it."""
     try:
-        start = start_of(world, robot.shape)
-        if is_map_alone and wall_gaps(world, [robot.shape], np.array([[start.x, start.y, start.heading]]))[0][0] < 0.0:
-            x, y, heading = freest_start(world, robot.shape)
-            start = Pose(x=x, y=y, heading=heading)
+        start = start_of(world, robot, must_be_free=is_map_alone)
     except MapError as error:
         node.child("pose").fault(f"missing, and {error}")
         return None

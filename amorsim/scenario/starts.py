@@ -19,6 +19,7 @@ from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose, read_shape
 from amorsim.scenario.faults import Book, Node, shown
 from amorsim.scenario.fields import read_component
+from amorsim.scenario.parts import parts_at
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
 
 __all__ = ["GridStart", "Placed", "check_starts", "placed", "read_series", "series_of"]
@@ -55,6 +56,7 @@ class Placed:
     pose: Pose
     node: Node
     is_one: bool  # of a table without `count`
+    part: str = ""  # of the robot of that name
 
 
 def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Placed]:
@@ -65,11 +67,16 @@ def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Pla
         shape, pose = (read(Node(node.value[key], (*node.path, key), alone)) for key, read in _READ.items())
         if isinstance(shape, Shape) and isinstance(pose, Pose):
             return [Placed(str(node.value.get("name", "it")), shape, pose, node, is_one)]
-    return [
-        Placed(body.name, body.shape, body.pose, node, is_one)
-        for body in bodies
-        if body.start is None and body.pose is not None
-    ]
+    found = []
+    for body in bodies:
+        if body.start is None and body.pose is not None:
+            found.append(Placed(body.name, body.shape, body.pose, node, is_one))
+            if isinstance(body, Robot):
+                found += [
+                    Placed(body.name, part.shape, pose, node, is_one, part.name)
+                    for part, pose in parts_at(body.drive, body.pose)
+                ]
+    return found
 
 
 _READ: dict[str, Callable[[Node], Shape | Pose | None]] = {"shape": read_shape, "pose": read_pose}
@@ -175,7 +182,7 @@ def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
     shapes = [item.shape for item in fixed]
     gaps, where = wall_gaps(world, shapes, poses)
     for i in np.flatnonzero(gaps < 0.0).tolist():
-        _fault(fixed[i], overlap_with_walls(world, poses[i, 0], poses[i, 1], where[i]))
+        _fault(fixed[i], overlap_with_walls(world, poses[i, 0], poses[i, 1], where[i], _what(fixed[i])))
     reach = np.array([shape.reach for shape in shapes])
     boxes = shapely.box(*(poses[:, :2] - reach[:, None]).T, *(poses[:, :2] + reach[:, None]).T)
     a, b = shapely.STRtree(boxes).query(boxes)
@@ -186,9 +193,16 @@ def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
     first, second = first[order].astype(np.int64), second[order].astype(np.int64)
     out = np.empty(len(first))
     body_gaps(pack(shapes), first, poses[first], second, poses[second], np.zeros(len(first)), out)
+    said = set()
     for i in np.flatnonzero(out < 0.0).tolist():
         one, other = fixed[int(first[i])], fixed[int(second[i])]
-        _fault(other, f"overlaps {one.name!r}; expected room between them")
+        if one.name != other.name and (one.name, other.name) not in said:
+            said.add((one.name, other.name))
+            _fault(other, f"overlaps {one.name!r}; expected room between them")
+
+
+def _what(item: Placed) -> str:
+    return f"its {item.part}" if item.part else "the footprint"
 
 
 def _fault(item: Placed, message: str) -> None:

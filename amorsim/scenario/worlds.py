@@ -8,19 +8,21 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import attrs
+import numpy as np
 
 from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
-from amorsim.core.starts import freest_start
+from amorsim.core.starts import freest_start, least_gaps
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.maps import MapFile, find_loader, read_map
-from amorsim.scenario.spec import Knowledge, Landmark, Pose
+from amorsim.scenario.parts import at_start
+from amorsim.scenario.spec import Knowledge, Landmark, Pose, Robot
 
-__all__ = ["Maps", "start_of"]
+__all__ = ["Maps", "is_free_at", "start_of"]
 
 
 class Maps:
@@ -128,16 +130,30 @@ def _is_number(value: object) -> bool:
     return abs(value) < 1e100 if isinstance(value, int) else math.isfinite(value)
 
 
-def start_of(world: Map, shape: Shape) -> Pose:
+def start_of(world: Map, robot: Robot, *, must_be_free: bool = False) -> Pose:
     """Where a robot starts that is not told where: the map's start, or else a free place with much room for it.
+
+    Also where the map's start leaves it no room, if that `must_be_free`.
 
     Raises
     ------
     MapError
         If there is no free place for its footprint.
     """
-    if world.start is not None:
+    if world.start is not None and (not must_be_free or is_free_at(world, robot, world.start)):
         x, y, heading = world.start
         return Pose(x=float(x), y=float(y), heading=float(heading))
-    x, y, heading = freest_start(world, shape)
+    x, y, heading = freest_start(world, *_footprint(robot))
     return Pose(x=x, y=y, heading=heading)
+
+
+def is_free_at(world: Map, robot: Robot, pose: Sequence[float]) -> bool:
+    """Whether a robot and its parts stand free of walls at a pose, before they move."""
+    shape, parts = _footprint(robot)
+    return bool(least_gaps(world, [(shape, (0.0, 0.0, 0.0)), *parts], np.array([pose], dtype=np.float64))[0] >= 0.0)
+
+
+def _footprint(robot: Robot) -> tuple[Shape, list[tuple[Shape, Sequence[float]]]]:
+    """A robot's shape, and those of its parts where they are in its frame."""
+    inside = at_start(robot.drive).tolist()
+    return robot.shape, [(part.shape, pose) for part, pose in zip(robot.drive.parts, inside, strict=True)]

@@ -40,6 +40,9 @@ class Emitted(NamedTuple):
 class World:
     """One map, and in every replica the same bodies, in order of replica, then of the order given.
 
+    A robot of several parts has several bodies: its own, and one for each part, which come after those of all robots
+    and obstacles. What they have in common is their owner; bodies of one owner do not meet, nor see, one another.
+
     Attributes
     ----------
     workers
@@ -62,7 +65,13 @@ class World:
     replica_index
         `(T,)` which replica a body is of, counted from 0.
     is_robot
-        `(B,)` of a replica's bodies, which are robots: the first `robots` of those given, or all.
+        `(B,)` of a replica's bodies, which are robots, the first `robots` of those given, or all; or parts of robots.
+    named
+        How many of a replica's bodies are robots and obstacles; the others are parts.
+    owner
+        `(T,)` whose each body is: of a part the body of its robot, of all others themselves.
+    parts
+        `(R * P,)` the bodies that are parts.
     """
 
     def __init__(
@@ -74,6 +83,7 @@ class World:
         threads: int = 1,
         robots: int | None = None,
         surroundings: Surroundings | None = None,
+        owners: Sequence[int] = (),
     ) -> None:
         self.map = map_
         self.surroundings = Surroundings.of(()) if surroundings is None else surroundings
@@ -81,9 +91,12 @@ class World:
         self.names = tuple(names)
         self.shapes = tuple(shapes)
         self.count = len(names)
-        self.is_robot = np.arange(self.count) < (self.count if robots is None else robots)
+        self.named = self.count - len(owners)
+        number = np.arange(self.count)
+        self.is_robot = (number < (self.count if robots is None else robots)) | (number >= self.named)
         self.replicas = replicas
-        self.has_company = self.count > 1
+        self.has_company = self.named > 1
+        self.has_parts = len(owners) > 0
         self.bodies = pack(list(shapes) * replicas)
         self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
         self._widest = max((shape.reach for shape in shapes), default=1.0)
@@ -92,6 +105,9 @@ class World:
         self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
         self.replica_index: Ints = np.repeat(np.arange(replicas, dtype=np.int64), self.count)
         self.everyone: Ints = np.arange(replicas * self.count, dtype=np.int64)
+        whose = np.concatenate((np.arange(self.named, dtype=np.int64), np.array(owners, dtype=np.int64)))
+        self.owner: Ints = (self.first[:-1, None] + whose).reshape(-1)
+        self.parts: Ints = np.flatnonzero(self.owner != self.everyone)
         self.poses: Array = np.zeros((replicas * self.count, 3))
         self.twists: Array = np.zeros((replicas * self.count, 3))
         self.room: Array = np.zeros(replicas * self.count)
@@ -101,6 +117,16 @@ class World:
     def name(self, body: int) -> str:
         """The name of a body, the same in every replica."""
         return self.names[body % self.count]
+
+    def parts_of(self, bodies: Ints) -> Ints:
+        """The parts `(N, p)` of robots' bodies `(N,)`, each of which has as many, in order."""
+        if not self.has_parts:
+            return np.empty((len(bodies), 0), dtype=np.int64)
+        # Parts are in order of their owners, so those of one lie side by side.
+        owners = self.owner[self.parts]
+        first, last = np.searchsorted(owners, bodies), np.searchsorted(owners, bodies, side="right")
+        found: Ints = self.parts[first[:, None] + np.arange(int((last - first)[0]))]
+        return found
 
     def wall_gaps(self, bodies: Ints, poses: Array, cap: Array) -> tuple[Array, Array]:
         """Signed gaps [m] `(Q,)` of bodies at `poses` to the walls, at most `cap`, and the nearest points `(Q, 2)`.
@@ -126,12 +152,15 @@ class World:
         if self._hash is None or poses is not self._hashed:
             if self._hash is None:
                 self._hash = _table(self.count, self.replicas, 2.0 * self._widest)
-            body_hash.hash_bodies(poses, self.bodies.reach, self.first, self._hash)
+            body_hash.hash_bodies(poses, self.bodies.reach, self.owner, self.first, self._hash)
             self._hashed = poses
         return self._hash
 
     def pairs_within(self, poses: Array, margin: Array) -> tuple[Ints, Ints]:
-        """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order."""
+        """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
+
+        Bodies of one owner are no pair.
+        """
         if not self.has_company:
             none = np.empty(0, dtype=np.int64)
             return none, none
@@ -143,6 +172,9 @@ class World:
             found = np.empty(count, dtype=np.int64)
             body_hash.pairs_within(table, self.first, poses, radius, found)
         a, b = np.divmod(np.sort(found[:count]), len(poses))
+        if self.has_parts:
+            apart = self.owner[a] != self.owner[b]
+            a, b = a[apart], b[apart]
         return a, b
 
     def cast(
@@ -159,7 +191,7 @@ class World:
         """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
 
         Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, as `out` and -1, gets
-        the body that was met, where somebody asks.
+        the body that was met, where somebody asks. `own` `(N,)` is a robot, which does not see itself nor its parts.
         """
         table = self.by_place(self.poses)
 
@@ -198,5 +230,6 @@ def _table(count: int, replicas: int, side: float) -> BodyHash:
         cols=cols,
         first=np.empty(replicas * rows * cols + 1, dtype=np.int64),
         body=np.empty(bodies, dtype=np.int64),
+        owner=np.empty(bodies, dtype=np.int64),
         disc=np.empty((bodies, 3)),
     )

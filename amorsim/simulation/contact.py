@@ -7,6 +7,9 @@ representable fraction of the step at which interiors are disjoint, so every sta
 A contact is found by conservative advancement (B. Mirtich, "Impulse-based dynamic simulation", 1996): no point of a
 body travels farther in a part of the step than that part of its path's bound, so a gap cannot close sooner.
 
+A robot of several parts is several bodies (`amorsim.simulation.parts`): each has a path of its own, and where one of
+them stops, all of them do, and the joints between them.
+
 Where all that might meet go along arcs and lines, a kernel does it (`amorsim.kernels.meeting`). Paths of other forms
 are known to their drives only, and take the same road in NumPy, with the same bits.
 """
@@ -53,10 +56,16 @@ class Mover(Protocol):
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """World poses `(Q, 3)` of its bodies number `which` `(Q,)` at fractions `(Q,)` of the step."""
 
+    def arrive(self, poses: Array, stop: Array) -> None:
+        """Take where they are after the step `(M, 3)`, and the fraction after which they stood still `(M,)`."""
+
 
 @attrs.frozen(kw_only=True)
 class Contact:
-    """Two bodies, or a body and a wall (`other` is `WALL`), that met at a fraction of the step."""
+    """Two bodies, or a body and a wall (`other` is `WALL`), that met at a fraction of the step.
+
+    Parts of robots are told as their robots.
+    """
 
     body: int
     other: int
@@ -94,11 +103,13 @@ class _Paths:
         self.scene = Scene(world.map.grid, *world.map.origin, world.bodies, world.edge_rows, self.arrays)
         self.end = np.empty((count, 3))
         set_out(self.arrays, world.bodies.reach, self.end)
+        if world.has_parts:
+            self.end[world.parts] = self.at(world.parts, np.ones(len(world.parts)))
         self.near = self._look_around(world)
 
     def _look_around(self, world: World) -> Ints:
         """Who might meet a wall, in order; those without company look further, and keep what room they have."""
-        if world.has_company:
+        if world.has_company or world.has_parts:
             moving = np.flatnonzero(self.bound > 0.0)
             reach = self.bound[moving] + SLACK
             gaps, _ = world.wall_gaps(moving, self.start[moving], reach)
@@ -181,10 +192,16 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
         point = _points(world, paths, a, b, when)
         stopped = np.flatnonzero(paths.stop < 1.0)
         paths.end[stopped] = paths.at(stopped, paths.stop[stopped])
-    else:
+    else:  # parts that might meet something are not among them
         which, when, point = np.empty(len(a), dtype=np.int64), np.empty(len(a)), np.empty((len(a), 2))
         met = resolve(paths.scene, a, b, shortest, which, when, point, paths.end)
         a, b, when, point = a[which[:met]], b[which[:met]], when[:met], point[:met]
+        if world.has_parts:
+            _stop_parts(world, paths)
+            late = world.parts[paths.stop[world.parts] < 1.0]
+            paths.end[late] = paths.at(late, paths.stop[late])
+    if world.has_parts:
+        a, b = world.owner[a], np.where(b == WALL, WALL, world.owner[b])
     contacts = [
         Contact(body=body, other=other, fraction=fraction, point=(x, y))
         for body, other, fraction, (x, y) in zip(a.tolist(), b.tolist(), when.tolist(), point.tolist(), strict=True)
@@ -227,10 +244,14 @@ def _resolve(world: World, paths: _Paths, a: Ints, b: Ints, shortest: float) -> 
         met.append(chosen)
         when[chosen] = time[chosen]
         stopped = np.zeros(len(paths.stop), dtype=bool)
-        for body, fraction in ((a[chosen], time[chosen]), (b[chosen], time[chosen])):
-            real = body != WALL
-            paths.stop[body[real]] = np.minimum(paths.stop[body[real]], fraction[real])
-            stopped[body[real]] = True
+        for side, fraction in ((a[chosen], time[chosen]), (b[chosen], time[chosen])):
+            real = side != WALL
+            body = world.owner[side[real]]
+            paths.stop[body] = np.minimum(paths.stop[body], fraction[real])
+            stopped[body] = True
+        if world.has_parts:
+            _stop_parts(world, paths)
+            stopped[world.parts] = stopped[world.owner[world.parts]]
         # Whoever stopped meets nothing any more; whoever was to meet him may do so at another time now.
         wall = b == WALL
         touched = stopped[a] | (~wall & stopped[b])
@@ -245,6 +266,11 @@ def _resolve(world: World, paths: _Paths, a: Ints, b: Ints, shortest: float) -> 
     # Of one replica they are in order, and at one instant stay so.
     which = which[np.lexsort((np.arange(len(which)), replica[which], when[which]))]
     return which, when[which]
+
+
+def _stop_parts(world: World, paths: _Paths) -> None:
+    """Let all parts stop where their robots do."""
+    paths.stop[world.parts] = paths.stop[world.owner[world.parts]]
 
 
 def _gaps(world: World, paths: _Paths, a: Ints, b: Ints, fraction: Array, cap: Array) -> Array:

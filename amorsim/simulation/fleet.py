@@ -25,6 +25,7 @@ from amorsim.simulation.zones import zone_streams
 
 __all__ = ["Fleet"]
 
+Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
@@ -62,9 +63,21 @@ class Fleet:
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
         streams += [(obstacle.name, "motion") for obstacle in obstacles]
         check_collisions(seed, [*streams, *((body.name, "start") for body in bodies if body.start is not None)])
-        names, shapes = [body.name for body in bodies], [body.shape for body in bodies]
-        around = Surroundings.of(bodies, scenario.landmarks, scenario.lights)
-        self.world = World(scenario.map, names, shapes, len(replicas), threads, robots=len(robots), surroundings=around)
+        parts = [(number, part) for number, robot in enumerate(robots) for part in robot.drive.parts]
+        owners = [number for number, _ in parts]
+        names = [body.name for body in bodies] + [f"{robots[owner].name}.{part.name}" for owner, part in parts]
+        shapes = [body.shape for body in bodies] + [part.shape for _, part in parts]
+        around = Surroundings.of(bodies, scenario.landmarks, scenario.lights, owners)
+        self.world = World(
+            scenario.map,
+            names,
+            shapes,
+            len(replicas),
+            threads,
+            robots=len(robots),
+            surroundings=around,
+            owners=owners,
+        )
         source = str(scenario.source) if scenario.source else ""
         self._drawn = draw_starts(self.world, bodies, seed, replicas, source)
         self.groups = [
@@ -76,6 +89,7 @@ class Fleet:
             for members in _partition(obstacles, lambda obstacle: obstacle.motion and signature(obstacle.motion))
         ]
         self.everything: list[Group | ObstacleGroup] = [*self.groups, *self.obstacles]
+        self.parts = [group.parts for group in self.groups if group.parts is not None]
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.rolls = False
@@ -101,6 +115,9 @@ class Fleet:
         for group in self.everything:
             poses[group.bodies] = group.true_pose
             twists[group.bodies] = group.true_twist
+        for part in self.parts:
+            poses[part.bodies] = part.poses
+            twists[part.bodies] = part.twists
         self.world.poses, self.world.twists = poses, twists
 
     def _check_starts(self) -> None:
@@ -110,19 +127,38 @@ class Fleet:
         faults = []
         for body in np.flatnonzero(gaps < 0.0).tolist():
             x, y, _ = world.poses[body]
-            message = overlap_with_walls(world.map, x, y, where[body])
+            what = "the footprint" if world.owner[body] == body else repr(world.name(body))
+            message = overlap_with_walls(world.map, x, y, where[body], what)
             faults.append(self._start_fault(body, message))
         a, b = world.pairs_within(world.poses, none)
         overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
         for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
-            faults.append(self._start_fault(second, f"overlaps {world.name(first)!r}; expected room between them"))
+            # A part's robot is told of it, or else the later of the two.
+            who, other = (first, second) if int(world.owner[second]) < int(world.owner[first]) else (second, first)
+            faults.append(self._start_fault(who, f"overlaps {world.name(other)!r}; expected room between them"))
         if faults:
             raise ScenarioError(dict.fromkeys(faults))
 
     def _start_fault(self, body: int, message: str) -> Fault:
+        body = int(self.world.owner[body])
         kind = "robots" if body % self.world.count < len(self.names) else "obstacles"
         source = self.scenario.source
         return Fault(file=str(source) if source else "", path=f"{kind}.{self.world.name(body)}.pose", message=message)
+
+    def overlap(self, group: Group, row: int, poses: Array) -> str:
+        """What a robot and its parts would overlap at `poses` `(1 + p, 3)`, in words; nothing where they are free."""
+        world = self.world
+        own = np.concatenate((group.bodies[row : row + 1], world.parts_of(group.bodies[row : row + 1])[0]))
+        if (world.wall_gaps(own, poses, np.zeros(len(own)))[0] < 0.0).any():
+            return "a wall"
+        mine = int(own[0])
+        first = int(world.first[world.replica_index[mine]])
+        others = np.arange(first, first + world.count)
+        others = others[world.owner[others] != mine]
+        a, at = np.repeat(own, len(others)), np.repeat(poses, len(others), axis=0)
+        b = np.tile(others, len(own))
+        gaps = world.body_gaps(a, at, b, world.poses[b], np.zeros(len(b)))
+        return repr(world.name(int(b[int(np.argmax(gaps < 0.0))]))) if (gaps < 0.0).any() else ""
 
     def tell_time(self) -> None:
         """Let everyone know the present ticks and episodes, and start the tick's draws."""
@@ -157,7 +193,7 @@ class Fleet:
 def _placed(robot: Robot, scenario: Scenario) -> Robot:
     if robot.pose is not None or robot.start is not None:
         return robot
-    return attrs.evolve(robot, pose=start_of(scenario.map, robot.shape))
+    return attrs.evolve(robot, pose=start_of(scenario.map, robot))
 
 
 def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:

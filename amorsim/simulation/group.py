@@ -36,6 +36,7 @@ from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.driving import ask_some
 from amorsim.simulation.moment import Moment
+from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.truth import true_robot
@@ -120,8 +121,11 @@ class Group:
                 channels += [f"{name}.{channel}" for channel in unit.sensor.channels]
         self.channels = tuple(channels)
         self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
+        self.parts: Parts | None = None
         self.set_parameters()
         self.start()
+        if first.drive.parts:
+            self.parts = Parts(self, world)
 
     @property
     def rows(self) -> int:
@@ -208,6 +212,8 @@ class Group:
         } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
         self._before = self._after = self._ground_after = self.joints
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
+        if self.parts is not None:
+            self.parts.start()
 
     # ------------------------------------------------------------------------------------------------------- phases
 
@@ -324,6 +330,17 @@ class Group:
             self._before[which], self._ground_after[which], fraction[:, None]
         )
         return compose(self.true_pose[which], displacement)
+
+    def part_travel(self) -> Array:
+        """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
+        return self.drive.part_travel(self._before, self._ground_after)
+
+    def stopped_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
+        """Poses and joints of some of the robots were they to stop at fractions `(Q, 1)`: what `arrive` makes of it."""
+        drive, before, after = take(self.drive, which), self._before[which], self._after[which]
+        displacement = drive.displacement(before, self._ground_after[which], fraction)
+        joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
+        return compose(self.true_pose[which], displacement), drive.follow(joints, displacement)
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
@@ -449,6 +466,8 @@ class Group:
             found[f"estimate {name}"] = {"pose": estimate.pose, "covariance": estimate.covariance}
         for name, unit in self.sensors.items():
             found[f"sensor {name}"] = unit.arrays()
+        if self.parts is not None:
+            found["parts"] = self.parts.arrays()
         return found
 
     def set_arrays(self, arrays: Mapping[str, Arrays]) -> None:
@@ -461,6 +480,8 @@ class Group:
             self.estimates[name] = Estimate(held["pose"], held["covariance"])
         for name, unit in self.sensors.items():
             unit.set_arrays(arrays[f"sensor {name}"])
+        if self.parts is not None:
+            self.parts.set_arrays(arrays["parts"])
 
 
 class _Readings(Mapping[str, Measurement]):

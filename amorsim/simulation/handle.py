@@ -103,6 +103,15 @@ class RobotHandle:
         return _read_only(self._group.joints[self._row])
 
     @property
+    def parts(self) -> Mapping[str, Array]:
+        """Where its parts are, by name: (x [m], y [m], heading [rad]) in the world."""
+        parts = self._group.parts
+        if parts is None:
+            return {}
+        poses = _read_only(parts.of(self._row))
+        return {part.name: pose for part, pose in zip(self._group.drive.parts, poses, strict=True)}
+
+    @property
     def readings(self) -> Readings:
         """Its readings by sensor, true and measured."""
         return Readings(self._group, self._row)

@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping
 
 import attrs
 
-from amorsim.simulation.contact import WALL, Contact, move
+from amorsim.simulation.contact import WALL, Contact, Mover, move
 from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
-from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.wheels import roll
 
 NOBODY: frozenset[tuple[int, int]] = frozenset()
@@ -62,7 +61,7 @@ def _move(fleet: Fleet) -> None:
         fleet.world.poses = fleet.world.room_at = fleet.groups[0].true_pose
         fleet.advance()
         return
-    movers: list[Group | ObstacleGroup] = [*fleet.groups, *(o for o in fleet.obstacles if o.motion is not None)]
+    movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
     for contact in contacts:
         # Whoever keeps leaning on something collides with it once.
@@ -75,7 +74,7 @@ def _move(fleet: Fleet) -> None:
     else:
         for mover in movers:
             mover.arrive(poses[mover.bodies], stop[mover.bodies])
-    if fleet.world.has_company:
+    if fleet.world.has_company or fleet.parts:
         fleet.place()
     fleet.advance()
 

@@ -11,8 +11,10 @@ import numpy.typing as npt
 
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, MapError, ScenarioError
+from amorsim.core.poses import compose
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
 from amorsim.simulation.bodies import World
+from amorsim.simulation.parts import with_parts
 from amorsim.simulation.truth import STUDY
 
 __all__ = ["draw_starts", "with_start"]
@@ -47,19 +49,22 @@ def draw_starts(
     starts = [body.start for body in bodies]
     if not any(starts):
         return np.empty((0, 3))
-    count = world.count
-    given: Array = np.zeros((count, 3))
+    given: Array = np.zeros((world.count, 3))
     for i, body in enumerate(bodies):
         if body.pose is not None:
             given[i] = body.pose.x, body.pose.y, body.pose.heading
     poses: Array = np.tile(given, (len(replicas), 1))
-    placed = np.tile(np.array([start is None for start in starts]), len(replicas))
+    own = np.zeros(world.count - world.named, dtype=bool)  # parts have no starts of their own
+    placed = np.tile(np.concatenate(([start is None for start in starts], own)), len(replicas))[world.owner]
+    inside = with_parts(world, bodies, replicas, seed)
+    _put_parts(world, poses, inside)
     for per in ("study", "replica"):
         chosen = np.array([start is not None and start.per == per for start in starts])
         if chosen.any():
             numbers = [STUDY] * len(replicas) if per == "study" else list(replicas)
-            _draw(world, bodies, np.tile(chosen, len(replicas)), numbers, seed, poses, placed)
-    lost = np.flatnonzero(~placed)
+            every = np.tile(np.concatenate((chosen, own)), len(replicas))
+            _draw(world, bodies, every, numbers, seed, poses, placed, inside)
+    lost = np.flatnonzero(~placed & (world.owner == world.everyone))
     if len(lost):
         raise ScenarioError(_no_room(world, bodies, lost, source))
     return poses
@@ -73,11 +78,14 @@ def _draw(
     seed: int,
     poses: Array,
     placed: npt.NDArray[np.bool_],
+    inside: Array,
 ) -> None:
-    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`."""
-    count, total = world.count, len(placed)
+    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`; `inside` are those of parts in robots."""
+    count, total, owner = world.count, len(placed), world.owner
     keys = np.array([stream_key(seed, body.name, "start") for body in bodies], dtype=np.uint64)
-    clearance = np.tile([0.0 if body.start is None else body.start.clearance for body in bodies], len(numbers))
+    clearance = np.zeros((len(numbers), count))
+    clearance[:, : world.named] = [0.0 if body.start is None else body.start.clearance for body in bodies]
+    clearance = clearance.reshape(-1)[owner]
     areas = _Areas(world, [body.start for body in bodies])
     for attempt in range(TRIES):
         todo = np.flatnonzero(chosen & ~placed)
@@ -87,11 +95,14 @@ def _draw(
         counter[:, 0] = np.asarray(numbers)[todo // count]
         counter[:, 2] = attempt
         tries = areas.poses(todo % count, Draws(keys[todo % count], counter).uniform(4))
-        gaps, _ = world.wall_gaps(todo, tries, clearance[todo])
-        free = gaps >= clearance[todo]
-        candidates = np.zeros(total, dtype=bool)
-        candidates[todo[free]] = True
         poses[todo] = tries
+        _put_parts(world, poses, inside)
+        candidates = np.zeros(total, dtype=bool)
+        candidates[todo] = True
+        tried = np.flatnonzero(candidates[owner])
+        gaps, _ = world.wall_gaps(tried, poses[tried], clearance[tried])
+        candidates[owner[tried[~(gaps >= clearance[tried])]]] = False
+        candidates = candidates[owner]
         present = placed | candidates
         spread = np.column_stack((_FAR + 4.0 * world.bodies.reach.max() * np.arange(total), np.zeros((total, 2))))
         where = np.where(present[:, None], poses, spread)
@@ -100,9 +111,16 @@ def _draw(
         a, b = a[meets], b[meets]
         wanted = np.maximum(clearance[a], clearance[b])
         near = world.body_gaps(a, where[a], b, where[b], wanted) < wanted
-        a, b = a[near], b[near]
-        candidates[np.where(candidates[b], b, a)] = False
-        placed |= candidates
+        a, b = owner[a[near]], owner[b[near]]
+        later, earlier = np.maximum(a, b), np.minimum(a, b)
+        candidates[np.where(candidates[later], later, earlier)] = False
+        placed |= candidates[owner]
+
+
+def _put_parts(world: World, poses: Array, inside: Array) -> None:
+    """Put the parts, in place, where they are `inside` the frames of their robots."""
+    if world.has_parts:
+        poses[world.parts] = compose(poses[world.owner[world.parts]], inside[world.parts])
 
 
 class _Areas:

@@ -16,6 +16,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Robot, Scenario
 from amorsim.simulation import phases
+from amorsim.simulation.contact import WALL
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group, group_key
@@ -153,7 +154,7 @@ class Simulation:
         world = self._fleet.world
         found = np.zeros((len(self.replicas), world.count), dtype=bool)
         for pair in self._fleet.touching:
-            found.flat[[body for body in pair if body >= 0]] = True
+            found.flat[[body for body in pair if body != WALL]] = True
         return found[:, : len(self.names)].reshape(-1)
 
     def _gather(self, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArray[Any]:
@@ -175,6 +176,18 @@ class Simulation:
             )
         return Readings(self._fleet.groups[0])
 
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The names of the robots' parts within a replica, such as ``"rover.trailer"``; see `RobotHandle.parts`."""
+        return self._fleet.world.names[self._fleet.world.named :]
+
+    @property
+    def part_pose(self) -> Array:
+        """True poses `(R * P, 3)` of the robots' parts in the world, in order of replica, then as in `parts`."""
+        whole = self._fleet.world.poses[self._fleet.world.parts]
+        whole.flags.writeable = False
+        return whole
+
     def robot(self, name: str, replica: int | None = None) -> RobotHandle:
         """One robot; `replica` is its replica's number, which one replica alone needs not be told."""
         if name not in self.names:
@@ -184,7 +197,7 @@ class Simulation:
 
     def obstacle(self, name: str, replica: int | None = None) -> ObstacleHandle:
         """One obstacle; `replica` as for `robot`."""
-        names = self._fleet.world.names[len(self.names) :]
+        names = self._fleet.world.names[len(self.names) : self._fleet.world.named]
         if name not in names:
             known = ", ".join(names) or "none"
             raise AmorsimError(f"there is no obstacle {name!r}, but: {known}.{did_you_mean(name, names)}")
@@ -215,7 +228,7 @@ class Simulation:
         for number in wanted:
             world = self._fleet.world
             first = int(world.first[self.replicas.index(number)])
-            for body in range(first, first + world.count):
+            for body in range(first, first + world.named):
                 group, row = self._fleet.row_of(body)
                 whole.update(world.name(body).encode() + group.fingerprint[row].astype("<u8").tobytes())
         return whole.hexdigest()
@@ -223,27 +236,22 @@ class Simulation:
     # ------------------------------------------------------------------------------------------- changes from outside
 
     def set_pose(self, name: str, pose: Sequence[float], *, replica: int | None = None) -> None:
-        """Put a robot elsewhere, standing: (x [m], y [m], heading [rad]). Its own estimate is not told."""
+        """Put a robot elsewhere, standing: (x [m], y [m], heading [rad]). Its own estimate is not told.
+
+        Its parts go with it, and stand to it as they stood.
+        """
         handle = self.robot(name, replica)
         group, row = handle._group, handle._row
         if len(pose) != 3 or not np.isfinite(pose).all():
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {pose!r}")
         wanted = np.array([pose], dtype=float)
-        body = group.bodies[row : row + 1]
-        world = self._fleet.world
-        if world.wall_gaps(body, wanted, np.zeros(1))[0][0] < 0.0:
-            raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: it would overlap a wall")
-        first = int(world.first[world.replica_index[body[0]]])
-        others = np.array([b for b in range(first, first + world.count) if b != body[0]], dtype=np.int64)
-        if len(others):
-            again = np.repeat(body, len(others))
-            gaps = world.body_gaps(
-                again, np.repeat(wanted, len(others), axis=0), others, world.poses[others], np.zeros(len(others))
-            )
-            if (gaps < 0.0).any():
-                who = world.name(int(others[int(np.argmax(gaps < 0.0))]))
-                raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: it would overlap {who!r}")
+        parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
+        found = self._fleet.overlap(group, row, np.concatenate((wanted, parts)))
+        if found:
+            raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: it would overlap {found}")
         group.true_pose = _with_row(group.true_pose, row, wanted[0])
+        if group.parts is not None:
+            group.parts.put(row, parts)
         group.true_twist = _with_row(group.true_twist, row, 0.0)
         group.joint_rates = _with_row(group.joint_rates, row, 0.0)
         self._fleet.place()
@@ -270,6 +278,7 @@ class Simulation:
                         raise LookupError("this fixes the shape of the robot's arrays")
                     group.specified[row] = changed
                 group.set_parameters()
+                self._move_parts(group, rows)
             except (LookupError, ParameterError, ScenarioError) as error:
                 group.specified = before
                 group.set_parameters()
@@ -277,6 +286,19 @@ class Simulation:
                 raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
         for handle in handles:
             self._log_change(handle, "parameter_set", path, value)
+
+    def _move_parts(self, group: Group, rows: Sequence[int]) -> None:
+        """Put the parts of some robots where their drives have them now; a `LookupError` says what is in the way."""
+        if group.parts is None:
+            return
+        moved = [group.parts.of_row(row, group.true_pose[row]) for row in rows]
+        for row, parts in zip(rows, moved, strict=True):
+            found = self._fleet.overlap(group, row, np.concatenate((group.true_pose[row : row + 1], parts)))
+            if found:
+                raise LookupError(f"with it the robot would overlap {found}")
+        for row, parts in zip(rows, moved, strict=True):
+            group.parts.put(row, parts)
+        self._fleet.place()
 
     def hand_over(self, name: str, to: str = "hand", *, replica: int | None = None) -> None:
         """Let a robot be driven from outside from the next step on, or by its controller again.

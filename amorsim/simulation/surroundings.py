@@ -22,6 +22,8 @@ Ints = npt.NDArray[np.int64]
 class Surroundings:
     """The same in all replicas; things are the bodies of a replica, in their order, and after them the landmarks.
 
+    A part of a robot is a thing of its own, as high as its robot and of its colour.
+
     Attributes
     ----------
     landmarks, radius
@@ -46,11 +48,15 @@ class Surroundings:
 
     @classmethod
     def of(
-        cls, bodies: Sequence[Robot | Obstacle], landmarks: Sequence[Landmark] = (), lights: Sequence[Light] = ()
+        cls,
+        bodies: Sequence[Robot | Obstacle],
+        landmarks: Sequence[Landmark] = (),
+        lights: Sequence[Light] = (),
+        owners: Sequence[int] = (),
     ) -> Surroundings:
-        """Those of a scenario; `bodies` in the order that they have in a replica."""
+        """Those of a scenario; `bodies` in the order that they have in a replica, `owners` those of its parts."""
         carried = [(i, body.fiducial) for i, body in enumerate(bodies) if body.fiducial]
-        things: list[Any] = [*bodies, *landmarks]
+        things: list[Any] = [*bodies, *(bodies[owner] for owner in owners), *landmarks]
         return cls(
             landmarks=np.array([[mark.x, mark.y] for mark in landmarks], dtype=np.float64).reshape(-1, 2),
             radius=np.array([mark.radius for mark in landmarks], dtype=np.float64),

@@ -98,7 +98,7 @@ def check_component(
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):
-        trial = DriveTrial(who, _plain_rig(), component)
+        trial = DriveTrial(who, _plain_rig(), component, kin)
         try_rows(trial, kin)
         trial.check_paths(kin)
         trial.check_inverse(kin)

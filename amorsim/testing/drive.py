@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Drive, State
-from amorsim.core.poses import wrap_angle
+from amorsim.contracts import Drive, Part, State
+from amorsim.core.poses import compose, wrap_angle
 from amorsim.core.rows import stack
+from amorsim.plugins.checks import check_name
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
 from amorsim.testing.trial import Given, Outputs, Trial
@@ -24,7 +25,7 @@ _SETTLING = 100  # steps until a drive does what it is told
 class DriveTrial(Trial[Drive]):
     """Advances the joints under the rig's commands, and asks for the body's motion."""
 
-    def __init__(self, who: Who, rig: Rig, component: Drive) -> None:
+    def __init__(self, who: Who, rig: Rig, component: Drive, kin: list[Drive]) -> None:
         super().__init__(who, rig)
         self.joints, self.channels = len(component.joints), len(component.channels)
         self.rolling = sum(joint.rolls for joint in component.joints)
@@ -32,6 +33,17 @@ class DriveTrial(Trial[Drive]):
         for what, given in (("joints", names), ("channels", list(component.channels))):
             who.require(len(set(given)) == len(given) > 0, "joints", what, "names that differ, one at least", given)
         self.widths = (self.joints, self.channels, 3)
+        given_parts = component.parts
+        fits = isinstance(given_parts, tuple) and all(isinstance(part, Part) for part in given_parts)
+        who.require(fits, "parts", "parts", "a tuple of Part", repr(given_parts))
+        given = [part.name for part in given_parts]
+        fits = len(set(given)) == len(given) and not any(check_name(name) for name in given)
+        who.require(fits, "parts", "the names of parts", "names that differ, of letters, digits, - and _", given)
+        same = all(one.parts == given_parts for one in kin)
+        who.require(
+            same, "parts", "parts with other numbers", "the same, as only static parameters may change them", "others"
+        )
+        self.parts = len(given_parts)
         random = np.random.default_rng(3)
         self.commands = random.uniform(-6.0, 6.0, (STEPS, ROWS, self.channels))
         self.twists = random.uniform(-1.0, 1.0, (ROWS, 3))
@@ -85,6 +97,14 @@ class DriveTrial(Trial[Drive]):
         with call("follow"):
             followed = component.follow(after, whole)
         outputs["follow"] = self.array(followed, (rows, self.joints), "follow()")
+        if self.parts:
+            with call("part_poses"):
+                poses = component.part_poses(outputs["follow"])
+            outputs["parts"] = self.array(poses, (rows, self.parts, 3), "part_poses()")
+            self.who.require(np.isfinite(poses).all(), "finite", "part_poses()", "finite numbers", "nan or inf")
+            with call("part_travel"):
+                ways = component.part_travel(before, after)
+            outputs["part travel"] = self.array(ways, (rows, self.parts, 2), "part_travel()")
         carried["joints"], carried["rates"] = followed.copy(), new_rates.copy()
         return outputs
 
@@ -104,6 +124,41 @@ class DriveTrial(Trial[Drive]):
             self._check_stops(drive, before, after, self.fractions[t])
             self._check_stops(drive, before, after, np.ones((ROWS, 1)))
             self._check_travel(drive, before, after)
+            if self.parts:
+                self._check_part_travel(drive, before, after)
+
+    def _check_part_travel(self, drive: Drive, before: Array, after: Array) -> None:
+        """Whether parts start where the joints have them, and keep within the travel that is told."""
+        bound = (drive.part_travel(before, after) / _PARTS).reshape(-1, 2)
+        last = drive.part_poses(before).reshape(-1, 3)
+        for part in range(_PARTS + 1):
+            fraction = np.full((ROWS, 1), part / _PARTS)
+            moved = drive.displacement(before, after, fraction)
+            joints = after if part == _PARTS else drive.between(before, after, fraction)
+            inside = drive.part_poses(drive.follow(joints, moved)).reshape(-1, 3)
+            now = compose(np.repeat(moved, self.parts, axis=0), inside)
+            off = np.abs(_difference(last, now))
+            last = now
+            if part == 0:
+                self.who.require(
+                    off.max() <= _EXACT,
+                    "parts",
+                    "part_poses() after follow() at fraction 0",
+                    "what it was before the step",
+                    f"{off.max():g} beside it",
+                )
+                continue
+            way = np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2)
+            for name, found, most in (("way [m]", way, bound[:, 0]), ("turn [rad]", off[:, 2], bound[:, 1])):
+                row = int(np.argmax(found - most))
+                what = drive.parts[row % self.parts].name
+                self.who.require(
+                    found[row] <= most[row] * (1.0 + 1e-9) + _EXACT,
+                    "parts",
+                    f"the {name} of {what!r} in part {part} of {_PARTS} equal parts of a step",
+                    f"no more than that part of part_travel(), {float(most[row]):g}",
+                    f"{float(found[row]):g}",
+                )
 
     def _check_stops(self, drive: Drive, before: Array, after: Array, fraction: Array) -> None:
         path = drive.displacement(before, after, fraction)

@@ -105,5 +105,6 @@ def upper_triangle(covariance: Array) -> Array:
 
 
 def obstacle_poses(simulation: Simulation, names: list[str]) -> Array:
-    """True poses `(O, 3)` of obstacles."""
-    return np.array([simulation.obstacle(name).true_pose for name in names]).reshape(-1, 3)
+    """True poses `(O, 3)` of obstacles, and after them of the robots' parts."""
+    obstacles = np.array([simulation.obstacle(name).true_pose for name in names]).reshape(-1, 3)
+    return np.concatenate((obstacles, simulation.part_pose))

@@ -170,11 +170,12 @@ class RobotEntry(TypedDict):
 
 
 class ObstacleShape(TypedDict):
-    """An obstacle."""
+    """An obstacle, or after all of those a part of a robot."""
 
     name: str
     footprint: Outline
     moves: bool
+    part_of: NotRequired[str]  # the robot whose part it is
 
 
 class Floor(TypedDict):

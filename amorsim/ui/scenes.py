@@ -65,6 +65,11 @@ class SceneBuilder:
             "obstacles": [
                 ObstacleShape(name=obstacle.name, footprint=_outline(obstacle.shape), moves=obstacle.motion is not None)
                 for obstacle in sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
+            ]
+            + [
+                ObstacleShape(name=f"{name}.{part.name}", footprint=_outline(part.shape), moves=True, part_of=name)
+                for name in simulation.names
+                for part in simulation.robot(name).true.drive.parts
             ],
             "floor": {
                 "landmarks": [[mark.x, mark.y, mark.radius] for mark in scenario.landmarks],

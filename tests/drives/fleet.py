@@ -43,7 +43,17 @@ MAKERS: dict[str, tuple[type[Drive], dict[str, Any]]] = {
             "rate_max": 20.0,
         },
     ),
-    "tractor": (Tractor, _PAIR | {"trailer_length": 0.6, "hitch_offset": 0.1}),
+    "tractor": (
+        Tractor,
+        _PAIR
+        | {
+            "trailer_length": 0.6,
+            "hitch_offset": 0.1,
+            "trailer_width": 0.3,
+            "trailer_front": 0.2,
+            "trailer_rear": 0.2,
+        },
+    ),
 }
 
 

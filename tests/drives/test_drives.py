@@ -275,8 +275,8 @@ def test_a_trailer_does_not_slip_sideways():
     joints, rates = np.array([[0.0, 0.0, 0.3]]), np.zeros((1, 3))
     after, _ = advance(drive, joints, rates, [5.0, 7.0], 1e-4)
     moved = drive.displacement(joints, after, ONE)
-    before = drive.trailer_poses(np.zeros((1, 3)), joints)
-    now = drive.trailer_poses(moved, drive.follow(after, moved))
+    before = drive.part_poses(joints)[:, 0]
+    now = compose(moved, drive.part_poses(drive.follow(after, moved))[:, 0])
     ahead, aside, _ = relative(before, now)[0]
     assert abs(aside) < 1e-3 * abs(ahead)
 

@@ -19,9 +19,10 @@ def table_of(poses, reach, first, buckets, side):
         cols=cols,
         first=np.empty((len(first) - 1) * rows * cols + 1, dtype=np.int64),
         body=np.full(count, -1, dtype=np.int64),
+        owner=np.full(count, -1, dtype=np.int64),
         disc=np.empty((count, 3)),
     )
-    hash_bodies(poses, reach, first, table)
+    hash_bodies(poses, reach, np.arange(count), first, table)
     return table
 
 

@@ -33,12 +33,13 @@ class Scene:
     By default bodies are looked at one by one, in one bucket; `buckets` are rows and columns of a hash.
     """
 
-    def __init__(self, shapes, poses, replica_first=None, buckets=(1, 1)):
+    def __init__(self, shapes, poses, replica_first=None, buckets=(1, 1), owner=None):
         self.shapes = list(shapes)
         self.bodies = pack(self.shapes)
         self.poses = np.array(poses, dtype=float).reshape(-1, 3)
         first = [0, len(self.shapes)] if replica_first is None else replica_first
         self.first = np.array(first, dtype=np.int64)
+        self.owner = np.arange(len(self.shapes)) if owner is None else np.array(owner, dtype=np.int64)
         self.widest = max(self.bodies.reach, default=1.0)
         rows, cols = buckets
         self.table = BodyHash(
@@ -47,9 +48,10 @@ class Scene:
             cols=cols,
             first=np.empty((len(self.first) - 1) * rows * cols + 1, dtype=np.int64),
             body=np.empty(len(self.shapes), dtype=np.int64),
+            owner=np.empty(len(self.shapes), dtype=np.int64),
             disc=np.empty((len(self.shapes), 3)),
         )
-        hash_bodies(self.poses, self.bodies.reach, self.first, self.table)
+        hash_bodies(self.poses, self.bodies.reach, self.owner, self.first, self.table)
 
     def cast(self, origins, bearings, *, own=-1, replica=0, range_max=math.inf, walls=math.inf, least=False, asks=True):
         origins = np.array(origins, dtype=float).reshape(-1, 3)

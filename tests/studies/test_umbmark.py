@@ -61,6 +61,9 @@ def test_a_tractor_is_calibrated_as_its_wheels_are() -> None:
         track=building.TRACK,
         rate_max=50.0,
         trailer_length=0.5,
+        trailer_width=0.3,
+        trailer_front=0.1,
+        trailer_rear=0.1,
     )
     robot = building.robot(drive=drive, errors=_errors(1.002, 1.01))
     found = umbmark(building.scenario(robot, dt=0.5), runs=2)

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+import amorsim as am
 from amorsim.contracts import (
     Aim,
     Clock,
@@ -27,6 +28,7 @@ from amorsim.contracts import (
     Measurement,
     Motion,
     Noise,
+    Part,
     Recorder,
     RobotModel,
     RunInfo,
@@ -104,6 +106,34 @@ class Cart(Drive):
 
 
 @frozen
+class Crane(Cart):
+    """A boom that turns above its base."""
+
+    joints: ClassVar[tuple[Joint, ...]] = (*Cart.joints, Joint(name="boom", rolls=False))
+    channels: ClassVar[tuple[str, ...]] = (*Cart.channels, "boom")
+    parts: ClassVar[tuple[Part, ...]] = (Part("boom", am.Shape.rectangle(0.6, 0.1, x=0.3)),)
+
+    ahead: float = parameter(0.1, unit="m", ge=0, help="from the base point to the boom's axis")
+
+    def twist(self, before: Array, after: Array) -> Array:
+        return super().twist(before[:, :2], after[:, :2])
+
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        return np.concatenate((super().command_for(twist, joints), np.zeros((len(twist), 1))), axis=1)
+
+    def part_poses(self, joints: Array) -> Array:
+        poses = np.zeros((len(joints), 1, 3))
+        poses[:, :, 0] = self.ahead
+        poses[:, 0, 2] = joints[:, 2]
+        return poses
+
+    def part_travel(self, before: Array, after: Array) -> Array:
+        travel = self.travel(before, after)
+        way = travel[:, :1] + self.ahead * travel[:, 1:]
+        return np.stack((way, travel[:, 1:] + np.abs(after - before)[:, 2:]), axis=2)
+
+
+@frozen
 class Told(Estimator):
     """Stays where it was told to be, ever less sure."""
 
@@ -173,7 +203,7 @@ class Text(MapLoader):
         return Map.from_segments(np.array(walls).reshape(-1, 4), resolution=self.resolution)
 
 
-@pytest.mark.parametrize("cls", [Drift, Range, Cart, Told, Ahead, Slide, Text])
+@pytest.mark.parametrize("cls", [Drift, Range, Cart, Crane, Told, Ahead, Slide, Text])
 def test_whole_components_pass(cls: type) -> None:
     check_component(cls)
     check_component(cls())
@@ -472,6 +502,48 @@ class Uneven(Cart):
 
 
 @frozen
+class TwinBooms(Crane):
+    parts: ClassVar[tuple[Part, ...]] = (*Crane.parts, *Crane.parts)
+
+
+@frozen
+class GrowingBoom(Crane):
+    """Its outline hangs on a number that is not static."""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:  # type: ignore[override]
+        return (Part("boom", am.Shape.circle(float(np.min(self.ahead)) + 0.1)),)
+
+
+@frozen
+class LostBoom(Crane):
+    def part_poses(self, joints: Array) -> Array:
+        return Cart.part_poses(self, joints)
+
+
+@frozen
+class SameBooms(Crane):
+    def part_poses(self, joints: Array) -> Array:
+        poses = super().part_poses(joints)
+        poses[:, :, 2] = poses[:, :, 2].mean()
+        return poses
+
+
+@frozen
+class SlowBoom(Crane):
+    def part_travel(self, before: Array, after: Array) -> Array:
+        return 0.9 * super().part_travel(before, after)
+
+
+@frozen
+class JumpingBoom(Crane):
+    """What follows from the step is not there at its beginning."""
+
+    def follow(self, joints: Array, displacement: Array) -> Array:
+        return joints + np.array([0.0, 0.0, 1e-3])
+
+
+@frozen
 class WrongInverse(Cart):
     def command_for(self, twist: Array, joints: Array) -> Array:
         return super().command_for(twist, joints)[:, ::-1].copy()
@@ -628,6 +700,12 @@ BROKEN = {
     Hurries: "between",
     Understates: "travel",
     Uneven: "travel",
+    TwinBooms: "parts",
+    GrowingBoom: "parts",
+    LostBoom: "shapes",
+    SameBooms: "rows",
+    SlowBoom: "parts",
+    JumpingBoom: "parts",
     WrongInverse: "command_for",
     Skewed: "covariance",
     Negative: "covariance",

@@ -188,18 +188,21 @@ export function drawMarks(context, camera, marks, colour) {
   context.stroke();
 }
 
-/** Obstacles, where they truly are. */
+/** Obstacles and the parts of robots, where they truly are. */
 export function drawObstacles(context, camera, obstacles, poses, theme) {
-  context.beginPath();
-  obstacles.forEach((obstacle, i) => {
-    const shape = obstacle.shape ?? obstacle.footprint;
-    if (shape) trace(context, shape, poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]);
-  });
-  context.fillStyle = theme.obstacle;
-  context.fill();
-  context.strokeStyle = theme.wall;
-  context.lineWidth = px(camera, 1.5);
-  context.stroke();
+  for (const [isPart, fill, edge] of [[false, theme.obstacle, theme.wall], [true, theme["true-fill"], theme.true]]) {
+    context.beginPath();
+    obstacles.forEach((obstacle, i) => {
+      const shape = obstacle.shape ?? obstacle.footprint;
+      if (!shape || Boolean(obstacle.part_of) !== isPart) return;
+      trace(context, shape, poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]);
+    });
+    context.fillStyle = fill;
+    context.fill();
+    context.strokeStyle = edge;
+    context.lineWidth = px(camera, 1.5);
+    context.stroke();
+  }
 }
 
 /** The ellipse that holds the pose with 95 % (two degrees of freedom: 5.991), and the 95 % wedge of the heading. */

@@ -25,7 +25,8 @@ export function pick(scene, frame, layers, camera, x, y, trueSensors) {
   for (let i = 0; i < scene.obstacles.length; i++) {
     const reach = scene.obstacles[i].reach ?? 0.3;
     if (Math.hypot(frame.obstacles[3 * i] - x, frame.obstacles[3 * i + 1] - y) <= Math.max(reach, near)) {
-      return { kind: "obstacle", title: scene.obstacles[i].name, lines: ["obstacle", at(frame.obstacles, i)] };
+      const { name, part_of: robot } = scene.obstacles[i];
+      return { kind: "obstacle", title: name, lines: [robot ? `part of ${robot}` : "obstacle", at(frame.obstacles, i)] };
     }
   }
   return null;
