@@ -176,13 +176,15 @@ def hear_walls(
     away: Floats,
     count: int,
     aside: float,
+    casts: int,
     maybe: NDArray[np.uint8],
     walls: Floats,
     spans: Integers,
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
 
-    The first `count` of `found`, `ends` and `away` are of `lines.walls_about`, told from `aside` [m] of here.
+    The first `count` of `found`, `ends` and `away` are of `lines.walls_about`, told from `aside` [m] of here. Walls cannot
+    tell where that would take more than so many `casts`.
     `walls` (most, 3) and `spans` (most, 3) are room for what of them may be heard: the line that bounds rays, and how
     near it comes; first and last ray, and the one to which it is nearest.
     """
@@ -204,6 +206,8 @@ def hear_walls(
         for i in range(chunk, following):
             if not maybe[i - chunk]:
                 continue
+            if away[i] - aside > most:
+                break
             m = found[i]
             what, a, b, x0, y0, x1, y1, near, start, stop = side_of(lines.walls, m, x, y, cos_h, sin_h, most)
             if what == PASSED:
@@ -260,6 +264,9 @@ def hear_walls(
             while spans[nearest, 0] <= k <= spans[nearest, 1]:
                 if (a * cos_b[0, k] + b * sin_b[0, k]) * min(least, limit) * (1.0 + SAFETY) < 1.0:
                     break
+                if casts == 0:
+                    return False, 0.0
+                casts -= 1
                 dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
                 least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
                 k += way
