@@ -183,8 +183,8 @@ def hear_walls(
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
 
-    The first `count` of `found`, `ends` and `away` are of `lines.walls_about`, told from `aside` [m] of here. They cannot
-    tell, either, where that takes more than so many `casts`.
+    The first `count` of `found`, `ends` and `away` are of `lines.walls_about`, told from `aside` [m] of here.
+    More than so many `casts` are not made: then they cannot tell, either.
     `walls` (most, 3) and `spans` (most, 3) are room for what of them may be heard: the line that bounds rays, and how
     near it comes; first and last ray, and the one to which it is nearest.
     """
