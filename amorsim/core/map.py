@@ -14,7 +14,8 @@ from amorsim.core.errors import MapError
 from amorsim.core.room import inside, joined, room_about, roomiest
 from amorsim.kernels.draft import grid_from_array
 from amorsim.kernels.grid import Grid, occupied_boxes
-from amorsim.kernels.lines import Lines, lines_of, no_lines
+from amorsim.kernels.lines import Lines
+from amorsim.kernels.lines_of import lines_of, no_lines
 from amorsim.kernels.outlines import outline_lines
 from amorsim.kernels.rasterise import MOST_CELLS, grid_from_segments, snapped
 from amorsim.kernels.rays import occupied_points

@@ -240,7 +240,7 @@ def hear_walls(
             spans[held, 1] = last
             spans[held, 2] = best
             held += 1
-            margin = lines.walls[m, 5]
+            margin = lines.walls[5, m]
             if what == FACE and _crosses(a, b, near, start, stop, margin, dx, dy):
                 most = min(most, (1.0 + 2.0 * margin / near) / nearness * (1.0 + SAFETY))
     least = np.inf

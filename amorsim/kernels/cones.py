@@ -62,7 +62,7 @@ def hear(
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
     resolution = grid.resolution
-    has_lines = lines.walls.shape[0] > 0 and half_angle < WIDEST and cos_b.shape[1] > _FEW
+    has_lines = lines.walls.shape[1] > 0 and half_angle < WIDEST and cos_b.shape[1] > _FEW
     # Where walls were put in order, how far out, and how many there are.
     here_x, here_y, here_reach, count = 0.0, 0.0, -1.0, 0
     left = _TRIES
@@ -135,10 +135,10 @@ def cast_cones(
     and `range_max` (N,).
     """
     edge = np.array([math.cos(half_angle), math.sin(half_angle)])
-    found = np.empty(lines.walls.shape[0], dtype=np.int64)
-    following = np.empty(lines.walls.shape[0], dtype=np.int64)
-    ends = np.empty((5, lines.walls.shape[0]))
-    away = np.empty(lines.walls.shape[0])
+    found = np.empty(lines.walls.shape[1], dtype=np.int64)
+    following = np.empty(lines.walls.shape[1], dtype=np.int64)
+    ends = np.empty((5, lines.walls.shape[1]))
+    away = np.empty(lines.walls.shape[1])
     rings = np.empty(RINGS + 2, dtype=np.int64)
     maybe = np.empty(AT_ONCE, dtype=np.uint8)
     walls = np.empty((MOST, 3))

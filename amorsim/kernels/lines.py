@@ -12,15 +12,15 @@ read.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import part
-from amorsim.kernels.rasterise import SNAP
+from amorsim.kernels.compile import inlined, part
 
 __all__ = [
+    "AT_ONCE",
     "FACE",
     "INSIDE",
     "PASSED",
@@ -29,8 +29,6 @@ __all__ = [
     "Lines",
     "bound_scan",
     "bucket_of",
-    "lines_of",
-    "no_lines",
     "side_of",
     "walls_about",
 ]
@@ -40,11 +38,13 @@ Integers = NDArray[np.int64]
 
 SAFETY = 1e-9
 """Relative, on every bound: many times the roundings on the way to it."""
-_SLACK = 1e-3  # [cells] by which rectangles are larger than need be, for end points snapped to grid lines and roundings
-_THIN_SLACK = 1e-6  # [cells] the same for those made of whole cells, in which only roundings count
-_BLOCK = 16  # segments whose distance is asked for at once
 _MOST = 6  # segments seen by a scan, for each of its beams, from which on bounds cost more than they save
 _EDGE = 1e-12  # [of a quarter turn] by which a rectangle covers more than it does
+
+AT_ONCE = 16
+"""Segments of which is told at once what is to be seen of them."""
+# Where what is told of them starts in one array: what, a and b as `side_of` gives them, and the places of its ends.
+_WHAT, _A, _B, _LOW, _HIGH = (i * AT_ONCE for i in range(5))
 
 RINGS = 48
 """By which walls are put in order of their distance."""
@@ -61,24 +61,32 @@ class Lines(NamedTuple):
     first: Integers
     """(blocks + 1,): a block's first segment, and one past its last, that of the next."""
     walls: Floats
-    """(M, 6) x0, y0; unit vector along the segment; length; how far its cells reach beyond it."""
+    """(6, M) x0, y0; unit vector along the segment; length; how far its cells reach beyond it."""
 
 
-@part
-def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
-    """Which of ``4 * scale`` sectors the direction (x, y) is in; `beyond` is added to its place in quarter turns.
-
-    Sectors are of equal steps not of the angle but of one that grows with it and needs no arc tangent.
-    """
+@inlined
+def _place(x: float, y: float) -> float:
+    """In [0, 4], growing with the angle of (x, y): quarter turns, but not of equal steps, without an arc tangent."""
     sum_ = abs(x) + abs(y)
     part = y / sum_ if sum_ > 0.0 else 0.0
-    place = (part if y >= 0.0 else 4.0 + part) if x >= 0.0 else 2.0 - part
-    place += beyond
+    ahead = part if y >= 0.0 else 4.0 + part
+    return ahead if x >= 0.0 else 2.0 - part
+
+
+@inlined
+def _bucket(place: float, scale: float) -> int:
+    """Which of ``4 * scale`` sectors a place is in, that may be up to a turn beyond the ends."""
     if place < 0.0:
         place += 4.0
     if place >= 4.0:
         place -= 4.0
     return min(int(place * scale), int(4.0 * scale) - 1)
+
+
+@part
+def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
+    """Which of ``4 * scale`` sectors the direction (x, y) is in; `beyond` is added to its place in quarter turns."""
+    return _bucket(_place(x, y) + beyond, scale)
 
 
 @part
@@ -141,11 +149,11 @@ def walls_about(
         if _distance(lines, block, x, y) > reach:
             continue
         for m in range(lines.first[block], lines.first[block + 1]):
-            to_x = walls[m, 0] - x
-            to_y = walls[m, 1] - y
-            along = walls[m, 2] * to_x + walls[m, 3] * to_y
-            across = max(abs(walls[m, 3] * to_x - walls[m, 2] * to_y) - walls[m, 5], 0.0)
-            beside = max(max(along, -along - walls[m, 4]) - walls[m, 5], 0.0)
+            to_x = walls[0, m] - x
+            to_y = walls[1, m] - y
+            along = walls[2, m] * to_x + walls[3, m] * to_y
+            across = max(abs(walls[3, m] * to_x - walls[2, m] * to_y) - walls[5, m], 0.0)
+            beside = max(max(along, -along - walls[4, m]) - walls[5, m], 0.0)
             square = across * across + beside * beside
             if square <= reach * reach:
                 ring = min(int(math.sqrt(square) * scale), RINGS)
@@ -158,11 +166,11 @@ def walls_about(
         while m >= 0:
             found[count] = m
             away[count] = least
-            ends[0, count] = walls[m, 0]
-            ends[1, count] = walls[m, 1]
-            ends[2, count] = walls[m, 0] + walls[m, 2] * walls[m, 4]
-            ends[3, count] = walls[m, 1] + walls[m, 3] * walls[m, 4]
-            ends[4, count] = 1.4143 * walls[m, 5]
+            ends[0, count] = walls[0, m]
+            ends[1, count] = walls[1, m]
+            ends[2, count] = walls[0, m] + walls[2, m] * walls[4, m]
+            ends[3, count] = walls[1, m] + walls[3, m] * walls[4, m]
+            ends[4, count] = 1.4143 * walls[5, m]
             count += 1
             m = following[m]
     return count
@@ -187,7 +195,7 @@ def _block_span(lines: Lines, block: int, x: float, y: float) -> tuple[bool, flo
     return y1 < 0.0, x0, y1, x1, y1
 
 
-@part
+@inlined
 def side_of(
     walls: Floats, m: int, x: float, y: float, cos_h: float, sin_h: float, reach: float
 ) -> tuple[int, float, float, float, float, float, float, float, float, float]:
@@ -198,57 +206,65 @@ def side_of(
     of direction (dx, dy) does not meet them before 1 / (a * dx + b * dy). Directions count from the heading
     (cos_h, sin_h). Where `what` is `FACE`, that is where it meets the line `near` [m] across the segment, which goes
     from `start` to `stop` along it.
+
+    Cases are chosen, not branched to: so a loop over segments goes several wide.
     """
-    tx = walls[m, 2]
-    ty = walls[m, 3]
-    margin = walls[m, 5]
-    to_x = walls[m, 0] - x
-    to_y = walls[m, 1] - y
+    tx = walls[2, m]
+    ty = walls[3, m]
+    margin = walls[5, m]
+    to_x = walls[0, m] - x
+    to_y = walls[1, m] - y
     # Across and along the segment, so turned that it runs anticlockwise as seen from here.
     across = ty * to_x - tx * to_y
     along = tx * to_x + ty * to_y
-    length = walls[m, 4]
-    if across < 0.0:
-        across = -across
-        along = -along - length
-        tx, ty = -tx, -ty
+    length = walls[4, m]
+    turned = across < 0.0
+    along = -along - length if turned else along
+    tx = -tx if turned else tx
+    ty = -ty if turned else ty
+    across = abs(across)
     near = across - margin
     start = along - margin
     stop = along + length + margin
-    if near > reach or start > reach or stop < -reach:
-        return PASSED, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    far = across + margin
+    passed = (near > reach) | (start > reach) | (stop < -reach)
+    # Seen from beside it well off, from before its start or beyond its end, or from beside it close by; or from within.
+    beside = near > margin
+    before = (start > 0.0) & (not beside)
+    beyond = (stop < 0.0) & (start <= 0.0) & (not beside)
+    face = beside | ((near > 0.0) & (start <= 0.0) & (stop >= 0.0))
     # The segment's direction as the beams count bearings.
     ux = cos_h * tx + sin_h * ty
     uy = cos_h * ty - sin_h * tx
-    far = across + margin
-    what = END
-    first, last = start, stop
-    if near > margin:
-        what = FACE
-        a = uy / near
-        b = -ux / near
-        first_n = far if start > 0.0 else near
-        last_n = far if stop < 0.0 else near
-    elif start > 0.0:
-        a = ux / start
-        b = uy / start
-        first_n, last_n, last = far, near, (start if near <= 0.0 else stop)
-    elif stop < 0.0:
-        a = ux / stop
-        b = uy / stop
-        first_n, last_n, first = near, far, (stop if near <= 0.0 else start)
-    elif near > 0.0:
-        what = FACE
-        a = uy / near
-        b = -ux / near
-        first_n = last_n = near
-    else:
-        return INSIDE, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    to_line = near if face else (start if before else stop)
+    a = (uy if face else ux) / to_line
+    b = (-ux if face else uy) / to_line
+    first_n = far if start > 0.0 else near
+    last_n = far if stop < 0.0 else near
+    first = stop if beyond & (near <= 0.0) else start
+    last = start if before & (near <= 0.0) else stop
     x0 = first_n * uy + first * ux
     y0 = first * uy - first_n * ux
     x1 = last_n * uy + last * ux
     y1 = last * uy - last_n * ux
+    seen = FACE if face else (END if before | beyond else INSIDE)
+    what = PASSED if passed else seen
     return what, a, b, x0, y0, x1, y1, near, start, stop
+
+
+@part
+def _sides(
+    walls: Floats, first: int, last: int, x: float, y: float, cos_h: float, sin_h: float, reach: float, f: Floats
+) -> None:
+    """Write what is to be seen of segments first..last-1, and between which places, as `bound_scan` lays it out."""
+    for m in range(np.uint64(first), np.uint64(last)):
+        i = m - np.uint64(first)
+        what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, reach)
+        f[i + np.uint64(_WHAT)] = what
+        f[i + np.uint64(_A)] = a
+        f[i + np.uint64(_B)] = b
+        f[i + np.uint64(_LOW)] = _place(x0, y0)
+        f[i + np.uint64(_HIGH)] = _place(x1, y1)
 
 
 @part
@@ -311,6 +327,7 @@ def bound_scan(
     blocks: Integers,
     away: Floats,
     rings: Integers,
+    sides: Floats,
     nearness: Floats,
 ) -> bool:
     """Raise `nearness` (k,) [1/m] to 1/t, where no beam meets an occupied cell before t.
@@ -329,8 +346,8 @@ def bound_scan(
         The sectors of `bucket_of`: beams starts[s] to starts[s + 1] - 1 are in sector s.
     cos_b, sin_b
         (k,): beams in the order of their sectors.
-    blocks, away, rings
-        Room to work in: two as long as there are blocks, and one for each of the `RINGS` and two.
+    blocks, away, rings, sides
+        Room to work in: two as long as there are blocks, one for each of the `RINGS` and two, and five times `AT_ONCE`.
     """
     last = len(starts) - 2
     walls = lines.walls
@@ -339,85 +356,22 @@ def bound_scan(
         block = blocks[i]
         if _block_is_hidden(lines, block, x, y, cos_h, sin_h, away[block], starts, scale, nearness):
             continue
-        for m in range(lines.first[block], lines.first[block + 1]):
-            what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, reach)
-            if what == PASSED:
-                continue
-            left -= 1
-            if left < 0 or what == INSIDE:
-                return False
-            low = bucket_of(x0, y0, -_EDGE, scale)
-            high = bucket_of(x1, y1, _EDGE, scale)
-            if low <= high:
-                _raise(starts[low], starts[high + 1], a, b, cos_b, sin_b, nearness)
-            else:
-                _raise(starts[low], starts[last + 1], a, b, cos_b, sin_b, nearness)
-                _raise(starts[0], starts[high + 1], a, b, cos_b, sin_b, nearness)
+        for m in range(lines.first[block], lines.first[block + 1], AT_ONCE):
+            count = min(AT_ONCE, lines.first[block + 1] - m)
+            _sides(walls, m, m + count, x, y, cos_h, sin_h, reach, sides)
+            for n in range(count):
+                if sides[n + _WHAT] == PASSED:
+                    continue
+                left -= 1
+                if left < 0 or sides[n + _WHAT] == INSIDE:
+                    return False
+                low = _bucket(sides[n + _LOW] - _EDGE, scale)
+                high = _bucket(sides[n + _HIGH] + _EDGE, scale)
+                a = sides[n + _A]
+                b = sides[n + _B]
+                if low <= high:
+                    _raise(starts[low], starts[high + 1], a, b, cos_b, sin_b, nearness)
+                else:
+                    _raise(starts[low], starts[last + 1], a, b, cos_b, sin_b, nearness)
+                    _raise(starts[0], starts[high + 1], a, b, cos_b, sin_b, nearness)
     return True
-
-
-def no_lines() -> Lines:
-    """Lines of a map that has none."""
-    return Lines(np.empty((0, 4)), np.zeros(1, dtype=np.int64), np.empty((0, 6)))
-
-
-def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins: Floats | None = None) -> Lines:
-    """Lines of segments (M, 4), x0 y0 x1 y1 [m] in the frame of a map of rows x cols cells, and of the map's border.
-
-    `margins` (M,) [m] says how far what is occupied reaches beyond each segment; where not given it is the cells that
-    the segment touches. The border is needed because outside is occupied: a beam that no segment covers ends there.
-    """
-    width, height = cols * resolution, rows * resolution
-    border = np.array([[0, 0, width, 0], [width, 0, width, height], [width, height, 0, height], [0, height, 0, 0]])
-    ends = np.concatenate([segments.reshape(-1, 4), border])
-    run = ends[:, 2:] - ends[:, :2]
-    length = np.hypot(run[:, 0], run[:, 1])
-    unit = np.where(length[:, None] > 0.0, run / np.where(length > 0.0, length, 1.0)[:, None], [1.0, 0.0])
-    # A cell that holds a point of the segment reaches as far from it, across and along; what is outside does not.
-    margin = resolution * (np.abs(unit).sum(axis=1) + _SLACK)
-    if margins is not None:
-        margin = np.append(margins, np.full(4, resolution * _SLACK))
-    walls = np.concatenate([ends[:, :2], unit, length[:, None], margin[:, None]], axis=1)
-    if margins is None:
-        _tighten(walls[:-4], ends[:-4], resolution)
-    order = np.argsort(_curve(ends, max(width, height)), kind="stable")
-    walls, ends, margin = walls[order], ends[order], margin[order]
-    block = _BLOCK * max(1, math.isqrt(len(ends)) // (4 * _BLOCK))
-    first = np.append(np.arange(0, len(ends), block), len(ends))
-    beyond = 1.5 * margin[:, None]  # the corner of a rectangle is the square root of 2 margins away
-    low = np.minimum.reduceat(np.minimum(ends[:, :2], ends[:, 2:]) - beyond, first[:-1])
-    high = np.maximum.reduceat(np.maximum(ends[:, :2], ends[:, 2:]) + beyond, first[:-1])
-    return Lines(np.concatenate([low, high], axis=1), first.astype(np.int64), np.ascontiguousarray(walls))
-
-
-def _tighten(walls: Floats, ends: Floats, resolution: float) -> None:
-    """Give walls along an axis the rectangle of their cells: whole rows or columns of them, one or two wide.
-
-    Then a wall met squarely bounds a beam to rounding, not to a cell or two.
-    """
-    cells = ends / resolution
-    low = np.ceil(np.minimum(cells[:, :2], cells[:, 2:]) - 3.0 * SNAP) - 1.0
-    high = np.floor(np.maximum(cells[:, :2], cells[:, 2:]) + 3.0 * SNAP) + 1.0
-    size = high - low
-    for axis in range(2):
-        across = 1 - axis
-        thin = (size[:, across] <= 2.0) & (size[:, axis] >= size[:, across])
-        half = 0.5 * size[thin, across]
-        start = np.empty((len(half), 2))
-        start[:, axis] = low[thin, axis] + half
-        start[:, across] = low[thin, across] + half
-        walls[thin, :2] = start * resolution
-        walls[thin, 2 + axis], walls[thin, 2 + across] = 1.0, 0.0
-        walls[thin, 4] = (size[thin, axis] - size[thin, across]) * resolution
-        walls[thin, 5] = (half + _THIN_SLACK) * resolution
-
-
-def _curve(ends: Floats, size: float) -> Any:
-    """Place of each segment's middle on a Morton curve through the map: neighbours on it are near one another."""
-    middle = (ends[:, :2] + ends[:, 2:]) / 2.0
-    steps = np.clip(middle / size * 65536.0, 0, 65535).astype(np.int64)
-    place = np.zeros(len(ends), dtype=np.int64)
-    for bit in range(16):
-        for axis in range(2):
-            place |= ((steps[:, axis] >> bit) & 1) << (2 * bit + axis)
-    return place

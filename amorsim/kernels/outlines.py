@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid import NONE, ONE, Grid, word_at
-from amorsim.kernels.lines import Lines, lines_of
+from amorsim.kernels.lines import Lines
+from amorsim.kernels.lines_of import lines_of
 
 __all__ = ["outline_lines", "strips_of", "trace"]
 

@@ -253,11 +253,11 @@ def cast_scan(
     slack = 2.0 * rounding(grid, 1.0, 1.0)
     # A beam no nearer than this has nothing within the range.
     beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
-    bounded = lines.walls.shape[0] > 0 and beams >= _FEW and reach > resolution
+    bounded = lines.walls.shape[1] > 0 and beams >= _FEW and reach > resolution
     if bounded:
         nearness[:] = beyond
         bounded = bound_scan(
-            lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, nearness
+            lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, f, nearness
         )
     for first in range(0, beams, LANES):
         if bounded:

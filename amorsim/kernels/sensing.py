@@ -349,7 +349,7 @@ def sense(
     if looks:
         grid = Grid(resolution, cell_rows, cell_cols, super_cols, supers, tables, pages, room)
         lines = Lines(boxes, blocks_first, line_walls)
-        most = line_walls.shape[0]
+        most = line_walls.shape[1]
         rooms = (
             np.empty(max(1, table[:, _RAYS].max())),
             np.empty(ROOM_F),

@@ -15,7 +15,7 @@ from amorsim.core.map import Map
 from amorsim.kernels import poses as pose_kernels
 from amorsim.kernels import rays
 from amorsim.kernels.cones import cast_cones
-from amorsim.kernels.lines import lines_of
+from amorsim.kernels.lines_of import lines_of
 from amorsim.simulation.view import cone_bearings
 from tests.kernels.test_scans import random_poses, random_walls
 

@@ -175,5 +175,5 @@ def test_a_bitmap_has_walls_that_scans_look_up() -> None:
     cells = np.zeros((100, 100), dtype=np.uint8)
     cells[10:90, 60] = 1
     world = Map.from_array(cells, resolution=0.1)
-    assert len(world.lines.walls) == 1 + 4  # and the border
+    assert world.lines.walls.shape[1] == 1 + 4  # and the border
     assert world.cast_rays([[1.0, 5.0, 0.0]], np.zeros(20), 8.0) == pytest.approx(np.full((1, 20), 5.0))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from amorsim.core.map import Map
-from amorsim.kernels.lines import lines_of, no_lines
+from amorsim.kernels.lines_of import lines_of, no_lines
 from amorsim.kernels.rays import cast
 from amorsim.kernels.scans import cast_scans
 from amorsim.maps.wld import Wld
@@ -198,10 +198,10 @@ def test_every_wall_is_in_one_block_and_its_cells_in_the_box() -> None:
     walls = random_walls(rng, 500, 20.0, 0.05)
     lines = lines_of(walls, 400, 400, 0.05)
     assert lines.first[0] == 0
-    assert lines.first[-1] == len(lines.walls) == len(walls) + 4  # and the border
+    assert lines.first[-1] == lines.walls.shape[1] == len(walls) + 4  # and the border
     assert (np.diff(lines.first) > 0).all()
     block = np.repeat(np.arange(len(lines.boxes)), np.diff(lines.first))
-    begin = lines.walls[:, :2]
-    for end in (begin, begin + lines.walls[:, 2:4] * lines.walls[:, 4:5]):
+    begin = lines.walls[:2].T
+    for end in (begin, begin + (lines.walls[2:4] * lines.walls[4]).T):
         assert (end - 0.05 >= lines.boxes[block, :2]).all()
         assert (end + 0.05 <= lines.boxes[block, 2:]).all()
