@@ -171,35 +171,38 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
             return ""
         problems = [_problem(expected, option, value) for option in options]
         return "" if "" in problems else problems[0]
-    wrong = f"expected {expected.expectation}, got {value!r}"
     if typing.get_origin(kind) is tuple:
         items = typing.get_args(kind)
         if not isinstance(value, tuple):
-            return wrong
+            return _wrong(expected, value)
         if len(items) == 2 and items[1] is Ellipsis:
             items = (items[0],) * len(value)
         if len(items) != len(value):
-            return f"{wrong}: it has {len(value)} elements, not {len(items)}"
+            return f"{_wrong(expected, value)}: it has {len(value)} elements, not {len(items)}"
         problems = [_problem(expected, item, element) for item, element in zip(items, value, strict=True)]
         return next((f"{problem} (element {i})" for i, problem in enumerate(problems) if problem), "")
     if kind is float:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         # An int too large for a float is as good as infinite.
         if not is_number or abs(value) > sys.float_info.max or not math.isfinite(value):
-            return wrong
+            return _wrong(expected, value)
     elif kind is int:
         if not isinstance(value, int) or isinstance(value, bool):
-            return wrong
+            return _wrong(expected, value)
     elif isinstance(kind, type) and not isinstance(value, kind):
-        return wrong
+        return _wrong(expected, value)
     if expected.choices and isinstance(value, str) and value not in expected.choices:
-        return wrong
+        return _wrong(expected, value)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         low = (expected.gt is None or value > expected.gt) and (expected.ge is None or value >= expected.ge)
         high = (expected.lt is None or value < expected.lt) and (expected.le is None or value <= expected.le)
         if not (low and high):
-            return wrong
+            return _wrong(expected, value)
     return ""
+
+
+def _wrong(expected: Parameter, value: Any) -> str:
+    return f"expected {expected.expectation}, got {value!r}"
 
 
 _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}

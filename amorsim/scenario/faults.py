@@ -28,27 +28,43 @@ class Source:
     depth: int = 0
 
 
+@attrs.define
+class _Branch:
+    """A part of the document: where it came from, if that was said, and the parts below of which something was."""
+
+    source: Source | None = None
+    below: dict[str, _Branch] = attrs.field(factory=dict)
+
+
 class Book:
     """The faults found so far, and which parts of the document came from which source."""
 
     def __init__(self, source: Source) -> None:
-        self._sources: dict[Path_, Source] = {(): source}
-        self._faults: list[Fault] = []
+        self._root = _Branch(source)
+        self._faults: dict[Fault, None] = {}  # in order
         self._count = 0
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
 
     def set_source(self, path: Path_, source: Source) -> None:
         """From now on, everything at `path` and below came from `source`."""
-        for known in [known for known in self._sources if known[: len(path)] == path]:
-            del self._sources[known]
-        self._sources[path] = source
+        branch = self._root
+        for part in path:
+            branch = branch.below.setdefault(part, _Branch())
+        branch.source = source
+        branch.below.clear()
 
     def source(self, path: Path_) -> Source:
         """Where the value at `path` came from."""
-        return next(
-            self._sources[path[:length]] for length in range(len(path), -1, -1) if path[:length] in self._sources
-        )
+        branch = self._root
+        found = branch.source
+        for part in path:
+            if part not in branch.below:
+                break
+            branch = branch.below[part]
+            found = branch.source or found
+        assert found is not None
+        return found
 
     def fault(self, path: Path_, message: str) -> None:
         """Note what is wrong at `path`."""
@@ -58,8 +74,7 @@ class Book:
     def add(self, fault: Fault) -> None:
         """Note a fault, once: a model's is found for every robot that is of the model."""
         self._count += 1
-        if fault not in self._faults:
-            self._faults.append(fault)
+        self._faults[fault] = None
 
     @property
     def faults(self) -> tuple[Fault, ...]:
