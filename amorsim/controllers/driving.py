@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Joint, Measurement, RobotModel
+from amorsim.contracts import Estimate, Joint, Measurement, RobotModel, State
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
+from amorsim.kernels.heading_for import head_for
 
 __all__ = [
+    "Course",
+    "abilities",
     "at_rest",
     "command_along",
     "curvature_max",
@@ -23,6 +27,7 @@ __all__ = [
 ]
 
 Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 
 def at_rest(robot: RobotModel) -> Array:
@@ -73,6 +78,63 @@ def command_along(robot: RobotModel, twists: Array, joints: Array) -> Array:
         way[:, 2] = 0.0
         twists = np.concatenate((compose(turned, way)[:, :2], twists[:, 2:]), axis=1)
     return robot.drive.command_for(np.ascontiguousarray(twists), joints)
+
+
+@attrs.frozen
+class Course:
+    """Ahead, for one step of those who drive by their estimate: where their drives go, and the command to go there."""
+
+    robot: RobotModel
+    joints: Array  # (N, j) as `joints_of` tells
+    poses: Array  # (N, 3) believed, heading where the drive goes
+
+    @classmethod
+    def of(cls, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate) -> Course:
+        """That of this step."""
+        joints = joints_of(robot, readings)
+        return cls(robot, joints, heading_poses(robot, estimate.pose, joints))
+
+    def head_for(
+        self, goal: Array, speed: Any, turn_rate: Any, tolerance: Sequence[Any], dt: float, state: State
+    ) -> tuple[Array, Bools]:
+        """Twists `(N, 3)` towards poses `goal` `(N, 3)` of which a heading may be nan, and who has come there `(N, 1)`.
+
+        `tolerance` is of the place [m] and of its heading [rad], and the error of the bearing [rad] that is put right
+        standing; each a number or `(N, 1)`. ``state`` is of `abilities`.
+        """
+        near = np.empty((self.robot.rows, 3))
+        for column, value in enumerate(tolerance):
+            near[:, column : column + 1] = value
+        out = np.empty((self.robot.rows, 4))
+        head_for(
+            self.poses,
+            np.ascontiguousarray(goal),
+            speed,
+            turn_rate,
+            near,
+            state["limits"],
+            dt,
+            state["moving"],
+            out,
+        )
+        return np.ascontiguousarray(out[:, :3]), out[:, 3:] > 0.0
+
+    def command(self, twists: Array) -> Array:
+        """The command `(N, c)` for `twists` `(N, 3)` along it."""
+        return command_along(self.robot, twists, self.joints)
+
+
+def abilities(robot: RobotModel) -> State:
+    """What one who drives keeps of the drive, and of what it does by his own reckoning.
+
+    ``"limits"`` as `twist_limits`, ``"curvature"`` as `curvature_max`; ``"moving"`` `(N, 2)`, the speed [m/s] and
+    whether it turns in place, at rest.
+    """
+    return {
+        "limits": twist_limits(robot),
+        "curvature": np.array(curvature_max(robot)),
+        "moving": np.zeros((robot.rows, 2)),
+    }
 
 
 def curvature_max(robot: RobotModel) -> Array:

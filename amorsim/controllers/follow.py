@@ -19,7 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import command_along, curvature_max, heading_poses, joints_of, twist_limits
+from amorsim.controllers.driving import Course, abilities
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
 from amorsim.kernels.poses import directions
@@ -96,9 +96,7 @@ class Follow(Controller):
         return {
             "trail": np.zeros((rows, _PLACES, 2)),
             "memory": np.zeros((rows, 3)),
-            "moving": np.zeros((rows, 2)),
-            "limits": twist_limits(robot),
-            "curvature": np.array(curvature_max(robot)),
+            **abilities(robot),
         }
 
     def command(
@@ -111,10 +109,10 @@ class Follow(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step."""
-        joints = joints_of(robot, readings)
+        course = Course.of(robot, readings, estimate)
         twist = np.empty((robot.rows, 3))
         follow_trail(
-            heading_poses(robot, estimate.pose, joints),
+            course.poses,
             self._seen(robot, readings[self.sensor], estimate.pose),
             self.gap,
             self.gain,
@@ -131,7 +129,7 @@ class Follow(Controller):
             state["moving"],
             twist,
         )
-        return command_along(robot, twist, joints)
+        return course.command(twist)
 
     def _seen(self, robot: RobotModel, reading: Measurement, pose: Array) -> Array:
         """Where the leader is seen `(N, 2)` [m], by the robot's estimate; nan where it is not."""

@@ -19,14 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import (
-    command_along,
-    heading_poses,
-    joints_of,
-    needs_turning_in_place,
-    twist_limits,
-)
-from amorsim.kernels.heading_for import head_for
+from amorsim.controllers.driving import Course, abilities, needs_turning_in_place
 
 __all__ = ["GoTo"]
 
@@ -62,7 +55,7 @@ class GoTo(Controller):
         return [("x", self.x, self.y)]
 
     def start(self, context: Context) -> State:
-        """The limits of the drive `(N, 4)`, and the speed `(N, 1)` [m/s] that the robot has come to.
+        """What the drive can do, and what it does.
 
         Raises
         ------
@@ -70,7 +63,7 @@ class GoTo(Controller):
             For a robot that cannot turn in place.
         """
         needs_turning_in_place(context.robot, "goto")
-        return {"limits": twist_limits(context.robot), "moving": np.zeros((context.rows, 1))}
+        return abilities(context.robot)
 
     def command(
         self,
@@ -82,23 +75,10 @@ class GoTo(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; 0 from the place on."""
-        joints = joints_of(robot, readings)
+        course = Course.of(robot, readings, estimate)
         goal = np.full((robot.rows, 3), np.nan)
         goal[:, 0:1] = self.x
         goal[:, 1:2] = self.y
-        tolerance = np.empty((robot.rows, 3))
-        tolerance[:, 0:1] = self.tolerance
-        tolerance[:, 1:] = _TURN_FIRST
-        out = np.empty((robot.rows, 4))
-        head_for(
-            heading_poses(robot, estimate.pose, joints),
-            goal,
-            self.speed,
-            self.turn_rate,
-            tolerance,
-            state["limits"],
-            clock.dt,
-            state["moving"],
-            out,
-        )
-        return command_along(robot, np.ascontiguousarray(out[:, :3]), joints)
+        tolerance = (self.tolerance, _TURN_FIRST, _TURN_FIRST)
+        twist, _ = course.head_for(goal, self.speed, self.turn_rate, tolerance, clock.dt, state)
+        return course.command(twist)

@@ -19,7 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import command_along, curvature_max, heading_poses, joints_of, twist_limits
+from amorsim.controllers.driving import Course, abilities, at_rest, heading_poses
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.pursuing import pursue
@@ -27,6 +27,8 @@ from amorsim.kernels.pursuing import pursue
 __all__ = ["Pursuit"]
 
 Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+Ints = npt.NDArray[np.int64]
 
 _LEAST = 1e-6  # [m] between waypoints
 
@@ -42,32 +44,52 @@ class Pursuit(Controller):
     Any drive will do. One that turns in place does so before a place that is far off its heading; one that cannot takes
     the sharpest curve it can, and needs room for it.
 
+    It drives backwards where `reverse` says so: it stops at the waypoint where it turns about, and goes on with what
+    was behind ahead of it. A car backs into a bay so, or turns round in a narrow place.
+
     Parameters
     ----------
     waypoints
         Places in the world [m], one at least.
     loop
         Whether it goes on from the last waypoint to the first, for ever.
+    reverse
+        Which legs it drives backwards: ``"never"`` any; ``"auto"``, as the path asks for it: a first leg that leads
+        behind it, and from each waypoint where the path turns back by more than a right angle, on in the other
+        direction; or a list, the numbers of the waypoints, from 0, that it backs up to.
     speed
         At which it drives [m/s]; slower in curves that ask for more than `turn_rate`.
     lookahead
         How far ahead on the path it looks [m].
     tolerance
-        How near to the last waypoint it stops [m], measured along the path.
+        How near to the last waypoint, and to those where it turns about, it stops [m], measured along the path.
     turn_rate
         Fastest that it turns [rad/s].
     """
 
     waypoints: tuple[tuple[float, float], ...] = parameter(unit="m", static=True, help="places in the world, in order")
     loop: bool = parameter(False, static=True, help="whether it goes round for ever")
+    reverse: str | tuple[int, ...] = parameter(
+        "never",
+        ge=0,
+        choices=("never", "auto"),
+        static=True,
+        help="legs that it drives backwards: none, as the path asks for it, or to the waypoints of these numbers",
+    )
     speed: float = parameter(0.3, unit="m/s", gt=0, help="at which it drives")
     lookahead: float = parameter(0.5, unit="m", gt=0, help="how far ahead on the path it looks")
-    tolerance: float = parameter(0.02, unit="m", gt=0, help="how near to the last waypoint it stops")
+    tolerance: float = parameter(
+        0.02, unit="m", gt=0, help="how near to the last waypoint, or where it turns about, it stops"
+    )
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="fastest that it turns")
 
     def __attrs_post_init__(self) -> None:
         if not self.waypoints:
             raise ParameterError("waypoints", "expected one waypoint at least, got none")
+        last = len(self.waypoints) - 1
+        beyond = [number for number in self.reverse if isinstance(number, int) and number > last]
+        if beyond:
+            raise ParameterError("reverse", f"expected numbers of waypoints, 0 to {last}, got {beyond[0]}")
 
     def makes_for(self) -> Sequence[tuple[str, float, float]]:
         """The waypoints."""
@@ -82,13 +104,15 @@ class Pursuit(Controller):
             If a loop has less than two places that differ, or a robot stands on the only waypoint.
         """
         rows = context.rows
-        places = [np.array(self.waypoints[0])]
-        for place in self.waypoints[1:]:
+        places, numbers = [np.array(self.waypoints[0])], [0]
+        for number, place in enumerate(self.waypoints):
             if np.hypot(*(place - places[-1])) > _LEAST:
                 places.append(np.array(place))
+                numbers.append(number)
         if self.loop:
             if np.hypot(*(places[0] - places[-1])) > _LEAST:
                 places.append(places[0])
+                numbers.append(0)
             if len(places) < 3:
                 raise ComponentError(f"pursuit: a loop needs two waypoints that differ, got {self.waypoints}")
         path = np.empty((rows, len(places) + 1, 2))
@@ -103,14 +127,37 @@ class Pursuit(Controller):
         along = np.zeros((rows, len(places) + 1))
         for i in range(len(places)):
             along[:, i + 1] = along[:, i] + lengths[:, i]
+        way, turns_about = self._ways(path, numbers, heading_poses(context.robot, context.pose, at_rest(context.robot)))
         return {
             "path": path,
             "along": along,
+            "stops": _stops(turns_about, self.loop),
+            "way": way,
             "progress": np.zeros((rows, 1)),
-            "moving": np.zeros((rows, 2)),
-            "limits": twist_limits(context.robot),
-            "curvature": np.array(curvature_max(context.robot)),
+            **abilities(context.robot),
         }
+
+    def _ways(self, path: Array, numbers: list[int], pose: Array) -> tuple[Array, Bools]:
+        """Whether each sets out on (1) or back (-1) `(N, 1)`, and at which points it turns about `(N, p)`.
+
+        `numbers` are of the waypoints that the legs lead to.
+        """
+        rows, points = path.shape[:2]
+        turns_about = np.zeros((rows, points), dtype=bool)
+        if self.reverse == "never":
+            return np.ones((rows, 1)), turns_about
+        if isinstance(self.reverse, tuple):
+            back = np.isin(numbers, self.reverse)
+            turns_about[:, 1:-1] = back[1:] != back[:-1]
+            if self.loop:
+                turns_about[:, -1] = back[1] != back[-1]
+            return np.full((rows, 1), -1.0 if back[0] else 1.0), turns_about
+        legs = path[:, 1:] - path[:, :-1]
+        turns_about[:, 1:-1] = _turn_back(legs[:, 1:], legs[:, :-1])
+        if self.loop:
+            turns_about[:, -1] = _turn_back(legs[:, 1], legs[:, -1])
+        ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
+        return np.where(_turn_back(legs[:, 0], ahead)[:, None], -1.0, 1.0), turns_about
 
     def command(
         self,
@@ -122,12 +169,13 @@ class Pursuit(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; at the end, to stand still."""
-        joints = joints_of(robot, readings)
+        course = Course.of(robot, readings, estimate)
         twist = np.empty((robot.rows, 3))
         pursue(
-            heading_poses(robot, estimate.pose, joints),
+            course.poses,
             state["path"],
             state["along"],
+            state["stops"],
             self.loop,
             self.lookahead,
             self.speed,
@@ -137,7 +185,28 @@ class Pursuit(Controller):
             state["curvature"],
             clock.dt,
             state["progress"],
+            state["way"],
             state["moving"],
             twist,
         )
-        return command_along(robot, twist, joints)
+        return course.command(twist)
+
+
+def _turn_back(one: Array, other: Array) -> Bools:
+    """Whether two directions are more than a right angle apart `(...)`; they are `(..., 2)`."""
+    found: Bools = one[..., 0] * other[..., 0] + one[..., 1] * other[..., 1] < 0.0
+    return found
+
+
+def _stops(turns_about: Bools, loop: bool) -> Ints:
+    """The point at which a robot on each leg stops next `(N, p - 1)`, -1 for none."""
+    rows, points = turns_about.shape
+    last = points - 1
+    stops = np.full((rows, last), -1, dtype=np.int64)
+    after = np.full(rows, -1 if loop else last, dtype=np.int64)
+    for _ in range(2 if loop else 1):  # in a loop the first stop may be in the next round
+        for leg in range(last - 1, -1, -1):
+            after = np.where(turns_about[:, leg + 1], leg + 1, after)
+            stops[:, leg] = after
+        after = stops[:, min(1, last - 1)]
+    return stops

@@ -20,15 +20,8 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.controllers.driving import (
-    command_along,
-    heading_poses,
-    joints_of,
-    needs_turning_in_place,
-    twist_limits,
-)
+from amorsim.controllers.driving import Course, abilities, needs_turning_in_place
 from amorsim.core.poses import compose
-from amorsim.kernels.heading_for import head_for
 
 __all__ = ["Square"]
 
@@ -99,8 +92,7 @@ class Square(Controller):
         return {
             "corners": corners,
             "reached": np.zeros((rows, 1), dtype=np.int64),
-            "limits": twist_limits(context.robot),
-            "moving": np.zeros((rows, 1)),
+            **abilities(context.robot),
         }
 
     def command(
@@ -113,26 +105,11 @@ class Square(Controller):
         draws: Draws,
     ) -> Array:
         """The command `(N, c)` of this step; 0 from the end on."""
-        joints = joints_of(robot, readings)
+        course = Course.of(robot, readings, estimate)
         reached = state["reached"]
         goal = np.take_along_axis(state["corners"], reached[:, :, None] % 4, axis=1)[:, 0]
-        tolerance = np.empty((robot.rows, 3))
-        tolerance[:, 0:1] = self.tolerance
-        tolerance[:, 1:2] = self.heading_tolerance
-        tolerance[:, 2] = _TURN_FIRST
-        out = np.empty((robot.rows, 4))
-        head_for(
-            heading_poses(robot, estimate.pose, joints),
-            np.ascontiguousarray(goal),
-            self.speed,
-            self.turn_rate,
-            tolerance,
-            state["limits"],
-            clock.dt,
-            state["moving"],
-            out,
-        )
+        tolerance = (self.tolerance, self.heading_tolerance, _TURN_FIRST)
+        twist, is_there = course.head_for(goal, self.speed, self.turn_rate, tolerance, clock.dt, state)
         is_on_way = reached < 4 * self.laps
-        state["reached"] = reached + (is_on_way & (out[:, 3:] > 0.0))
-        twist = np.where(is_on_way, out[:, :3], 0.0)
-        return command_along(robot, twist, joints)
+        state["reached"] = reached + (is_on_way & is_there)
+        return course.command(np.where(is_on_way, twist, 0.0))

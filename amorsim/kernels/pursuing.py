@@ -14,6 +14,7 @@ from amorsim.kernels.heading_for import approach
 __all__ = ["follow_trail", "pursue"]
 
 Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
 
@@ -68,10 +69,44 @@ def _place(path: Floats, along: Floats, s: float, loops: bool) -> tuple[float, f
 
 
 @kernel
+def _leg(along: Floats, s: float, loops: bool) -> int:
+    """The leg, by the number of the point that it begins at, which leads on from `s` along the path."""
+    last = along.shape[0] - 1
+    if loops and s >= along[last]:
+        return 1
+    i = 0
+    while i < last - 1 and along[i + 1] <= s:
+        i += 1
+    return i
+
+
+@kernel
+def _until(along: Floats, stop: int, s: float) -> float:
+    """How far it is from `s` to where the path stops next, inf if it never does."""
+    if stop < 0:
+        return math.inf
+    where: float = along[stop]
+    if where >= s:
+        return where - s
+    once_round: float = along[along.shape[0] - 1] - along[1]
+    return where - s + once_round
+
+
+@kernel
+def _beyond(path: Floats, stop: int, way: float) -> tuple[float, float]:
+    """The place so far beyond the stop, straight on along the leg that leads there."""
+    dx = path[stop, 0] - path[stop - 1, 0]
+    dy = path[stop, 1] - path[stop - 1, 1]
+    part = way / math.sqrt(dx * dx + dy * dy)
+    return path[stop, 0] + part * dx, path[stop, 1] + part * dy
+
+
+@kernel
 def _steer(
     pose: Floats,
     x: float,
     y: float,
+    way: float,
     left: float,
     fastest: float,
     turn_rate: float,
@@ -83,12 +118,13 @@ def _steer(
 ) -> None:
     """A twist towards a place, with `left` metres to drive: along the circle that leads there.
 
-    `moving` is the speed by the robot's own reckoning, and whether it is turning in place.
+    `way` is 1, or -1 for one who drives backwards, and so has ahead of him what is behind. `moving` is the speed by the
+    robot's own reckoning, and whether it is turning in place.
     """
     c = math.cos(pose[2])
     s = math.sin(pose[2])
-    ahead = c * (x - pose[0]) + s * (y - pose[1])
-    aside = c * (y - pose[1]) - s * (x - pose[0])
+    ahead = way * (c * (x - pose[0]) + s * (y - pose[1]))
+    aside = way * (c * (y - pose[1]) - s * (x - pose[0]))
     square = ahead * ahead + aside * aside
     bearing = math.atan2(aside, ahead)
     braking = limits[2] * dt
@@ -111,7 +147,7 @@ def _steer(
             v = min(v, min(turn_rate, limits[1]) / abs(bend))
         w = v * bend
     moving[0] = min(max(v, moving[0] - braking), moving[0] + braking)
-    out[0] = v
+    out[0] = way * v
     out[1] = 0.0
     out[2] = w
 
@@ -121,6 +157,7 @@ def pursue(
     pose: Floats,
     path: Floats,
     along: Floats,
+    stops: Ints,
     loops: bool,
     lookahead: Column,
     speed: Column,
@@ -130,6 +167,7 @@ def pursue(
     curvature_max: Floats,
     dt: float,
     progress: Floats,
+    way: Floats,
     moving: Floats,
     out: Floats,
 ) -> None:
@@ -141,35 +179,50 @@ def pursue(
         Where the robots believe to be, (N, 3).
     path, along
         Points of each path, (N, p, 2) [m], and how far along it they lie, (N, p) [m]; no two in turn are the same.
+    stops
+        The point at which a robot on each leg stops next, (N, p - 1): it turns about there, or the path ends; -1 for
+        none.
     loops
         Whether the last point leads on to the second.
     lookahead
         How far ahead on the path the place lies that is steered for, (N, 1) [m].
     speed, turn_rate, tolerance
-        Fastest [m/s, rad/s], and how near to the end it stops [m], each (N, 1).
+        Fastest [m/s, rad/s], and how near to a stop it stops [m], each (N, 1).
     limits, curvature_max
         Of the drive, (N, 4) and (N, 1).
-    progress, moving
-        How far they have come, (N, 1), and what they do, (N, 2); changed.
+    progress, way, moving
+        How far they have come, (N, 1), whether they drive on (1) or back (-1), (N, 1), and what they do, (N, 2);
+        changed.
     """
     for i in range(pose.shape[0]):
         last = along.shape[1] - 1
         s = progress[i, 0]
         ahead = lookahead[i, 0]
-        s = _advance(path[i], along[i], s, ahead, loops, pose[i, 0], pose[i, 1])
+        stop = stops[i, _leg(along[i], s, loops)]
+        ends = stop == last and not loops
+        # Beyond a place where it turns about lies nothing that it could be near to already.
+        most = ahead if stop < 0 or ends else min(ahead, _until(along[i], stop, s))
+        s = _advance(path[i], along[i], s, most, loops, pose[i, 0], pose[i, 1])
+        left = _until(along[i], stop, s)
         progress[i, 0] = s
-        left = math.inf if loops else along[i, last] - s
         if left <= tolerance[i, 0]:
             out[i, 0] = 0.0
             out[i, 1] = 0.0
             out[i, 2] = 0.0
             moving[i, 0] = 0.0
+            if not ends:
+                progress[i, 0] = along[i, 1] if stop == last else along[i, stop]
+                way[i, 0] = -way[i, 0]
             continue
-        x, y = _place(path[i], along[i], s + ahead, loops)
+        if ahead <= left or ends:
+            x, y = _place(path[i], along[i], s + ahead, loops)
+        else:
+            x, y = _beyond(path[i], stop, ahead - left)
         _steer(
             pose[i],
             x,
             y,
+            way[i, 0],
             left,
             speed[i, 0],
             turn_rate[i, 0],
@@ -270,6 +323,7 @@ def follow_trail(
             pose[i],
             x,
             y,
+            1.0,
             behind,
             wanted,
             turn_rate[i, 0],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import attrs
 import numpy as np
 import pytest
 
@@ -12,6 +13,8 @@ import amorsim as am
 from amorsim.controllers import Braitenberg, Follow, FollowWall, GoTo, Manual, Pursuit, Square, Wander
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
+from amorsim.core.poses import wrap_angle
+from amorsim.core.rows import stack
 from amorsim.sensors.fiducial import Fiducial
 from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.laser import Laser
@@ -84,6 +87,83 @@ def test_pursuit_turns_a_robot_round_that_can_and_a_car_in_a_curve() -> None:
     car = path_of(simulate(behind, "ackermann rear"), 40.0)
     assert np.hypot(*(car[-1, :2] - (-4.0, 0.0))) < 0.3
     assert np.abs(car[:, 1]).max() > 0.5 / math.tan(0.6)  # no sharper than it can
+
+
+def speeds(path: np.ndarray) -> np.ndarray:
+    """How far ahead each step of a path leads [m], along the heading in its middle."""
+    step, heading = np.diff(path[:, :2], axis=0), path[:-1, 2] + 0.5 * wrap_angle(np.diff(path[:, 2]))
+    return step[:, 0] * np.cos(heading) + step[:, 1] * np.sin(heading)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_pursuit_backs_straight_up_to_a_place_behind(name: str) -> None:
+    sim = simulate(Pursuit(waypoints=((-3.0, 0.0),), reverse="auto"), name)
+    path = path_of(sim, 20.0)
+    assert np.abs(path[:, 1:]).max() < 1e-9
+    assert -3.0 - 1e-9 <= path[-1, 0] <= -3.0 + 0.02 + 1e-9
+    np.testing.assert_array_equal(path[-1], path[-5])
+
+
+CARS = [name for name in EVERY if stack([make(name)]).curvature_max() is not None]
+
+
+@pytest.mark.parametrize("name", [*CARS, "differential", "mecanum"])
+@pytest.mark.parametrize("reverse", ["auto", (2, 3)])
+def test_pursuit_backs_into_a_bay_and_drives_out_again(name: str, reverse: Any) -> None:
+    # Past the bay, back along a curve and into it; then out ahead.
+    bay = ((4.0, 0.0), (7.0, 1.0), (3.4, 0.4), (0.0, 2.5), (6.0, -1.2))
+    sim = simulate(Pursuit(waypoints=bay, reverse=reverse, speed=0.6, lookahead=0.9, turn_rate=0.8), name)
+    path = path_of(sim, 70.0)
+    assert distance_to(path, [(0.0, 0.0), *bay]).max() < 0.45
+    assert np.hypot(*(path[-1, :2] - bay[-1])) < 0.12
+    ahead = speeds(path)
+    signs = np.sign(ahead[np.abs(ahead) > 1e-6])
+    turns = np.flatnonzero(np.diff(signs))
+    assert signs[[0, *(turns + 1)]].tolist() == [1.0, -1.0, 1.0]
+    places = path[:-1, :2][np.abs(ahead) > 1e-6][turns + 1]
+    assert np.hypot(*(places - [bay[1], bay[3]]).T).max() < 0.3  # it turns about where the legs meet
+    assert np.abs(ahead).max() <= 1.01 * 0.6 * sim.dt
+
+
+@pytest.mark.parametrize("name", CARS)
+def test_pursuit_goes_to_and_fro_for_ever(name: str) -> None:
+    sim = simulate(Pursuit(waypoints=((4.0, 0.0), (0.0, 0.0)), loop=True, reverse="auto", speed=0.5), name)
+    path = path_of(sim, 60.0)
+    assert np.abs(path[:, 1:]).max() < 1e-6
+    assert np.ptp(path[200:, 0]) == pytest.approx(4.0, abs=0.05)
+    assert np.count_nonzero(np.diff(np.sign(speeds(path)[np.abs(speeds(path)) > 1e-6]))) >= 5
+
+
+@pytest.mark.parametrize(("reverse", "heading"), [("auto", 0.0), ((0, 1, 2), math.pi)])
+def test_pursuit_turns_about_at_an_odd_number_of_corners_of_a_loop(reverse: Any, heading: float) -> None:
+    corners = ((6.0, 0.0), (3.0, 5.2), (0.0, 0.0))  # all of them sharper than a right angle
+    controller = Pursuit(waypoints=corners, loop=True, reverse=reverse, speed=0.8, lookahead=0.6)
+    sim = simulate(controller, CARS[0], pose=am.Pose(heading=heading))
+    path = path_of(sim, 90.0)
+    assert distance_to(path, [(0.0, 0.0), *corners, corners[0]]).max() < 1.0
+    ahead = speeds(path)
+    rounds = np.ptp(np.unwrap(np.arctan2(path[:, 1] - 1.7, path[:, 0] - 3.0))) / (2.0 * math.pi)
+    assert rounds > 3.0
+    if reverse == "auto":
+        turns = np.count_nonzero(np.diff(np.sign(ahead[np.abs(ahead) > 1e-6])))
+        assert 3.0 * (rounds - 1.0) < turns < 3.0 * (rounds + 1.0)
+    else:
+        assert (ahead < 1e-9).all()
+
+
+def test_pursuit_brakes_before_it_turns_about_and_stays_in_its_limits() -> None:
+    slow = attrs.evolve(make(CARS[0]), lag=0.2, acceleration_max=8.0)
+    sim = simulate(Pursuit(waypoints=((5.0, 0.0), (1.0, 0.8)), reverse="auto", speed=1.5), slow)
+    path = path_of(sim, 40.0)
+    assert path[:, 0].max() < 5.1
+    assert np.hypot(*(path[-1, :2] - (1.0, 0.8))) < 0.15
+
+
+def test_pursuit_refuses_to_back_up_to_a_waypoint_that_is_not_there() -> None:
+    with pytest.raises(ParameterError, match="reverse: expected numbers of waypoints, 0 to 1, got 2"):
+        Pursuit(waypoints=((1.0, 0.0), (2.0, 0.0)), reverse=(0, 2))
+    with pytest.raises(ParameterError, match="'never' or 'auto' or a list"):
+        Pursuit(waypoints=((1.0, 0.0),), reverse="sometimes")
 
 
 @pytest.mark.parametrize(
