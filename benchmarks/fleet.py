@@ -114,6 +114,7 @@ def _contest(setting: _Setting, rounds: int, peers: list[type[Peer]], clock: Clo
     make = pioneer if setting.with_pioneer else disc
     ours = Ours(world, [make(f"r{n:05d}", pose) for n, pose in enumerate(poses)])
     task, track = ours.task(setting.steps)
+    timed = ours.repeated(setting.steps)
     fit = [
         peer
         for peer in peers
@@ -126,7 +127,7 @@ def _contest(setting: _Setting, rounds: int, peers: list[type[Peer]], clock: Clo
     theirs: dict[str, list[float]] = {peer.name: [] for peer in fit}
     conducts: dict[str, Conduct] = {}
     for _ in range(rounds):
-        made = drive(ours, setting.steps, _AT_LEAST, clock)
+        made = drive(timed, setting.steps, _AT_LEAST, clock)
         rates.append(setting.robots * made.steps / made.seconds)
         for peer, side in sides:
             did, conducts[peer.name] = followed(side, setting.steps, _AT_MOST, clock)

@@ -1,6 +1,8 @@
-"""amorsim's side of a fleet's contest: it drives by itself, and its ways are what the others follow."""
+"""amorsim's side of a fleet's contest: it drives by itself once, and all follow that way when they are timed."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import attrs
 import numpy as np
@@ -18,12 +20,11 @@ Array = npt.NDArray[np.float64]
 
 PIONEER = (
     "moves a Pioneer 2DX by its wheels, sweeps its footprint against the cells, senses 181 beams, 16 sonars with "
-    "cones, encoder, compass and gyro with all their noise, true and measured, estimates its pose, and decides "
-    "where to go (wander)"
+    "cones, encoder, compass and gyro with all their noise, true and measured, and estimates its pose"
 )
 DISCS = (
     "moves discs by their wheels, sweeps them against the cells and one another, senses 181 beams with white noise "
-    "against cells and discs and encoders, true and measured, estimates poses, and decides where to go (wander)"
+    "against cells and discs and encoders, true and measured, and estimates poses"
 )
 _UNDER_WAY = 30  # steps before a contest begins, so that robots that start from rest are moving
 
@@ -60,12 +61,24 @@ class Ours:
     """A simulation under way, that can be put back to where a contest starts."""
 
     def __init__(self, world: World, robots: list[am.Robot], threads: int = 1) -> None:
+        self._world, self._robots, self._threads = world, robots, threads
         scenario = am.Scenario(map=world.map, robots=robots, dt=DT, seed=11)
         self.simulation = am.Simulation(scenario, threads=threads)
-        for _ in range(_UNDER_WAY):
-            self.simulation.step()
+        self._commands = [self._stepped() for _ in range(_UNDER_WAY)]
         self._start: Snapshot = self.simulation.snapshot()
-        self._world = world
+
+    def _stepped(self) -> Array:
+        """Make a step; the command `(N, 2)` that was followed."""
+        self.simulation.step()
+        (frame,) = self.simulation.frames()
+        return np.array(frame.command)
+
+    def repeated(self, steps: int) -> Ours:
+        """The same drive over again, by the commands that were given: the others get theirs too, and decide nothing."""
+        self.reset()
+        commands = np.array([*self._commands, *(self._stepped() for _ in range(steps))])
+        controller = _repeating(commands)
+        return Ours(self._world, [attrs.evolve(robot, controller=controller) for robot in self._robots], self._threads)
 
     def reset(self) -> None:
         """Go back to the start of the contest, to the bit."""
@@ -106,6 +119,17 @@ class Ours:
         self.reset()
         task = Task(world=self._world, starts=starts, twists=np.array(twists))
         return task, Track(mean_range=np.array(ranges), way=np.array(way), stopped=np.array(stopped))
+
+
+def _repeating(commands: Array) -> am.Controller:
+    """Gives commands `(T, N, 2)`, one for each tick, to all robots, who must be of one group."""
+
+    @attrs.frozen(kw_only=True)
+    class Repeat(am.Controller):
+        def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Array:
+            return np.asarray(commands[clock.tick[0, 0]])
+
+    return Repeat()
 
 
 def _pose(pose: Array) -> am.Pose:

@@ -94,6 +94,18 @@ def driven() -> tuple[Ours, Task, Any]:
     return ours, *ours.task(12)
 
 
+def test_a_drive_over_again_has_the_same_bits(driven: Any) -> None:
+    ours, _, _ = driven
+    again = ours.repeated(12)
+    ours.reset()
+    again.reset()
+    for index in range(12):
+        ours.step(index)
+        again.step(index)
+    np.testing.assert_array_equal(ours.simulation.true_pose, again.simulation.true_pose)
+    np.testing.assert_array_equal(ours.scan(), again.scan())
+
+
 def test_a_peer_that_follows_is_alike(driven: Any) -> None:
     _, task, track = driven
     did, conduct = contest.followed(Follower(task), 12, 60.0, time.perf_counter)
