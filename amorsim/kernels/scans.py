@@ -159,7 +159,13 @@ def _walk(slack: float, f: Floats, q: Integers) -> None:
 
     Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
     """
-    for _ in range(_STEPS):
+    for step in range(_STEPS):
+        if step in (1, 2, 4):
+            alive = np.int64(0)
+            for i in range(LANES):
+                alive |= np.int64(q[i + _STATE] == _LIVE)
+            if not alive:
+                return
         for i in range(LANES):
             next_x = f[i + _NEXT_X]
             next_y = f[i + _NEXT_Y]
