@@ -76,12 +76,14 @@ def command(
     from amorsim.kernels.cache import is_cold
     from amorsim.ui.recipe import Recipe
     from amorsim.ui.server import serve
-    from amorsim.ui.session import Session
+    from amorsim.ui.session import COMPILING, Session
 
-    if is_cold():
-        say("compiling the kernels, once after installing (some ten seconds) ...")
+    cold = is_cold()
+    if cold:
+        say(COMPILING)
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
-    session = Session(recipe, out=out)
+    # What no run has needed yet (a camera's kernels ...) is compiled later: that is told when it takes long.
+    session = Session(recipe, out=out, notice=None if cold else say)
     told = threading.Lock()  # the last word, once
 
     def tell() -> None:

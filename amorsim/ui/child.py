@@ -23,6 +23,8 @@ from pathlib import Path
 from types import FrameType
 from typing import IO, Any
 
+import numba
+
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
 from amorsim.kernels.cache import mark_warm
@@ -44,6 +46,9 @@ LONGEST_STEP = 0.25  # [s] that a controller gets to return once all is to end
 LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
 # Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
 LONGEST_SILENCE = 60.0  # [s]
+
+LONGEST_QUIET = 1.0  # [s] after which it is said that kernels are compiled
+_COMPILER = Path(numba.__file__).parent
 
 # What the session says that the simulation needs not be asked for.
 _AT_ONCE = ("ping", "frame", "interrupt", "end")
@@ -116,14 +121,20 @@ class Child:
         since = self._busy_since
         held = 0.0 if since is None else time.monotonic() - since
         answer: dict[str, Any] = {"id": command["id"], "ok": True, "held": held, "tick": self._tick}
+        if held > LONGEST_QUIET:
+            answer["compiling"] = is_compiling(self._stack()[1])
         if self._in_step and held > float(command.get("patience", 5.0)):
             answer |= self._where()
         return answer
 
+    def _stack(self) -> tuple[FrameType | None, traceback.StackSummary]:
+        """What the first thread is in."""
+        frame = sys._current_frames().get(self._main)
+        return frame, traceback.extract_stack(frame) if frame is not None else traceback.StackSummary()
+
     def _where(self) -> dict[str, Any]:
         """Which controller holds up the first thread, and where."""
-        frame = sys._current_frames().get(self._main)
-        stack = traceback.extract_stack(frame) if frame is not None else traceback.StackSummary()
+        frame, stack = self._stack()
         # A kernel that is met for the first time (at a first contact ...) is compiled: that takes its time, and ends.
         lines = [] if is_compiling(stack) else users_lines(stack)
         return {"stack": "\n".join(lines), "robot": _robot_of(frame)} if lines else {}
@@ -307,7 +318,7 @@ class Child:
 
 def is_compiling(stack: traceback.StackSummary) -> bool:
     """Whether a stack is in the compiler of kernels."""
-    return any("numba" in Path(frame.filename).parts for frame in stack)
+    return any(Path(frame.filename).is_relative_to(_COMPILER) for frame in stack)
 
 
 def _robot_of(frame: FrameType | None) -> str:

@@ -45,7 +45,6 @@ class Commands:
         self._builder = builder
         self._does: dict[str, Callable[[Table], Answer | None]] = {
             "state": self._state,
-            "scene": lambda _: {"scene": builder.scene},
             "parameters": self._parameters,
             "history": self._history,
             "events": self._events,

@@ -251,7 +251,7 @@ class State(TypedDict):
     ok: bool
     version: int
     epoch: int
-    status: str  # "loading", "paused", "running", "scrubbed", "fault", "hang", "restarting", "ended", "gone"
+    status: str  # "compiling", "paused", "running", "scrubbed", "fault", "hang", "restarting", "ended", "gone"
     tick: int
     newest: int
     time: float

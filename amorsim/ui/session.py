@@ -11,7 +11,7 @@ import concurrent.futures
 import contextlib
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -44,9 +44,11 @@ _OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "r
 _OWN = ("restart", "save_run", "save_scenario")
 
 BETWEEN_PINGS = 0.5  # [s]
+BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
 LONGEST_INTERRUPT = 1.0  # [s] that a controller gets to be broken off
 LONGEST_ANSWER = 600.0  # [s]
 LONGEST_START = 300.0  # [s], compiling included
+COMPILING = "compiling kernels, once after installing (some ten seconds) ..."
 
 
 class Session:
@@ -62,10 +64,18 @@ class Session:
         The folder that scenarios and runs are saved in; the present one if not given.
     patience
         After how long [s] without an answer a controller is said to hang.
+    notice
+        Called in a thread with what the user should know while he waits: once, that kernels are being compiled.
     """
 
     def __init__(
-        self, recipe: Recipe, *, out: Path | None = None, project: Path | None = None, patience: float = 5.0
+        self,
+        recipe: Recipe,
+        *,
+        out: Path | None = None,
+        project: Path | None = None,
+        patience: float = 5.0,
+        notice: Callable[[str], None] | None = None,
     ) -> None:
         self.recipe = recipe
         self.project = (project or Path.cwd()).absolute()
@@ -73,6 +83,8 @@ class Session:
         self._saver = Saver(self.project, recipe)
         self._out = out
         self._patience = patience
+        self._notice = notice
+        self._is_compiling = False
         self._link: Link | None = None
         self._scene: Scene | None = None
         self._controls = Controls()
@@ -110,15 +122,40 @@ class Session:
         link = Link(order, on_frame=self._take_frame, on_end=self._ended)
         self._link = link
         try:
-            ready = link.ready.result(LONGEST_START)
+            ready = self._await_ready(link)
         except BaseException:
             link.close(0.0)
             raise
         self._scene, self.remarks = ready["scene"], ready["remarks"]
-        self._hang = None
+        self._hang, self._is_compiling = None, False
         self._mailbox.move_on()
+        with contextlib.suppress(AmorsimError):
+            self._state = link.send({"do": "state"}).result(LONGEST_START)  # to be told where it can tell no other
         if not link.is_alive:
             self._ended(link)
+
+    def _await_ready(self, link: Link) -> Answer:
+        """What it says when it is ready; the user is told what takes so long."""
+        deadline = time.monotonic() + LONGEST_START
+        sign: concurrent.futures.Future[Answer] | None = None
+        while True:
+            try:
+                return link.ready.result(BETWEEN_PINGS)
+            except concurrent.futures.TimeoutError:
+                if time.monotonic() > deadline:
+                    raise AmorsimError(f"the simulation was not ready after {LONGEST_START:g} s") from None
+            with contextlib.suppress(AmorsimError):  # it has ended, which is about to be told
+                if sign is not None and sign.done():
+                    self._look_for_compiler(sign.result())
+                    sign = None
+                sign = sign or link.send({"do": "ping"})
+
+    def _look_for_compiler(self, sign: Answer) -> None:
+        is_compiling = sign.get("compiling", False)
+        if is_compiling and self._notice is not None:
+            self._notice(COMPILING)
+            self._notice = None
+        self._is_compiling = is_compiling
 
     def close(self) -> None:
         """End the simulation, with whole files, within two seconds; in any thread, and again if one likes."""
@@ -185,6 +222,8 @@ class Session:
                 raise AmorsimError("another window has the controls; ask for them")
             if name in _OWN:
                 return await asyncio.to_thread(self._own, command)
+            if name == "scene":
+                return {"ok": True, "scene": self.scene}
             if name == "state":
                 return {**await self._told_state(command), "selected": self._looks.of(window)}
             if self._hang is not None:
@@ -264,7 +303,12 @@ class Session:
         if self._hang is None:
             link = self._link
             try:
-                self._state = await asyncio.wrap_future(self._send(command))
+                answer = asyncio.wrap_future(self._send(command))
+                while not (await asyncio.wait([answer], timeout=BETWEEN_LOOKS))[0]:
+                    if self._is_compiling and self._state:
+                        answer.cancel()
+                        return {**self._state, "status": "compiling", **self._controls.told()}
+                self._state = await answer
             except AmorsimError:
                 if link is not None and not link.is_alive:
                     self._ended(link)  # the link's own word of it may still be under way
@@ -323,6 +367,7 @@ class Session:
             sign = self._sign(link)
             if link is not self._link or not link.is_alive:
                 continue
+            self._look_for_compiler(sign or {})
             if sign is None:
                 self._note_hang("hang", "it gives no sign of life", link.tick, "", "")
             elif sign["held"] > self._patience and "stack" in sign:

@@ -68,6 +68,20 @@ class Exiting(Circling):
             os._exit(3)
         return super().command(readings, estimate, clock)
 
+class Compiling(Circling):
+    # As though a kernel were compiled for the first time, for as long as there is a file.
+    def command(self, readings, estimate, clock):
+        from numba.core.compiler_lock import global_compiler_lock
+
+        @global_compiler_lock
+        def compiles():
+            while os.path.exists("compiling"):
+                time.sleep(0.01)
+
+        if clock.tick == 40:
+            compiles()
+        return super().command(readings, estimate, clock)
+
 def printing(readings, estimate, clock):
     print("J" * 100)
     return am.Twist(0.1, 0.0)

@@ -5,7 +5,7 @@ import { h } from "./dom.js";
 
 const WORDS = {
   lost: "The connection to amorsim is lost; trying again.",
-  loading: "Loading …",
+  compiling: "Kernels are being compiled, once after installing: some ten seconds. It goes on by itself.",
   restarting: "The simulation is being restarted …",
   gone: "The simulation's process has ended.",
   hang: "No sign of life from the simulation: a controller may hang.",
