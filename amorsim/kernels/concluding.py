@@ -38,28 +38,30 @@ def conclude(
     sizes: NDArray[np.int64],
     true: Floats,
     measured: Floats,
+    begin: int,
+    end: int,
     fingerprint: NDArray[np.uint64],
 ) -> None:
     """Reckon as `odometry.reckon_wheels`, by counts that begin at `measured[first]`, and absorb what the step gave.
 
     That is true poses, joints, commands and the estimate, and of all devices what they truly and really read, as
-    `digest.absorb_together` takes them.
+    `digest.absorb_together` takes them. Rows begin..end-1 are worked on.
     """
     rows = pose.shape[0]
     counts = measured[first : first + 2 * rows].reshape((rows, 2))
     reckon_wheels(
-        counts,
-        counts_per_revolution,
-        radius_left,
-        radius_right,
-        track,
-        variance,
-        pose,
-        covariance,
-        before,
-        after,
-        out,
-        grown,
+        counts[begin:end],
+        counts_per_revolution[begin:end],
+        radius_left[begin:end],
+        radius_right[begin:end],
+        track[begin:end],
+        variance[begin:end],
+        pose[begin:end],
+        covariance[begin:end],
+        before[begin:end],
+        after[begin:end],
+        out[begin:end],
+        grown[begin:end],
     )
     flat = grown.reshape((rows, 9))
-    absorb_together(true_pose, joints, command, out, flat, sizes, true, measured, fingerprint)
+    absorb_together(true_pose, joints, command, out, flat, sizes, true, measured, begin, end, fingerprint)

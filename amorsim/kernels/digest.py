@@ -58,22 +58,24 @@ def absorb_together(
     sizes: npt.NDArray[np.int64],
     first: Floats,
     second: Floats,
+    begin: int,
+    end: int,
     out: npt.NDArray[np.uint64],
 ) -> None:
     """Mix five arrays (N, k), and then many in turn, the first of each kind and the second, as `absorb` does.
 
-    `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,).
+    `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,). Rows begin..end-1 are mixed.
     """
     rows = out.shape[0]
     for values in (a, b, c, d, e):
         bits = values.view(np.uint64)
-        for i in range(bits.shape[0]):
+        for i in range(begin, min(end, bits.shape[0])):
             _mix(bits[i], out[i])
     first_bits = first.view(np.uint64)
     second_bits = second.view(np.uint64)
     start = 0
     for k in sizes:
-        for i in range(rows):
+        for i in range(begin, end):
             _mix(first_bits[start + i * k : start + (i + 1) * k], out[i])
             _mix(second_bits[start + i * k : start + (i + 1) * k], out[i])
         start += rows * k

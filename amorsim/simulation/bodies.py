@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,8 @@ __all__ = ["Emitted", "World"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
+
+_GAP_WORK = 8  # rays that the gap to the walls costs as much as
 
 FEW = 16
 """So many bodies in a replica are looked at one by one."""
@@ -136,7 +138,15 @@ class World:
         out = np.empty(len(bodies))
         where = np.empty((len(bodies), 2))
         x, y, yaw = self.map.origin
-        contact_kernels.map_gaps(self.map.grid, x, y, yaw, self.bodies, bodies, poses, cap, out, where)
+
+        def part(a: int, b: int) -> None:
+            mine = bodies[a:b], poses[a:b], cap[a:b], out[a:b], where[a:b]
+            contact_kernels.map_gaps(self.map.grid, x, y, yaw, self.bodies, *mine)
+
+        if self.workers.threads == 1:
+            part(0, len(bodies))
+        else:
+            self.workers.share(len(bodies), _GAP_WORK, part)
         return out, where
 
     def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
@@ -193,6 +203,22 @@ class World:
         Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, as `out` and -1, gets
         the body that was met, where somebody asks. `own` `(N,)` is a robot, which does not see itself nor its parts.
         """
+        self.workers.share(
+            len(origins), cos_b.shape[1], self.casting(own, replica, origins, cos_b, sin_b, range_max, out, hit)
+        )
+
+    def casting(
+        self,
+        own: Ints,
+        replica: Ints,
+        origins: Array,
+        cos_b: Array,
+        sin_b: Array,
+        range_max: Array,
+        out: Array,
+        hit: Ints | None = None,
+    ) -> Callable[[int, int], None]:
+        """What `cast` does, for the slice of the origins that it is called with: for who shares more than that."""
         table = self.by_place(self.poses)
 
         def part(a: int, b: int) -> None:
@@ -213,7 +239,7 @@ class World:
                 _NOBODY_ASKS if hit is None else hit[a:b],
             )
 
-        self.workers.share(len(origins), cos_b.shape[1], part)
+        return part
 
 
 _NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit

@@ -11,7 +11,7 @@ Both give the same bits.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -148,6 +148,7 @@ class SensePlan:
         for unit in self.others:
             unit.leave()
         rays = sum(finder.work for finder in finders)
+        self._meet_work = sum(len(finder.table[0][0]) for finder in finders) // 2  # it is less work than to meet walls
         self._look_work, self._read_work = rays, int(1.0 + _VALUE_WORK * self._values)
 
     def sense(self, view: GroupView, moment: Moment) -> None:
@@ -163,7 +164,12 @@ class SensePlan:
             digest.absorb(results, fingerprint)
             results = (digest.NOTHING,) * _TOGETHER
         a, b, c, d, e = results
-        digest.absorb_together(a, b, c, d, e, self.sizes, self.batch.true, self.batch.measured, fingerprint)
+        read = self.sizes, self.batch.true, self.batch.measured
+        self.share_read(lambda first, end: digest.absorb_together(a, b, c, d, e, *read, first, end, fingerprint))
+
+    def share_read(self, part: Callable[[int, int], None]) -> None:
+        """Share rows among threads for work on what was read, about as much as to read it."""
+        self._share(self._read_work, part)
 
     def _sense(self, view: GroupView, moment: Moment) -> None:
         batch = self.batch
@@ -171,22 +177,30 @@ class SensePlan:
         about = (moment.counter, view.body_pose, view.twist, view.joints)
         into = (self._places, batch.true, batch.measured)
         looks = bool(self._finders)
-        if looks and self._world.has_company:
-            self._share(self._look_work, True, False, about, into)
-            for finder in self._finders:
-                finder.meet_bodies(view, batch.true)
-            self._share(self._read_work, False, True, about, into)
-        else:
-            self._share(self._look_work + self._read_work, looks, True, about, into)
-
-    def _share(self, work: int, looks: bool, reads: bool, about: tuple[Any, ...], into: tuple[Any, ...]) -> None:
-        given: tuple[Any, ...] = (looks, reads, *self._given, *about)
+        given: tuple[Any, ...] = (*self._given, *about)
         sense: Any = sensing.sense
+        if not (looks and self._world.has_company):
+            self._share(
+                self._look_work + self._read_work,
+                lambda first, end: sense(looks, True, *given, first, end, *into),
+            )
+            return
+        meetings = [finder.meeting(view, batch.true) for finder in self._finders]
+
+        def part(first: int, end: int) -> None:
+            sense(True, False, *given, first, end, *into)
+            for meet in meetings:
+                meet(first, end)
+            sense(False, True, *given, first, end, *into)
+
+        self._share(self._look_work + self._meet_work + self._read_work, part)
+
+    def _share(self, work: int, part: Callable[[int, int], None]) -> None:
         workers = self._world.workers
         if workers.threads == 1:
-            sense(*given, 0, self._rows, *into)
+            part(0, self._rows)
         else:
-            workers.share(self._rows, work, lambda first, end: sense(*given, first, end, *into))
+            workers.share(self._rows, work, part)
 
 
 class _Finder:
@@ -206,10 +220,12 @@ class _Finder:
         bearings = cone_bearings(float(sensor.half_angle[0, 0])) if self.is_cone else sensor.bearings()
         self.table = directions_of(bearings)
 
-    def meet_bodies(self, view: GroupView, true: Array) -> None:
-        """Put the bodies that it sees before the walls into its part of `true`."""
+    def meeting(self, view: GroupView, true: Array) -> Callable[[int, int], None]:
+        """What puts the bodies that some rows see before the walls into its part of `true`."""
         out = true[self._span[0] : self._span[1]].reshape(self._shape)
-        view.cast_bodies(self._from, *self.table, self._limits, out)
+        cast = view.casting_bodies(self._from, *self.table, self._limits, out)
+        per_row = len(self._from) // view.rows
+        return lambda first, end: cast(first * per_row, end * per_row)
 
 
 class _Beams:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -234,12 +234,22 @@ class GroupView:
 
     def cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""
+        self._world.cast(*self._who(origins), origins, cos_b, sin_b, limits, out)
+
+    def casting_bodies(
+        self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array
+    ) -> Callable[[int, int], None]:
+        """What `cast_bodies` does, for the slice of the origins that it is called with."""
+        return self._world.casting(*self._who(origins), origins, cos_b, sin_b, limits, out)
+
+    def _who(self, origins: Array) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Which body carries what looks from each of the origins, and which replica it is of."""
         per_row = len(origins) // self.rows
         known = self._carriers.get(per_row)
         if known is None:
             own = np.repeat(self._bodies, per_row)
             known = self._carriers[per_row] = own, self._world.replica_index[own]
-        self._world.cast(*known, origins, cos_b, sin_b, limits, out)
+        return known
 
 
 @functools.lru_cache(maxsize=64)

@@ -74,7 +74,7 @@ def conclude(group: Group) -> bool:
     rows = group.rows
     pose, grown, joints = np.empty((rows, 3)), np.empty((rows, 3, 3)), np.empty((rows, 2))
     state, batch = group.estimator_states[name], plan.batch
-    conclude_rows(
+    given = (
         group.sensors[estimator.encoder].first,
         counts,
         drive.wheel_radius_left,
@@ -93,8 +93,8 @@ def conclude(group: Group) -> bool:
         plan.sizes,
         batch.true,
         batch.measured,
-        group.fingerprint,
     )
+    plan.share_read(lambda first, end: conclude_rows(*given, first, end, group.fingerprint))
     state["pose"], state["covariance"], state["joints"] = pose, grown, joints
     group.estimates[name] = Estimate(pose, grown)
     return True
