@@ -227,9 +227,9 @@ class View(Protocol):
         """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
 
         `origins` `(N * m, 3)` are world poses, m for each row in turn; `bearings` `(1, k)` or `(N * m, k)` are
-        relative to them; `range_max` `(N, 1)`. With `traversal` ``"bresenham"`` walls are looked for along the cells of
-        Bresenham's line, as the original AMORsim does, and distances are between the centres of cells. Without
-        `bodies`, walls alone count.
+        relative to them; `range_max` `(N, 1)`, or `(N * m, 1)`, of each origin. With `traversal` ``"bresenham"`` walls
+        are looked for along the cells of Bresenham's line, as the original AMORsim does, and distances are between the
+        centres of cells. Without `bodies`, walls alone count.
         """
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:

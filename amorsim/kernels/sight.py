@@ -7,13 +7,51 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.poses import wrap
 
 __all__ = ["look_at_discs", "marks_near"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+@part
+def _comes_after(a: int, b: int, mark: Ints, distance: Floats) -> bool:
+    """Whether entry a is farther off than entry b, or as far and of a later mark."""
+    farther: bool = distance[a] > distance[b]
+    as_far_and_later: bool = distance[a] == distance[b] and mark[a] > mark[b]
+    return farther or as_far_and_later
+
+
+@part
+def _swap(a: int, b: int, mark: Ints, distance: Floats, bearing: Floats) -> None:
+    mark[a], mark[b] = mark[b], mark[a]
+    distance[a], distance[b] = distance[b], distance[a]
+    bearing[a], bearing[b] = bearing[b], bearing[a]
+
+
+@part
+def _sort(mark: Ints, distance: Floats, bearing: Floats) -> None:
+    """Sort entries by distance, equally near ones by mark: a heap's sort, for in a crowd there are hundreds."""
+    count = len(mark)
+    begin = count // 2
+    end = count
+    while end > 1:
+        if begin > 0:
+            begin -= 1  # the heap is being made
+        else:
+            end -= 1
+            _swap(0, end, mark, distance, bearing)
+        top = begin
+        while 2 * top + 1 < end:
+            child = 2 * top + 1
+            if child + 1 < end and _comes_after(child + 1, child, mark, distance):
+                child += 1
+            if not _comes_after(child, top, mark, distance):
+                break
+            _swap(child, top, mark, distance, bearing)
+            top = child
 
 
 @kernel
@@ -48,7 +86,7 @@ def marks_near(
         Gets where the pairs of each row begin, and their number, int64 (N + 1,).
     mark, distance, bearing
         Get the pairs of row i as ``first[i]:first[i + 1]``, the nearest first and of equally near ones the first,
-        as far as there is room: which mark, how far off [m], and in what direction from the heading [rad], (Q,).
+        if there is room for all: which mark, how far off [m], and in what direction from the heading [rad], (Q,).
     """
     found = 0
     room = mark.shape[0]
@@ -68,17 +106,12 @@ def marks_near(
             if abs(angle) > half_angle[i]:
                 continue
             if found < room:
-                away = math.sqrt(square)
-                place = found
-                while place > first[i] and distance[place - 1] > away:
-                    mark[place] = mark[place - 1]
-                    distance[place] = distance[place - 1]
-                    bearing[place] = bearing[place - 1]
-                    place -= 1
-                mark[place] = f
-                distance[place] = away
-                bearing[place] = angle
+                mark[found] = f
+                distance[found] = math.sqrt(square)
+                bearing[found] = angle
             found += 1
+        if found <= room:
+            _sort(mark[first[i] : found], distance[first[i] : found], bearing[first[i] : found])
     first[poses.shape[0]] = found
     return found
 

@@ -19,6 +19,7 @@ from amorsim.sensors.response import ring_poses
 __all__ = ["Light"]
 
 Array = npt.NDArray[np.float64]
+_MOST_RAYS = 100_000  # towards lamps at once
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
 
@@ -84,21 +85,24 @@ class Light(Sensor):
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Counts `(N, k)`."""
         origins = ring_poses(view, self.elements, aim)
-        shape = (view.rows, len(origins) // view.rows)
-        brightness = np.zeros(shape)
         lights = view.lights()
-        for (x, y), intensity in zip(lights.places.tolist(), lights.intensity.tolist(), strict=True):
-            brightness = brightness + intensity * self._from(view, origins, x, y).reshape(shape)
+        brightness = np.zeros((view.rows, len(origins) // view.rows))
+        together = max(1, _MOST_RAYS // len(origins))
+        for first in range(0, len(lights.places), together):
+            some = slice(first, first + together)
+            reached = self._from(view, origins, lights.places[some]).reshape(*brightness.shape, -1)
+            for lamp, intensity in enumerate(lights.intensity[some].tolist()):
+                brightness = brightness + intensity * reached[:, :, lamp]
         counts = np.asarray(self.dark + self.gain * brightness)
         if self.bright is None:
             return counts, _NOTHING
         darkens = np.less(self.gain, 0.0)
         return np.where(darkens, np.maximum(counts, self.bright), np.minimum(counts, self.bright)), _NOTHING
 
-    def _from(self, view: View, origins: Array, x: float, y: float) -> Array:
-        """The brightness `(N * k, 1)` that a lamp of intensity 1 at (x, y) makes before each element."""
+    def _from(self, view: View, origins: Array, places: Array) -> Array:
+        """The brightness `(N * k, M)` that lamps of intensity 1 at `places` `(M, 2)` make before each element."""
         k = len(origins) // view.rows
-        dx, dy = x - origins[:, :1], y - origins[:, 1:2]
+        dx, dy = places[:, 0] - origins[:, :1], places[:, 1] - origins[:, 1:2]
         away = np.sqrt(dx * dx + dy * dy)
         bearing = wrap_angle(np.arctan2(dy, dx) - origins[:, 2:])
         half_angle = np.repeat(np.asarray(self.half_angle), k, axis=0)
@@ -108,9 +112,18 @@ class Light(Sensor):
             falloff = 1.0 / np.maximum(away * away, 1e-12)
         reached = np.where(np.abs(bearing) < half_angle, falloff * np.cos(bearing * (0.5 * math.pi) / half_angle), 0.0)
         # Those that it does not reach need not look for it.
-        farthest = np.where(reached > 0.0, away, 0.0).reshape(view.rows, k).max(axis=1, keepdims=True)
+        farthest = np.where(reached > 0.0, away, 0.0)
         if not farthest.any():
             return reached
-        # A lamp is in nobody's way, so a ray that ends with it has met whatever hides it.
-        free = view.cast(origins, np.ascontiguousarray(bearing), farthest)
-        return np.where(free < away, 0.0, reached)
+        # A lamp is in nobody's way, so a ray that ends with it has met whatever hides it. Rays of a row that are wanted
+        # come first, and those beyond the most that any row wants are left out.
+        per_row = (view.rows, k * len(places))
+        wanted = (farthest > 0.0).reshape(per_row)
+        most = int(wanted.sum(axis=1).max())
+        which = np.argsort(~wanted, axis=1, kind="stable")[:, :most] + per_row[1] * np.arange(view.rows)[:, None]
+        which = which.reshape(-1)
+        free = np.full(away.size, np.inf)
+        free[which] = view.cast(
+            origins[which // len(places)], bearing.reshape(-1, 1)[which], farthest.reshape(-1, 1)[which]
+        )[:, 0]
+        return np.where(free.reshape(away.shape) < away, 0.0, reached)

@@ -115,6 +115,7 @@ class World:
         self.room: Array = np.zeros(replicas * self.count)
         self.room_at: Array | None = None
         self.emissions: dict[str, Emitted] = {}
+        self.marks_near = 0  # about how many marks were near those who looked last, for the room to tell them in
 
     def name(self, body: int) -> str:
         """The name of a body, the same in every replica."""

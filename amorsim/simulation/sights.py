@@ -14,6 +14,8 @@ __all__ = ["find_landmarks", "look_about"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+_SPARE = 4  # marks that are looked for beyond the slots there are, for some are hidden
+
 
 def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: Array, half_angle: Array) -> Sightings:
     """The nearest marks in sight of those on bodies `own` `(N,)` who look from `eyes` `(N, 3)`.
@@ -28,7 +30,7 @@ def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: 
     if not len(around.ids):
         return found
     row, mark, distance, bearing = _within_reach(world, own, eyes, range_max, half_angle)
-    seen = _in_sight(world, own[row], eyes[row], mark, distance)
+    seen = _nearest_in_sight(world, own, eyes, slots, row, mark, distance)
     row, mark, distance, bearing = row[seen], mark[seen], distance[seen], bearing[seen]
     # Their place among those that the same row sees: pairs are in order of row.
     place = np.arange(len(row)) - np.searchsorted(row, row)
@@ -51,7 +53,7 @@ def _within_reach(
         carrier[:, fixed:] = world.first[:-1, None] + around.carriers
         places[:, fixed:] = world.poses[carrier[:, fixed:], :2]
     first = np.empty(len(own) + 1, dtype=np.int64)
-    room = 4 * len(own) + 64
+    room = max(4 * len(own) + 64, world.marks_near)
     while True:
         mark, distance, bearing = np.empty(room, dtype=np.int64), np.empty(room), np.empty(room)
         count = sight.marks_near(
@@ -70,8 +72,29 @@ def _within_reach(
         if count <= room:
             break
         room = count
+    world.marks_near = count + count // 4  # as a guess for the next time
     row = np.repeat(np.arange(len(own)), np.diff(first))
     return row, mark[:count], distance[:count], bearing[:count]
+
+
+def _nearest_in_sight(
+    world: World, own: Ints, eyes: Array, slots: int, row: Ints, mark: Ints, distance: Array
+) -> npt.NDArray[np.bool_]:
+    """Which pairs `(Q,)` are in sight, of those of each row that are nearest: `slots` of them, or all there are.
+
+    Pairs are in order of row, the nearest first. In a crowd most have all their slots filled by the nearest, so lines
+    to those farther off are not drawn: looked at are first some, then twice as many, for rows that have room left.
+    """
+    seen = np.zeros(len(row), dtype=np.bool_)
+    rank = np.arange(len(row)) - np.searchsorted(row, row)
+    done, most = 0, slots + _SPARE
+    while True:
+        has_room = np.bincount(row[seen], minlength=len(own)) < slots
+        which = np.flatnonzero((rank >= done) & (rank < done + most) & has_room[row])
+        if not len(which):
+            return seen
+        seen[which] = _in_sight(world, own[row[which]], eyes[row[which]], mark[which], distance[which])
+        done, most = done + most, 2 * most
 
 
 def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array) -> npt.NDArray[np.bool_]:

@@ -85,9 +85,12 @@ class GroupView:
         table = self._table(bearings)
         out = np.empty((len(origins), bearings.shape[1]))
         per_row = len(origins) // self.rows
-        limits = self._per_row(range_max)
-        if per_row > 1:
-            limits = np.repeat(limits, per_row)
+        if per_row > 1 and len(range_max) == len(origins):
+            limits = np.ascontiguousarray(range_max[:, 0])
+        else:
+            limits = self._per_row(range_max)
+            if per_row > 1:
+                limits = np.repeat(limits, per_row)
         self.scan(origins, table, limits, out, traversal, bodies)
         return out
 

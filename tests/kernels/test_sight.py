@@ -32,10 +32,11 @@ def naive(poses, range_max, half_angle, replica, own, places, carrier):
     return found
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_marks_are_those_within_reach_nearest_first(seed):
+@pytest.mark.parametrize("marks", [9, 150])
+@pytest.mark.parametrize("seed", range(10))
+def test_marks_are_those_within_reach_nearest_first(seed, marks):
     random = np.random.default_rng(seed)
-    rows, marks, replicas = 12, 9, 3
+    rows, replicas = 12, 3
     poses = np.c_[random.uniform(-3, 3, (rows, 2)), random.uniform(-7, 7, rows)]
     replica = random.integers(0, replicas, rows)
     own = np.arange(rows, dtype=np.int64)

@@ -191,6 +191,14 @@ def test_a_hundred_thousand_marks_are_seen_or_not_as_shapely_says():
     assert doubtful < 1e-3 * judged
 
 
+@pytest.mark.parametrize("slots", [1, 3, 20])
+def test_with_few_slots_the_first_of_those_are_told_that_many_slots_hold(slots):
+    many = random_crowd(7, Fiducial(slots=150, fov=2 * math.pi, range_max=9.0, range_max_id=9.0)).tables(3)
+    few = random_crowd(7, Fiducial(slots=slots, fov=2 * math.pi, range_max=9.0, range_max_id=9.0)).tables(3)
+    np.testing.assert_array_equal(few, many[:, :slots])
+    assert (np.isfinite(many[:, :, 0]).sum(axis=1) > 3).any()
+
+
 def test_results_do_not_depend_on_rows_replicas_or_threads():
     eye = MountedSensor(
         sensor=Fiducial(slots=6, fov=2 * math.pi),

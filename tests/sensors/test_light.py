@@ -76,6 +76,44 @@ def test_each_element_looks_its_own_way():
     np.testing.assert_allclose(values, expected, rtol=1e-12)
 
 
+@pytest.mark.parametrize("falloff", ["linear", "inverse_square"])
+def test_of_many_lamps_each_adds_what_it_adds_alone_however_many_are_looked_at_together(falloff, monkeypatch):
+    random = np.random.default_rng(5)
+    ring = Light(
+        elements=tuple(am.Mount(x=0.1, heading=h) for h in (-0.5, 0.4, 2.0)),
+        falloff=falloff,
+        reach=2.5,
+        dark=0.0,
+        gain=1.0,
+        bright=None,
+    )
+    robots = [
+        robot(
+            name=f"r{i}",
+            shape=Shape.circle(0.15),
+            pose=Pose(x=x, y=y, heading=6.0 * x),
+            sensors={"eye": ring},
+            estimators={},
+        )
+        for i, (x, y) in enumerate([(1.0, 1.0), (2.0, 1.4), (2.2, 3.0), (4.5, 2.5)])
+    ]
+    lamps = [Lamp(x=x, y=y, intensity=i) for x, y, i in random.uniform(0.2, 4.8, (12, 3)).tolist()]
+
+    def read(lights):
+        sim = am.Simulation(scenario(*robots, lights=lights))
+        return np.array([sim.robot(f"r{i}").readings["eye"].true for i in range(4)])
+
+    together = read(lamps)
+    alone = [read([lamp]) for lamp in lamps]
+    total = np.zeros_like(together)
+    for one in alone:
+        total = total + one
+    np.testing.assert_array_equal(together, total)
+    assert (together > 0.0).sum() > 4
+    monkeypatch.setattr("amorsim.sensors.light._MOST_RAYS", 25)
+    np.testing.assert_array_equal(read(lamps), together)
+
+
 @pytest.mark.parametrize(("change", "name"), [({"bright": 900.0}, "bright"), ({"elements": ()}, "elements")])
 def test_what_makes_no_sense_is_refused_by_name(change, name):
     with pytest.raises(ParameterError, match=name):
