@@ -31,7 +31,6 @@ from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
 from amorsim.kernels.poses import mean_twists
 from amorsim.scenario.spec import Knowledge, Robot, Zone
-from amorsim.simulation import wheels
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.driving import ask_some
@@ -41,6 +40,7 @@ from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.truth import true_robot
 from amorsim.simulation.view import GroupView
+from amorsim.simulation.wheels import Wheels
 from amorsim.simulation.zones import Zones
 
 __all__ = ["Group", "group_key"]
@@ -179,6 +179,7 @@ class Group:
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
+        self.wheels = Wheels(self)
 
     # ---------------------------------------------------------------------------------------------------- episodes
 
@@ -388,7 +389,7 @@ class Group:
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""
-        self._is_recorded = wheels.conclude(self)
+        self._is_recorded = self.wheels.conclude()
         if self._is_recorded:
             return
         elapsed = self.moment.elapsed

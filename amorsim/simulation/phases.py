@@ -11,7 +11,6 @@ from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
-from amorsim.simulation.wheels import roll
 
 NOBODY: frozenset[tuple[int, int]] = frozenset()
 
@@ -52,7 +51,7 @@ def _roll(fleet: Fleet) -> bool:
     world = fleet.world
     if world.has_company or world.room_at is not world.poses or len(fleet.everything) != 1:
         return False
-    return roll(fleet.groups[0], world)
+    return fleet.groups[0].wheels.roll(world)
 
 
 def _move(fleet: Fleet) -> None:

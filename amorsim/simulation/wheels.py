@@ -21,80 +21,105 @@ from amorsim.simulation.bodies import World
 if TYPE_CHECKING:
     from amorsim.simulation.group import Group
 
-__all__ = ["conclude", "roll"]
+__all__ = ["Wheels"]
 
 
-def roll(group: Group, world: World) -> bool:
-    """Actuate and move, where that can be and nothing is in the way; else nothing has happened.
+class Wheels:
+    """What can be made in one call for a group, and is given to it; made anew with the group's parameters."""
 
-    That is on firm ground, for robots that have no company and are the only ones.
-    """
-    drive = group.drive
-    if type(drive) is not Differential or group.devices or group.ground.elements or group.zones:
-        return False
-    rows = group.rows
-    wheels, end, twists = np.empty((2, rows, 2)), np.empty((rows, 3)), np.empty((rows, 3))
-    made = roll_free(
-        group.joints,
-        group.joint_rates,
-        group.command,
-        drive.rate_max,
-        drive._acceleration(rows),
-        drive.lag,
-        drive.wheel_radius_left,
-        drive.wheel_radius_right,
-        drive.track,
-        group.dt,
-        world.poses,
-        world.bodies.reach,
-        world.room,
-        wheels,
-        end,
-        twists,
-    )
-    if made:
-        group.joints, group.joint_rates = wheels
-        group.true_pose, group.true_twist = end, twists
-    return bool(made)
+    def __init__(self, group: Group) -> None:
+        self._group = group
+        self._rows = group.rows
+        self._rolls = self._rolling(group)
+        self._concludes = self._concluding(group)
 
+    @staticmethod
+    def _rolling(group: Group) -> tuple[Any, ...] | None:
+        drive = group.drive
+        if type(drive) is not Differential or group.devices or group.ground.elements or group.zones:
+            return None
+        return (
+            drive.rate_max,
+            drive._acceleration(group.rows),
+            drive.lag,
+            drive.wheel_radius_left,
+            drive.wheel_radius_right,
+            drive.track,
+            group.dt,
+        )
 
-def conclude(group: Group) -> bool:
-    """Estimate and record, where dead reckoning by a plain encoder is all there is; else nothing has happened."""
-    plan = group.sensing
-    if plan.others or len(group.estimators) != 1:
-        return False
-    ((name, estimator),) = group.estimators.items()
-    drive: Any = group.robot.drive
-    if type(estimator) is not DeadReckoning or type(drive) is not Differential:
-        return False
-    sensor: Any = group.robot.sensors[estimator.encoder].sensor
-    if type(sensor) is not Encoder:
-        return False
-    counts: Any = sensor.counts_per_revolution  # over rows
-    rows = group.rows
-    pose, grown, joints = np.empty((rows, 3)), np.empty((rows, 3, 3)), np.empty((rows, 2))
-    state, batch = group.estimator_states[name], plan.batch
-    given = (
-        group.sensors[estimator.encoder].first,
-        counts,
-        drive.wheel_radius_left,
-        drive.wheel_radius_right,
-        drive.track,
-        estimator.wheel_variance,
-        state["pose"],
-        state["covariance"],
-        state["joints"],
-        joints,
-        pose,
-        grown,
-        group.true_pose,
-        group.joints,
-        np.ascontiguousarray(group.command),
-        plan.sizes,
-        batch.true,
-        batch.measured,
-    )
-    plan.share_read(lambda first, end: conclude_rows(*given, first, end, group.fingerprint))
-    state["pose"], state["covariance"], state["joints"] = pose, grown, joints
-    group.estimates[name] = Estimate(pose, grown)
-    return True
+    @staticmethod
+    def _concluding(group: Group) -> tuple[str, tuple[Any, ...]] | None:
+        if group.sensing.others or len(group.estimators) != 1:
+            return None
+        ((name, estimator),) = group.estimators.items()
+        drive = group.robot.drive
+        if type(estimator) is not DeadReckoning or type(drive) is not Differential:
+            return None
+        sensor = group.robot.sensors[estimator.encoder].sensor
+        if type(sensor) is not Encoder:
+            return None
+        return name, (
+            group.sensors[estimator.encoder].first,
+            sensor.counts_per_revolution,
+            drive.wheel_radius_left,
+            drive.wheel_radius_right,
+            drive.track,
+            estimator.wheel_variance,
+        )
+
+    def roll(self, world: World) -> bool:
+        """Actuate and move, where that can be and nothing is in the way; else nothing has happened.
+
+        That is on firm ground, for robots that have no company and are the only ones.
+        """
+        if self._rolls is None:
+            return False
+        group, rows = self._group, self._rows
+        wheels, end, twists = np.empty((2, rows, 2)), np.empty((rows, 3)), np.empty((rows, 3))
+        roll: Any = roll_free
+        made = roll(
+            group.joints,
+            group.joint_rates,
+            group.command,
+            *self._rolls,
+            world.poses,
+            world.bodies.reach,
+            world.room,
+            wheels,
+            end,
+            twists,
+        )
+        if made:
+            group.joints, group.joint_rates = wheels
+            group.true_pose, group.true_twist = end, twists
+        return bool(made)
+
+    def conclude(self) -> bool:
+        """Estimate and record, where dead reckoning by a plain encoder is all there is; else nothing has happened."""
+        if self._concludes is None:
+            return False
+        group, rows = self._group, self._rows
+        name, given = self._concludes
+        pose, grown, joints = np.empty((rows, 3)), np.empty((rows, 3, 3)), np.empty((rows, 2))
+        state, batch = group.estimator_states[name], group.sensing.batch
+        told = (
+            *given,
+            state["pose"],
+            state["covariance"],
+            state["joints"],
+            joints,
+            pose,
+            grown,
+            group.true_pose,
+            group.joints,
+            np.ascontiguousarray(group.command),
+            group.sensing.sizes,
+            batch.true,
+            batch.measured,
+        )
+        conclude: Any = conclude_rows
+        group.sensing.share_read(lambda first, end: conclude(*told, first, end, group.fingerprint))
+        state["pose"], state["covariance"], state["joints"] = pose, grown, joints
+        group.estimates[name] = Estimate(pose, grown)
+        return True
