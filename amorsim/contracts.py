@@ -553,6 +553,8 @@ class Frame(NamedTuple):
     channels: Sequence[str]
     command: Array  # (N, c)
     robot: RobotModel  # the nominal one
+    parts: Sequence[str] = ()  # the names of each robot's
+    part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, where there are any
 
 
 class ObstacleFrame(NamedTuple):

@@ -1,6 +1,6 @@
 """Draws the worlds of the scenarios that ship, but for the office; run it to write them anew.
 
-``car-park.wld``, ``hall.wld`` and ``maze.wld`` in ``amorsim/scenarios``. All lengths are whole mm.
+``car-park.wld``, ``hall.wld``, ``maze.wld`` and ``yard.wld`` in ``amorsim/scenarios``. All lengths are whole mm.
 """
 
 from __future__ import annotations
@@ -123,7 +123,25 @@ def maze() -> str:
     return "\n".join(out)
 
 
-WORLDS: dict[str, Callable[[], str]] = {"car-park.wld": car_park, "hall.wld": hall, "maze.wld": maze}
+def yard() -> str:
+    """A yard around a shed, in two halves with a fence between them; a gate on either side of the shed."""
+    width, height = 24000, 16000
+    out = [";; A yard: draw it anew with tools/draw_worlds.py", f"width {width}", f"height {height}"]
+    out += ["position 5000 3000 0", ""]
+    out += _part("walls", _box(0, 0, width, height))
+    out += _part("shed", _box(8000, 5500, 16000, 10500))
+    for left, right in ((0, 2400), (5000, 8000), (16000, 18600), (21200, width)):
+        out += _part("fence", _box(left, 7950, right, 8050))
+    out += _part("pile of pallets", _chain((500, 14000), (1700, 14400), (1400, 15500), (500, 15500), closed=True))
+    return "\n".join(out)
+
+
+WORLDS: dict[str, Callable[[], str]] = {
+    "car-park.wld": car_park,
+    "hall.wld": hall,
+    "maze.wld": maze,
+    "yard.wld": yard,
+}
 
 
 def draw(name: str) -> str:

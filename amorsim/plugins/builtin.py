@@ -103,5 +103,5 @@ def amorsim_register(registry: Registry) -> None:
         "youbot",
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
-    for scenario in ("demo", "car-park", "synchro-hall", "khepera-maze", "convoy", "crowd", "doors", "swarm"):
+    for scenario in ("demo", "car-park", "synchro-hall", "khepera-maze", "convoy", "yard", "crowd", "doors", "swarm"):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

@@ -46,14 +46,15 @@ class Table(NamedTuple):
 class Text(Recorder):
     """Writes ``poses.csv``, ``velocities.csv``, ``sensors/``, ``estimates/``, ``commands.csv`` and ``events.csv``.
 
-    And ``obstacles.csv`` if there are any. A `replica` column leads where there are several. Steps are kept as numbers
-    and made into lines many at a time, by whoever comes first: a step for which there is no more room, or the thread
-    that sees to it that lines reach the files in time.
+    And ``obstacles.csv`` and ``parts.csv`` if there are any. A `replica` column leads where there are several. Steps
+    are kept as numbers and made into lines many at a time, by whoever comes first: a step for which there is no more
+    room, or the thread that sees to it that lines reach the files in time.
     """
 
     _files: LineFiles = attrs.field(init=False)
     _steps: list[Steps] = attrs.field(factory=list, init=False)  # of each group
     _obstacles: list[Steps] | None = attrs.field(default=None, init=False)  # of each group that moves
+    _parts: dict[int, Steps] = attrs.field(factory=dict, init=False)  # of each group whose robots have parts
     _previous: list[dict[str, Array]] = attrs.field(factory=list, init=False)
     _joints: list[str] = attrs.field(factory=list, init=False)
     _channels: list[str] = attrs.field(factory=list, init=False)
@@ -85,9 +86,12 @@ class Text(Recorder):
                 columns = [f"{kind}_{i}" for kind in ("true", "measured") for i in range(size)]
                 self._open(f"sensors/{name}", ",".join(["time,stamp,robot", *columns]))
                 self._sizes[name] = size
+        if any(frame.parts for frame in frames):
+            self._open("parts", "time,part,x,y,heading")
         self._previous = [{} for _ in frames]
         with self._lock:
             self._steps = [Steps(frame) for frame in frames]
+            self._parts = {place: Steps(_part_frame(frame)) for place, frame in enumerate(frames) if frame.parts}
         self.write(frames, [])
 
     def _open(self, name: str, header: str) -> None:
@@ -103,6 +107,8 @@ class Text(Recorder):
             is_full = False
             for frame, steps in zip(frames, self._steps, strict=True):
                 is_full |= steps.add(frame)
+            for place, steps in self._parts.items():
+                is_full |= steps.add(_part_frame(frames[place]))
             if is_full:
                 self._write_steps()
         if events:
@@ -140,12 +146,13 @@ class Text(Recorder):
             if steps.count:
                 for name, table in self._tables(steps, previous).items():
                     tables.setdefault(name, []).append((steps, table))
-        for steps in self._obstacles or ():
-            if steps.count:
-                tables.setdefault("obstacles", []).append((steps, self._poses_of(steps)))
+        for name, bodies in (("obstacles", self._obstacles or ()), ("parts", self._parts.values())):
+            for steps in bodies:
+                if steps.count:
+                    tables.setdefault(name, []).append((steps, self._poses_of(steps)))
         for name, parts in tables.items():
             self._write_tables(name, parts)
-        for steps in (*self._steps, *(self._obstacles or ())):
+        for steps in (*self._steps, *(self._obstacles or ()), *self._parts.values()):
             steps.count = 0
 
     def _write_tables(self, name: str, parts: Sequence[tuple[Steps, Table]]) -> None:
@@ -281,6 +288,20 @@ class Text(Recorder):
     def close(self) -> None:
         """Close the files, whatever happened before."""
         self._files.close()
+
+
+def _part_frame(frame: Frame) -> ObstacleFrame:
+    """The parts of a group's robots, one after another, as bodies of their own."""
+    each = len(frame.parts)
+    return ObstacleFrame(
+        names=[f"{name}.{part}" for name in frame.names for part in frame.parts],
+        replica=np.repeat(frame.replica, each),
+        tick=np.repeat(frame.tick, each),
+        time=np.repeat(frame.time, each),
+        true_pose=frame.part_pose.reshape(-1, 3),
+        true_twist=np.zeros((len(frame.names) * each, 3)),
+        moves=True,
+    )
 
 
 def _bounds(ends: npt.NDArray[np.int64], steps: npt.NDArray[np.int64], count: int) -> list[int]:

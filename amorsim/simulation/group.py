@@ -441,6 +441,8 @@ class Group:
             channels=self.channels,
             command=self.command,
             robot=self.robot,
+            parts=tuple(part.name for part in self.drive.parts),
+            part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
         )
 
     def states(self) -> Mapping[str, State]:

@@ -58,6 +58,11 @@ class Parts:
         inside = take(group.drive, which).part_poses(group.joints[which])[0]
         return compose(np.repeat(pose[None, :], self._each, axis=0), np.ascontiguousarray(inside))
 
+    @property
+    def per_robot(self) -> Array:
+        """Where they are `(N, p, 3)`."""
+        return self.poses.reshape(-1, self._each, 3)
+
     def of(self, row: int) -> Array:
         """Where those of one robot are `(p, 3)`."""
         return self.poses[row * self._each : (row + 1) * self._each]

@@ -11,7 +11,7 @@ import pytest
 import amorsim as am
 from tests.first_hour.conftest import ROOT, amorsim
 
-DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "convoy")
+DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "convoy", "yard")
 
 
 @pytest.mark.parametrize("name", DRIVEN)

@@ -16,7 +16,7 @@ import amorsim as am
 __all__ = ["FOLDER", "SCENARIOS", "run_scenario", "tables"]
 
 FOLDER = Path(__file__).resolve().parent
-SCENARIOS = {"square": 2, "meeting": 1, "moving": 2}  # with how many replicas each
+SCENARIOS = {"square": 2, "meeting": 1, "moving": 2, "trailer": 2}  # with how many replicas each
 
 
 def run_scenario(name: str, folder: Path) -> None:

@@ -1,0 +1,85 @@
+"""The parts of robots in a run's files, its picture, a film, and a window."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from PIL import Image
+
+import amorsim as am
+from amorsim.controllers import Manual
+from amorsim.runs.film import Film
+from amorsim.runs.traces import Traces
+from tests import building
+from tests.simulation.rigs import rig, stone, yard
+
+
+def test_a_run_writes_where_the_trailers_were(tmp_path: Path) -> None:
+    scenario = yard(rig("b", 5.0, 5.0), rig("a", 5.0, 8.0), rig("c", 2.0, 2.0, drive=building.drive()), duration=0.5)
+    sim = am.Simulation(scenario, replicas=[3, 5])
+    am.run(scenario, tmp_path / "run", replicas=[3, 5], simulation=sim)
+    lines = (tmp_path / "run" / "parts.csv").read_text().splitlines()
+    assert lines[0] == "replica,time,part,x,y,heading"
+    assert lines[1] == "3,0.000000,a.trailer,3.900000,8.000000,0.000000"
+    assert [line.split(",")[:3] for line in lines[1:5]] == [
+        ["3", "0.000000", "a.trailer"], ["3", "0.000000", "b.trailer"],
+        ["5", "0.000000", "a.trailer"], ["5", "0.000000", "b.trailer"],
+    ]  # fmt: skip
+    assert len(lines) == 1 + 4 * 6
+    assert not (tmp_path / "run" / "obstacles.csv").exists()
+    am.run(attrs.evolve(scenario, robots=scenario.robots[2:]), tmp_path / "none")
+    assert not (tmp_path / "none" / "parts.csv").exists()
+
+
+def test_frames_tell_recorders_of_parts() -> None:
+    sim = am.Simulation(yard(rig("b", 5.0, 5.0), rig("a", 5.0, 8.0)), replicas=2)
+    (frame,) = sim.frames()
+    assert frame.parts == ("trailer",)
+    np.testing.assert_array_equal(frame.part_pose.reshape(-1, 3), sim.part_pose)
+    (plain,) = am.Simulation(building.scenario()).frames()
+    assert plain.parts == ()
+    assert plain.part_pose.shape == (1, 0, 3)
+
+
+def test_a_runs_picture_has_the_trailer_where_it_is() -> None:
+    sim = am.Simulation(yard(rig(x=5.0, y=5.0)))
+    traces = Traces(sim)
+    sim.set_pose("rig", (5.0, 5.0, math.pi / 2.0))
+    (path,) = traces.paths()
+    (outline,) = path.parts
+    assert outline.min(axis=0) == pytest.approx([4.75, 3.5])
+    assert outline.max(axis=0) == pytest.approx([5.25, 4.2])
+
+
+def test_a_film_has_the_trailer_in_its_robots_colour(tmp_path: Path) -> None:
+    sim = am.Simulation(yard(rig(x=5.0, y=5.0, colour="#ff0000"), obstacles=[stone("post", 2.0, 8.0, 0.5)]))
+    film = Film(sim, tmp_path / "yard.gif", 1.0, size=434)  # 40 pixels a metre
+    film.save()
+    with Image.open(tmp_path / "yard.gif") as gif:
+        pixels = np.asarray(gif.convert("RGB")).astype(int)
+    red = (pixels[:, :, 0] > 200) & (pixels[:, :, 1] < 60)
+    area = red.sum() / 40.0**2
+    assert area == pytest.approx(0.5 * 0.5 + 0.7 * 0.5, rel=0.1)
+    columns = np.nonzero(red.any(axis=0))[0]
+    assert (columns[-1] - columns[0] + 1) / 40.0 == pytest.approx(5.25 - 3.5, abs=0.06)
+
+
+def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
+    pytest.importorskip("nicegui")
+    from amorsim.ui.frames import obstacle_poses
+    from amorsim.ui.scenes import SceneBuilder
+
+    sim = am.Simulation(yard(rig("b", 5.0, 5.0), rig("a", 5.0, 8.0), obstacles=[stone("post", 2.0, 8.0)]))
+    scene = SceneBuilder(sim).scene
+    json.dumps(scene, allow_nan=False)
+    assert [(body["name"], body.get("part_of")) for body in scene["obstacles"]] == [
+        ("post", None), ("a.trailer", "a"), ("b.trailer", "b"),
+    ]  # fmt: skip
+    found = obstacle_poses(sim, ["post"])
+    assert found == pytest.approx(np.array([[2.0, 8.0, 0.0], [3.9, 8.0, 0.0], [3.9, 5.0, 0.0]]))
+    assert len(obstacle_poses(am.Simulation(building.scenario(building.robot(controller=Manual()))), [])) == 0
