@@ -80,10 +80,13 @@ class Fleet:
         )
         source = str(scenario.source) if scenario.source else ""
         self._drawn = draw_starts(self.world, bodies, seed, replicas, source)
-        self.groups = [
-            Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
-            for members in _partition(robots, group_key)
-        ]
+        try:
+            self.groups = [
+                Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
+                for members in _partition(robots, group_key)
+            ]
+        except ScenarioError as error:  # of true values, by whoever does not know the file
+            raise ScenarioError(attrs.evolve(fault, file=fault.file or source) for fault in error.faults) from None
         self.obstacles = [
             ObstacleGroup(*self._rows(members, len(robots)), world=self.world, seed=seed, dt=self.dt)
             for members in _partition(obstacles, lambda obstacle: obstacle.motion and signature(obstacle.motion))

@@ -22,11 +22,11 @@ _ROOTS = ("drive", "sensors", "pose")
 
 def has_draws(robot: Robot) -> bool:
     """Whether replicas of this robot differ: some deviation is drawn by each of them."""
-    return any(
-        deviation.per == "replica"
-        and any(isinstance(part, Distribution) for part in (deviation.scale, deviation.add, deviation.value))
-        for deviation in robot.errors.values()
-    )
+    return any(deviation.per == "replica" and _is_drawn(deviation) for deviation in robot.errors.values())
+
+
+def _is_drawn(deviation: Deviation) -> bool:
+    return any(isinstance(part, Distribution) for part in (deviation.scale, deviation.add, deviation.value))
 
 
 def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
@@ -46,6 +46,9 @@ def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
             true = changed(true, path.split("."), deviate)
         except (ParameterError, LookupError) as error:
             problem = error.problem if isinstance(error, ParameterError) else error.args[0]
+            if isinstance(error, ParameterError) and _is_drawn(deviation):
+                whom = "this seed" if deviation.per == "study" else f"replica {replica}"
+                problem = f"{problem}, drawn for {whom}; take a narrower distribution"
             faults.append(Fault(file="", path=f"robots.{robot.name}.errors.{path}", message=problem))
     if faults:
         raise ScenarioError(faults)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import threading
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -209,3 +211,14 @@ def test_a_snapshot_of_something_else_is_refused_and_nothing_changes(other: str)
         simulation.restore(stranger.snapshot())
     assert (simulation.digest(), simulation.tick, len(simulation.events)) == before
     simulation.step()
+
+
+def test_a_true_value_out_of_bounds_says_where_from_and_that_it_was_drawn(tmp_path: Path) -> None:
+    wide = am.Deviation(scale=am.Distribution(kind="normal", values=(1.0, 3.0)))
+    robot = building.robot(errors={"drive.track": wide})
+    made = attrs.evolve(building.scenario(robot), source=tmp_path / "wide.toml")
+    with pytest.raises(am.ScenarioError) as caught:
+        am.Simulation(made, replicas=20)
+    fault = caught.value.faults[0]
+    assert (fault.file, fault.path) == (str(tmp_path / "wide.toml"), "robots.rover.errors.drive.track")
+    assert re.search(r"expected a number \[m\] > 0, got -\d.*, drawn for replica \d+; take a narrower", fault.message)
