@@ -283,6 +283,8 @@ class Simulation:
                 group.specified = before
                 group.set_parameters()
                 reason = error.problem if isinstance(error, ParameterError) else str(error.args[0])
+                if isinstance(error, ScenarioError):  # it tells of what follows from the value
+                    reason = f"{value!r} would be out of bounds, for by it {reason}"
                 raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
         for handle in handles:
             self._log_change(handle, "parameter_set", path, value)

@@ -107,6 +107,9 @@ class Guard:
         if not self._has_cookie(headers):
             await _refuse(scope, send, 401, "Open the address that the terminal printed, with its token.")
             return
+        # What is not found is written into the log with its address.
+        if b"token=" in scope.get("query_string", b""):
+            scope["query_string"] = b""
         await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
 
     def _stranger(self, scope: Scope, headers: _Headers) -> str:

@@ -183,6 +183,20 @@ def test_differences_of_angles_go_the_short_way_round(window: Window) -> None:
     assert row[3] == pytest.approx(math.degrees(2 * math.pi - 6.2))  # not -355 degrees
 
 
+def test_a_robot_for_the_table_is_told_to_a_tenth_of_a_millimetre(window: Window) -> None:
+    decimals = window.page.evaluate(
+        """async () => {
+            const { quantitiesOf } = await import("/amorsim/web/quantities.js");
+            const of = (reach) => quantitiesOf({ reach, twist: [1, 1, 1], joints: [], sensors: [] });
+            return [0.03, 0.3].map((reach) => of(reach).map(({ key, decimals }) => [key, decimals]));
+        }"""
+    )
+    small, large = (dict(one) for one in decimals)
+    lengths = {"x", "y", "apart", "forward", "left"}
+    assert {key for key in small if small[key] != large[key]} == lengths
+    assert {small[key] for key in lengths} == {4}
+
+
 def sensor(**more: Any) -> dict[str, Any]:
     """A sensor's shape as a scene has it."""
     plain = {"name": "it", "kind": "it", "unit": "count", "columns": [], "size": 2, "mounts": [[0, 0, 0]]}

@@ -260,3 +260,26 @@ def test_a_taken_port_is_an_error_of_ours() -> None:
         port = first.getsockname()[1]
         with pytest.raises(AmorsimError, match=f"port {port}.*--port"):
             listen("127.0.0.1", port)
+
+
+def test_a_token_in_an_address_that_is_not_found_goes_into_no_log() -> None:
+    seen: list[dict[str, Any]] = []
+
+    async def app(scope: Any, receive: Any, send: Any) -> None:
+        seen.append(dict(scope))
+
+    async def nothing(*_: Any) -> None:
+        raise AssertionError("refused")
+
+    door = Door(port=80)
+    cookie = f"{door.cookie_name}={door.cookie}".encode()
+    for query in (f"token={door.token}", f"x=1&token={door.token}", "every=100"):
+        scope = {
+            "type": "http",
+            "method": "GET",
+            "path": "/nothing",
+            "query_string": query.encode(),
+            "headers": [(b"host", b"127.0.0.1:80"), (b"cookie", cookie)],
+        }
+        aside(Guard(app, door)(scope, nothing, nothing))
+    assert [scope["query_string"] for scope in seen] == [b"", b"", b"every=100"]

@@ -405,6 +405,22 @@ def test_all_is_in_sight_at_1366_by_768(window: Window) -> None:
         window.page.wait_for_selector("#continue:visible")
 
 
+def test_the_first_hint_covers_no_plot_and_goes_when_it_is_followed(window: Window) -> None:
+    page = window.page
+    page.reload()
+    # In one look, for it goes by itself too.
+    places = page.wait_for_function(
+        """() => {
+            const [hint, plot] = [".hint", ".panel.plot"].map((one) => document.querySelector(one));
+            const box = hint?.textContent.includes("Space") && hint.getBoundingClientRect();
+            return box && [box.bottom, plot.getBoundingClientRect().top];
+        }"""
+    ).json_value()
+    assert 0 < places[0] < places[1]
+    page.keyboard.press(" ")
+    page.wait_for_selector(".hint:empty", state="attached")
+
+
 def test_the_keyboard_alone_reaches_everything(window: Window) -> None:
     page = window.page
     wanted = page.evaluate(

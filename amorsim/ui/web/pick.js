@@ -45,12 +45,13 @@ function nearestRobot(scene, poses, x, y, near, part) {
   return best;
 }
 
-const at = (poses, i) =>
-  `x ${fixed(poses[3 * i], 3)} m, y ${fixed(poses[3 * i + 1], 3)} m, heading ` +
+const at = (poses, i, metres = 3) =>
+  `x ${fixed(poses[3 * i], metres)} m, y ${fixed(poses[3 * i + 1], metres)} m, heading ` +
   `${fixed((wrap(poses[3 * i + 2]) * 180) / Math.PI, 1)}°`;
 
 function describeRobot(scene, frame, i) {
   const robot = scene.robots[i];
+  const metres = robot.reach < 0.1 ? 4 : 3;
   const gap = Math.hypot(
     frame.truePoses[3 * i] - frame.estimatedPoses[3 * i],
     frame.truePoses[3 * i + 1] - frame.estimatedPoses[3 * i + 1],
@@ -62,9 +63,9 @@ function describeRobot(scene, frame, i) {
     title: robot.name,
     lines: [
       robot.model || "robot",
-      `true: ${at(frame.truePoses, i)}`,
-      `estimated: ${at(frame.estimatedPoses, i)}`,
-      `apart: ${fixed(gap, 3)} m`,
+      `true: ${at(frame.truePoses, i, metres)}`,
+      `estimated: ${at(frame.estimatedPoses, i, metres)}`,
+      `apart: ${fixed(gap, metres)} m`,
       state + (frame.flags[i] & 1 ? ", in contact" : ""),
     ],
   };

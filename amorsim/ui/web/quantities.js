@@ -12,6 +12,7 @@ export const KINDS = ["true", "measured", "estimated", "difference"];
  * of what nobody estimates.
  */
 export function quantitiesOf(robot) {
+  const metres = robot.reach < 0.1 ? 4 : 3; // a robot for the table is told to a tenth of a millimetre
   const find = (kind) => robot.sensors.findIndex((sensor) => sensor.kind === kind && sensor.size === 1);
   const [compass, gyro] = [find("compass"), find("gyro")];
   // A receiver at the base point measures the pose itself; elsewhere its readings are rows of their own.
@@ -19,8 +20,8 @@ export function quantitiesOf(robot) {
   const fix = (frame, k) => (gps >= 0 ? (frame.sensors[gps]?.measured[k] ?? NaN) : NaN);
   const reading = (frame, s, which) => (s >= 0 ? (frame.sensors[s]?.[which][0] ?? NaN) : NaN);
   const list = [
-    plain("x", named("x", robot, gps), "m", 3, (f, i) => [f.truePoses[3 * i], fix(f, 0), f.estimatedPoses[3 * i]]),
-    plain("y", named("y", robot, gps), "m", 3, (f, i) => [f.truePoses[3 * i + 1], fix(f, 1), f.estimatedPoses[3 * i + 1]]),
+    plain("x", named("x", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i], fix(f, 0), f.estimatedPoses[3 * i]]),
+    plain("y", named("y", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i + 1], fix(f, 1), f.estimatedPoses[3 * i + 1]]),
     angle("heading", named("heading", robot, compass), (f, i) => [
       f.truePoses[3 * i + 2],
       reading(f, compass, "measured"),
@@ -30,7 +31,7 @@ export function quantitiesOf(robot) {
       key: "apart",
       label: "apart",
       unit: "m",
-      decimals: 3,
+      decimals: metres,
       of: (f, i) => {
         const gap = Math.hypot(
           f.estimatedPoses[3 * i] - f.truePoses[3 * i],
@@ -39,10 +40,10 @@ export function quantitiesOf(robot) {
         return [NaN, NaN, believed(f.covariances, i), gap];
       },
     },
-    plain("forward", "speed ahead", "m/s", 3, (f) => [f.trueTwist[0], NaN, f.estimatedTwist[0]]),
+    plain("forward", "speed ahead", "m/s", metres, (f) => [f.trueTwist[0], NaN, f.estimatedTwist[0]]),
   ];
   if (robot.twist[1] > 0) {
-    list.push(plain("left", "speed to the left", "m/s", 3, (f) => [f.trueTwist[1], NaN, f.estimatedTwist[1]]));
+    list.push(plain("left", "speed to the left", "m/s", metres, (f) => [f.trueTwist[1], NaN, f.estimatedTwist[1]]));
   }
   list.push(
     degrees("turn", named("turning", robot, gyro), "°/s", (f) => [
@@ -60,7 +61,7 @@ export function quantitiesOf(robot) {
     if (isRange(sensor)) {
       const least = (values) => (values?.length ? values.reduce((a, b) => (b < a || Number.isNaN(a) ? b : a)) : NaN);
       const of = (f) => [least(f.sensors[s]?.true), least(f.sensors[s]?.measured), NaN];
-      list.push(plain(`sensor.${sensor.name}`, `${sensor.name}, nearest`, sensor.unit, 3, of));
+      list.push(plain(`sensor.${sensor.name}`, `${sensor.name}, nearest`, sensor.unit, metres, of));
       return;
     }
     // Of a table its first line, which is that of the nearest thing; of many values the first.
@@ -71,7 +72,7 @@ export function quantitiesOf(robot) {
       const label = `${sensor.name} ${name}`.trim();
       if (unit === "rad") list.push(angle(key, label, of));
       else if (unit === "rad/s") list.push(degrees(key, label, "°/s", of));
-      else list.push(plain(key, label, unit, ["m", "m/s", "m/s^2"].includes(unit) ? 3 : 0, of));
+      else list.push(plain(key, label, unit, ["m", "m/s", "m/s^2"].includes(unit) ? metres : 0, of));
     }
   });
   return list;
