@@ -2,23 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Clock, Controller, Draws, Estimate, Measurement, RobotModel, State
+from amorsim.core.errors import ComponentError
 from amorsim.core.rows import take
 
-__all__ = ["ask_some"]
+if TYPE_CHECKING:
+    from amorsim.simulation.group import Group
+
+__all__ = ["command_of", "command_of_some"]
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
+_FEW = 16  # numbers
 
 
-def ask_some(
+def command_of(group: Group, which: Rows | None) -> Array:
+    """The command that the controller of a group gives to the rows in `which`, or to all.
+
+    Raises
+    ------
+    ComponentError
+        If it is of another shape, or not finite; the message names the controller and the robot.
+    """
+    controller = group.controller
+    assert controller is not None
+    asked = (group.robot, group.readings, group.estimate, group.moment.clock, group.controller_state)
+    if which is None:
+        command = controller.command(*asked, group.controller_draws)
+    else:
+        command = _ask_some(controller, *asked, group.controller_draws, which)
+    rows = group.rows if which is None else len(which)
+    expected = (rows, len(group.channels))
+    if group.devices and command.shape == (rows, len(group.drive.channels)):
+        missing = expected[1] - command.shape[1]
+        command = np.concatenate((command, np.zeros((rows, missing))), axis=1)
+    if command.shape != expected or not _all_finite(command):
+        names = group.names if which is None else [group.names[row] for row in which.tolist()]
+        raise _bad_command(group, command, names)
+    return command
+
+
+def command_of_some(group: Group) -> Array:
+    """The command of a group of which some rows are driven by hand, and the others by their controller."""
+    command = group.hand.copy()
+    rows = np.flatnonzero(~group.by_hand[:, 0])
+    if len(rows):
+        asked = 0.0 if group.controller is None else command_of(group, rows)
+        command[rows] = np.where(group.active[rows], asked, 0.0)
+    return command
+
+
+def _bad_command(group: Group, command: Array, names: Sequence[str]) -> ComponentError:
+    who = f"controller {type(group.controller).__name__} of {', '.join(sorted(set(names))[:3])}"
+    channels = ", ".join(group.channels)
+    expected = (len(names), len(group.channels))
+    if command.shape != expected:
+        return ComponentError(f"{who}: expected a command of shape {expected} ({channels}), got {command.shape}")
+    row = int(np.flatnonzero(~np.isfinite(command).all(axis=1))[0])
+    return ComponentError(
+        f"{who}: expected finite numbers for {channels} of robot {names[row]!r}, got {command[row].tolist()}"
+    )
+
+
+def _all_finite(array: Array) -> bool:
+    if array.size <= _FEW:  # NumPy takes longer to begin than these do
+        return all(map(math.isfinite, array.ravel().tolist()))
+    return bool(np.isfinite(array).all())
+
+
+def _ask_some(
     controller: Controller,
     robot: RobotModel,
     readings: Mapping[str, Measurement],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -33,7 +32,7 @@ from amorsim.kernels.poses import mean_twists
 from amorsim.scenario.spec import Knowledge, Robot, Zone
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
-from amorsim.simulation.driving import ask_some
+from amorsim.simulation.driving import command_of, command_of_some
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
@@ -47,7 +46,6 @@ __all__ = ["Group", "group_key"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-FEW = 16  # numbers
 Arrays = dict[str, npt.NDArray[Any]]
 
 
@@ -221,55 +219,13 @@ class Group:
     def control(self) -> None:
         """Ask the controller for a command; those whose controller ended stand still."""
         if self.some_by_hand:
-            self._control_some()
+            self.command = command_of_some(self)
         elif self.controller is not None:
-            asked = self._asked(None)
+            asked = command_of(self, None)
+            if self._counted is not self.active:  # it is replaced, never changed once somebody has asked
+                self._counted, self._are_active = self.active, bool(self.active.all())
             # A copy: it is the controller's, which may write into it again.
-            self.command = np.array(asked, dtype=np.float64) if self._all_active else np.where(self.active, asked, 0.0)
-
-    @property
-    def _all_active(self) -> bool:
-        if self._counted is not self.active:  # it is replaced, never changed once somebody has asked
-            self._counted = self.active
-            self._are_active = bool(self.active.all())
-        return self._are_active
-
-    def _control_some(self) -> None:
-        command = self.hand.copy()
-        rows = np.flatnonzero(~self.by_hand[:, 0])
-        if len(rows):
-            asked = 0.0 if self.controller is None else self._asked(rows)
-            command[rows] = np.where(self.active[rows], asked, 0.0)
-        self.command = command
-
-    def _asked(self, which: npt.NDArray[np.intp] | None) -> Array:
-        """The command that the controller gives to the rows in `which`, or to all."""
-        assert self.controller is not None
-        asked = (self.robot, self.readings, self.estimate, self.moment.clock, self.controller_state)
-        if which is None:
-            command = self.controller.command(*asked, self.controller_draws)
-        else:
-            command = ask_some(self.controller, *asked, self.controller_draws, which)
-        rows = self.rows if which is None else len(which)
-        expected = (rows, len(self.channels))
-        if self.devices and command.shape == (rows, len(self.drive.channels)):
-            missing = expected[1] - command.shape[1]
-            command = np.concatenate((command, np.zeros((rows, missing))), axis=1)
-        if command.shape != expected or not _all_finite(command):
-            names = self.names if which is None else [self.names[row] for row in which.tolist()]
-            raise self._bad_command(command, names)
-        return command
-
-    def _bad_command(self, command: Array, names: Sequence[str]) -> ComponentError:
-        who = f"controller {type(self.controller).__name__} of {', '.join(sorted(set(names))[:3])}"
-        channels = ", ".join(self.channels)
-        expected = (len(names), len(self.channels))
-        if command.shape != expected:
-            return ComponentError(f"{who}: expected a command of shape {expected} ({channels}), got {command.shape}")
-        row = int(np.flatnonzero(~np.isfinite(command).all(axis=1))[0])
-        return ComponentError(
-            f"{who}: expected finite numbers for {channels} of robot {names[row]!r}, got {command[row].tolist()}"
-        )
+            self.command = np.array(asked, dtype=np.float64) if self._are_active else np.where(self.active, asked, 0.0)
 
     def hand_over(self, row: int, to_hand: bool) -> None:
         """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""
@@ -501,12 +457,6 @@ class _Readings(Mapping[str, Measurement]):
 
     def __len__(self) -> int:
         return len(self._units)
-
-
-def _all_finite(array: Array) -> bool:
-    if array.size <= FEW:  # NumPy takes longer to begin than these do
-        return all(map(math.isfinite, array.ravel().tolist()))
-    return bool(np.isfinite(array).all())
 
 
 def _poses(robots: Sequence[Robot]) -> Array:
