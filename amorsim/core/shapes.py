@@ -126,6 +126,11 @@ class Shape:
         return np.array(self.border, dtype=np.float64)
 
     @property
+    def area(self) -> float:
+        """Area [m^2] within the border, its arcs cut into chords: the true one or a little less."""
+        return abs(_area(self.border))
+
+    @property
     def reach(self) -> float:
         """Distance [m] from the body's origin to the farthest point of the shape."""
         return max(math.hypot(x, y) for part in self.vertices for x, y in part) + self.radius

@@ -23,6 +23,7 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 TRIES = 1000
+_LOOKS = (64, 96, 128, 192, 256, 384, 512)  # tries after which it is asked whether there is any hope
 _FAR = 1e7  # [m] where those wait who have no place yet; nobody meets anybody there
 
 
@@ -44,11 +45,14 @@ def draw_starts(
     Raises
     ------
     ScenarioError
-        If some find no place in `TRIES` tries.
+        If some find no place in `TRIES` tries, or can be seen before not to find any.
     """
     starts = [body.start for body in bodies]
     if not any(starts):
         return np.empty((0, 3))
+    too_many = _too_many(world, bodies, source)
+    if too_many:
+        raise ScenarioError(too_many)
     given: Array = np.zeros((world.count, 3))
     for i, body in enumerate(bodies):
         if body.pose is not None:
@@ -58,15 +62,16 @@ def draw_starts(
     placed = np.tile(np.concatenate(([start is None for start in starts], own)), len(replicas))[world.owner]
     inside = with_parts(world, bodies, replicas, seed)
     _put_parts(world, poses, inside)
+    tries = 0
     for per in ("study", "replica"):
         chosen = np.array([start is not None and start.per == per for start in starts])
         if chosen.any():
             numbers = [STUDY] * len(replicas) if per == "study" else list(replicas)
             every = np.tile(np.concatenate((chosen, own)), len(replicas))
-            _draw(world, bodies, every, numbers, seed, poses, placed, inside)
+            tries = max(tries, _draw(world, bodies, every, numbers, seed, poses, placed, inside))
     lost = np.flatnonzero(~placed & (world.owner == world.everyone))
     if len(lost):
-        raise ScenarioError(_no_room(world, bodies, lost, source))
+        raise ScenarioError(_no_room(world, bodies, lost, tries, source))
     return poses
 
 
@@ -79,18 +84,23 @@ def _draw(
     poses: Array,
     placed: npt.NDArray[np.bool_],
     inside: Array,
-) -> None:
-    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`; `inside` are those of parts in robots."""
+) -> int:
+    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`; after how many tries it ended.
+
+    `inside` are the poses of parts in robots.
+    """
     count, total, owner = world.count, len(placed), world.owner
     keys = np.array([stream_key(seed, body.name, "start") for body in bodies], dtype=np.uint64)
     clearance = np.zeros((len(numbers), count))
     clearance[:, : world.named] = [0.0 if body.start is None else body.start.clearance for body in bodies]
     clearance = clearance.reshape(-1)[owner]
     areas = _Areas(world, [body.start for body in bodies])
+    left: list[Ints] = []  # in each replica, before each try
     for attempt in range(TRIES):
         todo = np.flatnonzero(chosen & ~placed)
-        if not len(todo):
-            return
+        left.append(np.bincount(todo // count, minlength=len(numbers)))
+        if not len(todo) or (attempt in _LOOKS and _is_hopeless(left)):
+            return attempt
         counter = np.zeros((len(todo), 3), dtype=np.uint32)
         counter[:, 0] = np.asarray(numbers)[todo // count]
         counter[:, 2] = attempt
@@ -115,6 +125,59 @@ def _draw(
         later, earlier = np.maximum(a, b), np.minimum(a, b)
         candidates[np.where(candidates[later], later, earlier)] = False
         placed |= candidates[owner]
+    return TRIES
+
+
+def _is_hopeless(left: Sequence[Ints]) -> bool:
+    """Whether, of so many in each replica `(R,)` without a place before each try, some cannot find one in the end.
+
+    Places grow fewer, so no more can be found in a try than were found of late: in half of the tries so far, and at
+    best four deviations of a count and ten more. Each replica is judged by itself.
+    """
+    made = len(left) - 1
+    late = made // 2
+    found = left[made - late] - left[made]
+    at_best = found + 4.0 * np.sqrt(found + 1.0) + 10.0
+    return bool((at_best * (TRIES - made) < left[made] * late).any())
+
+
+def _too_many(world: World, bodies: Sequence[Robot | Obstacle], source: str) -> list[Fault]:
+    """A fault for each kind of start whose bodies are larger together than where they are to stand."""
+    alike: dict[RandomStart, list[int]] = {}
+    for i, body in enumerate(bodies):
+        if body.start is not None:
+            alike.setdefault(body.start, []).append(i)
+    faults = []
+    for start, members in alike.items():
+        area = math.fsum(bodies[i].shape.area for i in members)
+        reach = max(bodies[i].shape.reach for i in members)
+        width, height = world.map.size
+        room = width * height
+        if start.box is not None:
+            room = min(room, (start.box[2] - start.box[0] + 2.0 * reach) * (start.box[3] - start.box[1] + 2.0 * reach))
+        if area > room:
+            faults.append(
+                _fault(
+                    bodies[members[0]],
+                    source,
+                    f"the {len(members)} that start at random {_where(start)} cover {area:.4g} m2, and there are "
+                    f"{room:.4g} m2 at the most",
+                )
+            )
+    return faults
+
+
+def _where(start: RandomStart) -> str:
+    return "on the map" if start.box is None else "in the box {:g}, {:g}, {:g}, {:g} m".format(*start.box)
+
+
+def _fault(first: Robot | Obstacle, source: str, message: str) -> Fault:
+    kind = "robots" if isinstance(first, Robot) else "obstacles"
+    return Fault(
+        file=source,
+        path=f"{kind}.{first.name}.start",
+        message=f"{message}; expected more room, fewer or smaller bodies, or less clearance",
+    )
 
 
 def _put_parts(world: World, poses: Array, inside: Array) -> None:
@@ -160,23 +223,17 @@ class _Areas:
         return np.column_stack((x, y, heading))
 
 
-def _no_room(world: World, bodies: Sequence[Robot | Obstacle], lost: Ints, source: str) -> list[Fault]:
+def _no_room(world: World, bodies: Sequence[Robot | Obstacle], lost: Ints, tries: int, source: str) -> list[Fault]:
     """A fault for each kind of start that some found no place for, in the first replica where that was so."""
     first = lost[lost // world.count == lost[0] // world.count] % world.count
+    early = "" if tries == TRIES else ", and too few in the last of them for any hope"
     faults = []
     for start in dict.fromkeys(bodies[i].start for i in first.tolist()):
         names = [bodies[i].name for i in first.tolist() if bodies[i].start == start]
         alike = sum(body.start == start for body in bodies)
         assert start is not None
-        where = "on the map" if start.box is None else "in the box {:g}, {:g}, {:g}, {:g} m".format(*start.box)
         some = ", ".join(names[:3]) + (" ..." if len(names) > 3 else "")
-        kind = "robots" if isinstance(bodies[int(first[0])], Robot) else "obstacles"
-        faults.append(
-            Fault(
-                file=source,
-                path=f"{kind}.{names[0]}.start",
-                message=f"{len(names)} of {alike} that start at random {where} found no free place in {TRIES} tries "
-                f"({some}); expected more room, fewer or smaller bodies, or less clearance",
-            )
-        )
+        message = f"{len(names)} of {alike} that start at random {_where(start)} found no free place in {tries} tries"
+        one = next(bodies[i] for i in first.tolist() if bodies[i].name == names[0])
+        faults.append(_fault(one, source, f"{message} ({some}){early}"))
     return faults

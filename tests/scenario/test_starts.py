@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 
 import numpy as np
@@ -13,6 +14,7 @@ from amorsim.scenario.angles import parse_float
 from amorsim.scenario.document import document_of
 from amorsim.scenario.read import loads
 from amorsim.scenario.write import document_text
+from amorsim.simulation import placing
 from tests import building
 
 HEAD = 'format = 1\n[world]\nmap = "room.wld"\nresolution = 0.01\n'
@@ -96,6 +98,49 @@ def test_clearance_is_kept(read):
     assert walls[mine].min() >= 0.05
 
 
+def crowded(count, radius=0.1, **start):
+    random = am.RandomStart(**({"random": (0.5, 0.5, 4.5, 4.5)} | start))
+    post = am.Shape.circle(radius)
+    crowd = [am.Obstacle(name=f"o{i:03d}", shape=post, start=random) for i in range(count)]
+    return building.scenario(obstacles=crowd, seed=2)
+
+
+def test_more_than_there_is_room_for_is_told_before_a_try_is_made(monkeypatch):
+    monkeypatch.setattr("amorsim.simulation.placing._draw", None)
+    # 1000 circles, as polygons of 64 sides: 1000 * 32 sin(2 pi / 64) * 0.01 m2. With margins the box is 4.2 m wide.
+    with pytest.raises(
+        am.ScenarioError, match=r"obstacles.o000.start: the 1000 .* in the box 0.5, .* cover 31.37 m2"
+    ) as told:
+        am.Simulation(crowded(1000))
+    assert "there are 17.64 m2 at the most; expected more room" in str(told.value)
+    with pytest.raises(am.ScenarioError, match=r"on the map cover 31.37 m2, and there are 30 m2 at the most"):
+        am.Simulation(crowded(1000, random="anywhere"))
+
+
+def test_of_far_too_many_it_is_told_soon():
+    # They cover half more than circles put down at random can, 0.547 of the plane.
+    with pytest.raises(am.ScenarioError) as told:
+        am.Simulation(crowded(450))
+    found = re.search(
+        r"(\d+) of 450 .* no free place in (\d+) tries \(o\d+.*\), and too few in the last", str(told.value)
+    )
+    assert found, told.value
+    assert 64 <= int(found[2]) <= 256
+    assert int(found[1]) > 100
+
+
+def test_nobody_is_given_up_who_may_find_a_place_in_the_end():
+    one_left = [np.array([3, 0])] * 600
+    few = [np.array([max(20 - t // 30, 0)]) for t in range(600)]
+    many = [np.array([2000 - t]) for t in range(600)]  # one a try, and 1400 left to go for 400
+    for t in placing._LOOKS:
+        assert not placing._is_hopeless(one_left[: t + 1])
+        assert not placing._is_hopeless(few[: t + 1])
+    assert placing._is_hopeless(many[:513])
+    assert placing._is_hopeless([np.array([0, 500])] * 65)  # each replica by itself
+    assert not placing._is_hopeless([np.array([0, 100])] * 65)
+
+
 def test_starts_do_not_depend_on_who_stands_where_in_the_file(read):
     scenario = read(SWARM)
     there = am.Simulation(scenario)
@@ -168,9 +213,13 @@ def test_two_series_whose_names_meet_are_a_fault(faults):
 
 def test_too_many_are_told_clearly(read):
     with pytest.raises(
-        am.ScenarioError, match=r"robots.r\d+.start: \d+ of 1000 that start at random on the map found no free"
+        am.ScenarioError, match=r"robots.r0000.start: the 1000 that start at random on the map cover 31.37 m2"
     ):
         am.Simulation(read(SWARM.replace("count = 12", "count = 1000")))
+    with pytest.raises(
+        am.ScenarioError, match=r"robots.r\d+.start: \d+ of 250 that start at random on the map found no free"
+    ):
+        am.Simulation(read(SWARM.replace("count = 12", "count = 250")))
 
 
 # ------------------------------------------------------------------------------ starts that are not free
