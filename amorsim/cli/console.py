@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-__all__ = ["complain", "say"]
+__all__ = ["compile_once", "complain", "say"]
 
 
 def say(text: str) -> None:
@@ -17,3 +17,17 @@ def complain(text: str) -> None:
     """A line about what went wrong."""
     sys.stderr.write(text + "\n")
     sys.stderr.flush()
+
+
+def compile_once(quiet: bool = False) -> bool:
+    """Say so and compile what nearly every command needs, if no process has done so yet; whether none had."""
+    from amorsim.kernels.cache import is_cold, mark_warm
+    from amorsim.simulation.warm import compile_together
+
+    if not is_cold():
+        return False
+    if not quiet:
+        say("compiling the kernels, once after installing (some ten seconds) ...")
+    compile_together()
+    mark_warm()
+    return True

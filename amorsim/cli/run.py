@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import attrs
 import typer
 
-from amorsim.cli.console import complain, say
+from amorsim.cli.console import compile_once, complain, say
 
 if TYPE_CHECKING:
     from amorsim.runs.film import Film
@@ -93,7 +93,6 @@ def command(
     from amorsim.core.errors import AmorsimError
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.run import run as run_scenario
-    from amorsim.simulation.warm import compile_first
 
     if replicas is not None and replica:
         raise AmorsimError("--replicas and --replica exclude each other: the first counts them, the second names them")
@@ -101,11 +100,9 @@ def command(
         raise AmorsimError(f"--replicas: expected a whole number > 0, got {replicas}")
     if quiet:
         warnings.simplefilter("ignore")
-    is_cold = _compile_beside(quiet)
+    compile_once(quiet)
     read = read_scenario(scenario, resolution=resolution, changes=changes or [])
     read = _with_options(read, seed, duration)
-    if is_cold:
-        compile_first(read)
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
     simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:
@@ -156,19 +153,6 @@ def _with_options(scenario: Scenario, seed: int | None, duration: float | None) 
     except ParameterError as error:
         raise AmorsimError(f"--{error.name}: {error.problem}") from None
     return scenario
-
-
-def _compile_beside(quiet: bool) -> bool:
-    """Say so and get help where kernels have to be compiled; whether they have."""
-    from amorsim.kernels.cache import is_cold
-    from amorsim.simulation.warm import compile_beside
-
-    if not is_cold():
-        return False
-    if not quiet:
-        say("compiling the kernels, once after installing (some ten seconds) ...")
-    compile_beside()
-    return True
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from amorsim.cli.console import complain, say
+from amorsim.cli.console import compile_once, complain
 from amorsim.core.errors import AmorsimError, RunError
 
 if TYPE_CHECKING:
@@ -21,11 +21,9 @@ __all__ = ["claim_folder", "draw", "free_folder", "read_study", "significant", "
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
     """The scenario that a user means, with another seed if one is given."""
     from amorsim.core.parameters import ParameterError
-    from amorsim.kernels.cache import is_cold
     from amorsim.runs.asked import read_scenario
 
-    if is_cold():
-        say("compiling the kernels, once after installing (some ten seconds) ...")
+    compile_once()
     scenario = read_scenario(name, changes=changes or [])
     if seed is None:
         return scenario

@@ -14,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli.console import complain, say
+from amorsim.cli.console import compile_once, complain, say
 
 __all__ = ["command"]
 
@@ -73,14 +73,11 @@ def command(
     if not 0 <= port < 65536:
         raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
 
-    from amorsim.kernels.cache import is_cold
     from amorsim.ui.recipe import Recipe
     from amorsim.ui.server import serve
-    from amorsim.ui.session import COMPILING, Session
+    from amorsim.ui.session import Session
 
-    cold = is_cold()
-    if cold:
-        say(COMPILING)
+    cold = compile_once()
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
     # What no run has needed yet (a camera's kernels ...) is compiled later: that is told when it takes long.
     session = Session(recipe, out=out, notice=None if cold else say)

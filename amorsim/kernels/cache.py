@@ -21,6 +21,7 @@ from typing import Any
 
 import numba
 from numba.core import caching, compiler
+from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 
 from amorsim.kernels.claims import PAUSE, Claims
@@ -245,8 +246,20 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc, unused-ignore]
         try:
             super().save_overload(signature, compiled)
         finally:
-            if self.claims is not None:
-                self.claims.give_up(self._claim(signature))
+            self.let_go(signature)
+
+    def holds(self, signature: Any) -> bool:
+        """Whether the function is there, compiled for these types."""
+        return self._index_key(signature, cpu_target.target_context.codegen()) in self._cache_file._load_index()
+
+    def is_taken(self, signature: Any) -> bool:
+        """Whether another process is just compiling it."""
+        return self.claims is not None and self.claims.is_taken(self._claim(signature))
+
+    def let_go(self, signature: Any) -> None:
+        """Compiling it failed: let others try."""
+        if self.claims is not None:
+            self.claims.give_up(self._claim(signature))
 
     def _look(self, signature: Any, context: Any) -> Any:
         # numba would first make itself ready to compile, which takes longer than loading all kernels of a run.

@@ -46,6 +46,13 @@ class Claims:
         self._held.add(path)
         return True
 
+    def is_taken(self, path: Path) -> bool:
+        """Whether somebody else has claimed, and is at it."""
+        try:
+            return path not in self._held and path.exists() and not _is_void(path)
+        except OSError:  # it was taken away in between
+            return False
+
     def give_up(self, path: Path) -> None:
         """Take a claim away, if it is this process's."""
         if path in self._held:

@@ -1,4 +1,4 @@
-"""Compiling in two processes at once: what a first step needs last is compiled beside what it needs first.
+"""Compiling in two processes at once: the first time all that nearly every run needs, and later what contact needs.
 
 On a machine of two cores this shortens the wait after installing. The kernels' cache is where the two meet: each loads
 what the other has compiled already, and waits for what it is just compiling (`amorsim.kernels.claims`).
@@ -7,56 +7,40 @@ what the other has compiled already, and waits for what it is just compiling (`a
 from __future__ import annotations
 
 import contextlib
-import copy
 import os
 import subprocess
 import sys
 import threading
-import tomllib
 from pathlib import Path
-from typing import Any, ClassVar
 
-import attrs
-import numpy as np
-import numpy.typing as npt
-
-from amorsim.contracts import Aim, Draws, Drive, MapLoader, Sensor, State, View
-from amorsim.core.map import Map
 from amorsim.kernels import cache as compiling
+from amorsim.kernels.ahead import compile_ahead
 from amorsim.kernels.cache import take_turns
-from amorsim.kernels.draft import FREE
-from amorsim.kernels.grid import Grid
-from amorsim.plugins.hooks import hookimpl
-from amorsim.plugins.manager import default_registry, make_registry
-from amorsim.plugins.registry import Registry
+from amorsim.plugins.manager import default_registry
 from amorsim.scenario.read import loads
-from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["compile_beside", "compile_contact_beside", "compile_first", "main", "meet"]
+__all__ = ["compile_contact_beside", "compile_together", "main", "meet"]
 
 LONGEST = 120.0  # [s]
 _beside: list[subprocess.Popen[bytes]] = []
 
-# What a free entry says of each quadrant: a free square of one entry's side, and no more (see `amorsim.kernels.grid`).
-ROOM_FOR_ONE = 1 | 1 << 7 | 1 << 14 | 1 << 21
 
-
-def compile_beside() -> None:
-    """Start a process that compiles what a wandering robot needs besides its map and its laser, and share the work."""
-    if (os.cpu_count() or 1) < 2:
-        return
-    with contextlib.suppress(OSError):  # it only saves time
-        # Held, for nobody waits for it, and one that is let go while it runs is warned about.
-        _beside.append(
-            subprocess.Popen(
-                [sys.executable, "-c", f"from {__name__} import main; main()"],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
+def compile_together() -> None:
+    """Compile what nearly every run needs, in this process and another one that is started for it."""
+    if (os.cpu_count() or 1) > 1:
+        with contextlib.suppress(OSError):  # it only saves time
+            # Held, for nobody waits for it, and one that is let go while it runs is warned about.
+            _beside.append(
+                subprocess.Popen(
+                    [sys.executable, "-c", f"from {__name__} import main; main()"],
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                )
             )
-        )
-        take_turns()
+    take_turns()
+    compile_ahead()
 
 
 def compile_contact_beside() -> None:
@@ -85,56 +69,6 @@ def _contact_stamp() -> Path | None:
     return None if stamp is None else stamp.with_name(f"contact-{stamp.name}")
 
 
-def compile_first(scenario: Scenario) -> None:
-    """Compile what scans a map, while a process beside compiles what a simulation asks for before it scans."""
-    if _beside:
-        scenario.map.cast_rays(np.zeros((1, 3)), np.zeros(1), 1.0)
-
-
-@attrs.frozen(kw_only=True)
-class _OpenSpace(MapLoader):
-    """A square of free cells, put together without a kernel."""
-
-    extensions: ClassVar[tuple[str, ...]] = (".toml",)
-
-    def load(self, path: Path) -> Map:
-        side = 4096
-        grid = Grid(
-            resolution=0.01,
-            rows=side,
-            cols=side,
-            super_cols=1,
-            supers=np.full(1, FREE | ROOM_FOR_ONE, dtype=np.int32),
-            tables=np.zeros((1, side), dtype=np.int32),
-            pages=np.full((1, 64), 2**64 - 1, dtype=np.uint64),
-            room=np.zeros((1, 64), dtype=np.uint16),
-        )
-        return Map(grid=grid, origin=(0.0, 0.0, 0.0))
-
-
-@attrs.frozen(kw_only=True)
-class _Nothing(Sensor):
-    """Ranges about the robot, none of which meets anything, told without a kernel."""
-
-    unit: ClassVar[str] = "m"
-
-    def size(self, drive: Drive) -> int:
-        return 8
-
-    def bearings(self) -> npt.NDArray[np.float64]:
-        return np.linspace(-3.0, 3.0, 8)[None]
-
-    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[npt.NDArray[np.float64], dict[str, Any]]:
-        return np.full((view.rows, 8), np.inf), {}
-
-
-class _Plugin:
-    @hookimpl
-    def amorsim_register(self, registry: Registry) -> None:
-        registry.sensor("nothing", _Nothing)
-        registry.map_loader("open_space", _OpenSpace)
-
-
 def _deadline() -> threading.Timer:
     deadline = threading.Timer(LONGEST, os._exit, (1,))  # nobody waits for this process, so it must end by itself
     deadline.daemon = True
@@ -143,26 +77,10 @@ def _deadline() -> threading.Timer:
 
 
 def main() -> None:
-    """Make two steps of the demo's robot in an open space: with ranges from nowhere, and then with its sonars alone.
-
-    What needs no rays comes first, for it is what the other process, which begins with rays, comes to last.
-    """
+    """Compile what is on the list, with whoever started this process."""
     deadline = _deadline()
     take_turns()
-    path = default_registry().file("scenario", "demo")
-    document = tomllib.loads(path.read_text(encoding="utf-8"))
-    document["world"] = {"map": str(path), "use": "open_space"}
-    robot = document["robots"][0]
-    robot["pose"] = {"x": 20.0, "y": 20.0, "heading_deg": 0.0}
-    robot.pop("knowledge", None)  # its map would be drawn here, with the kernels that the other process begins with
-    far = {"laser": False, "sonar": False, "far": {"use": "nothing"}}
-    registry = make_registry({"warm": _Plugin()}, disabled="")
-    for sensors, looks in ((far, "far"), ({"laser": False}, "sonar")):
-        robot["sensors"], robot["controller"]["sensor"] = sensors, looks
-        # Which start is free is not asked: nothing is in the way, and asking takes kernels.
-        simulation = Simulation(loads(copy.deepcopy(document), path.parent, registry=registry, starts=False))
-        simulation.step()
-        simulation.step()
+    compile_ahead()
     deadline.cancel()
 
 

@@ -1,0 +1,102 @@
+"""The list of kernels to compile ahead: what it says, how two processes share it, and whether it is up to date."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from numba.core import types
+
+from amorsim.kernels.ahead import LIST, Task, _type_of, compile_ahead, describe, read_list
+from amorsim.kernels.grid import Grid
+
+DEMO = """
+import json, sys
+from amorsim.kernels import compile as compiling
+from amorsim.kernels.ahead import describe
+asked = []
+compile_ = compiling._Kernel.compile
+def note(self, signature):
+    if type(self) is compiling._Kernel:
+        asked.append([self.py_func.__module__, self.py_func.__qualname__, [describe(each) for each in signature]])
+    return compile_(self, signature)
+compiling._Kernel.compile = note
+import amorsim as am
+am.run(am.load("demo"), sys.argv[1], duration=1.0)
+print(json.dumps(asked))
+"""
+
+ODOMETRY = "amorsim.kernels.odometry"
+
+SHARING = """
+import sys
+from numba.core import event
+class Listener(event.Listener):
+    def on_start(self, event):
+        function = event.data["dispatcher"].py_func
+        if function.__module__.startswith("amorsim"):
+            print(function.__qualname__, flush=True)
+    def on_end(self, event):
+        pass
+event.register("numba:compile", Listener())
+from amorsim.kernels.ahead import compile_ahead, read_list
+from amorsim.kernels.cache import take_turns
+take_turns()
+tasks = read_list()
+few = [task for task in tasks if not task.callees and task.is_part][:6]
+compile_ahead(few)
+assert all(task.dispatcher()._cache.holds(task.signature) for task in few)
+"""
+
+
+def test_types_are_read_as_they_were_described() -> None:
+    array = types.Array(types.float64, 2, "C")
+    named = types.BaseTuple.from_types([types.float64] + [types.int64] * 3 + [array] * 4, Grid)
+    for each in (array, array.copy(readonly=True), named, types.boolean, types.uint64, types.UniTuple(types.int64, 3)):
+        assert _type_of(json.loads(json.dumps(describe(each)))) == each
+    with pytest.raises(ValueError, match="no name"):
+        describe(types.literal(3))
+
+
+def test_callees_come_first() -> None:
+    for place, task in enumerate(read_list()):
+        assert all(callee < place for callee in task.callees)
+
+
+def test_the_list_is_what_the_demo_asks_for(tmp_path: Path) -> None:
+    """A few are let pass, so that a change of a kernel can wait for the next writing of the list."""
+    told = subprocess.run(
+        [sys.executable, "-c", DEMO, str(tmp_path / "run")], check=True, stdout=subprocess.PIPE, text=True
+    ).stdout
+    asked = {json.dumps(each) for each in json.loads(told.splitlines()[-1])}
+    rows = json.loads(LIST.read_text(encoding="utf-8"))
+    listed = {json.dumps([row["module"], row["name"], row["types"]]) for row in rows if not row["part"]}
+    assert len(asked ^ listed) <= 4, "write the list anew: python tools/list_kernels.py"
+
+
+def test_two_processes_share_it(tmp_path: Path) -> None:
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    both = [
+        subprocess.Popen([sys.executable, "-c", SHARING], env=environment, stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    told = [process.communicate(timeout=300)[0].split() for process in both]
+    assert [process.returncode for process in both] == [0, 0]
+    compiled = told[0] + told[1]
+    assert len(compiled) == len(set(compiled)) == 6
+    assert not list(tmp_path.rglob("*.claim"))
+
+
+def test_what_is_no_more_is_left_out() -> None:
+    number = types.float64
+    compile_ahead(
+        [
+            Task(ODOMETRY, "no_such_kernel", True, (number,)),
+            Task("amorsim.kernels.no_such_file", "compose", True, (number,)),
+            Task("amorsim.kernels.poses", "wrap", True, (number,) * 9),
+        ]
+    )
