@@ -57,7 +57,7 @@ class Lines(NamedTuple):
     """Segments of a map in its own frame [m], in blocks of neighbours."""
 
     boxes: Floats
-    """(blocks, 4) xmin, ymin, xmax, ymax of the occupied cells of a block's segments."""
+    """(4, blocks) xmin, ymin, xmax, ymax of the occupied cells of a block's segments."""
     first: Integers
     """(blocks + 1,): a block's first segment, and one past its last, that of the next."""
     walls: Floats
@@ -89,11 +89,11 @@ def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
     return _bucket(_place(x, y) + beyond, scale)
 
 
-@part
-def _distance(lines: Lines, block: int, x: float, y: float) -> float:
+@inlined
+def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
     """How far [m] from a point all is at least that a block's segments occupy."""
-    away_x = max(lines.boxes[block, 0] - x, 0.0, x - lines.boxes[block, 2])
-    away_y = max(lines.boxes[block, 1] - y, 0.0, y - lines.boxes[block, 3])
+    away_x = max(max(boxes[0, block] - x, x - boxes[2, block]), 0.0)
+    away_y = max(max(boxes[1, block] - y, y - boxes[3, block]), 0.0)
     return math.sqrt(away_x * away_x + away_y * away_y)
 
 
@@ -105,13 +105,15 @@ def _near_blocks(lines: Lines, x: float, y: float, reach: float, found: Integers
     """
     ends[:] = 0
     scale = RINGS / reach
-    for block in range(lines.boxes.shape[0]):
-        away[block] = _distance(lines, block, x, y)
+    boxes = lines.boxes
+    for block in range(boxes.shape[1]):
+        away[block] = _distance(boxes, block, x, y)
+    for block in range(boxes.shape[1]):
         if away[block] <= reach:
             ends[min(int(away[block] * scale), RINGS) + 1] += 1
     for ring in range(RINGS + 1):
         ends[ring + 1] += ends[ring]
-    for block in range(lines.boxes.shape[0]):
+    for block in range(lines.boxes.shape[1]):
         if away[block] <= reach:
             ring = min(int(away[block] * scale), RINGS)
             found[ends[ring]] = block
@@ -145,8 +147,8 @@ def walls_about(
     walls = lines.walls
     scale = RINGS / reach
     heads[:] = -1
-    for block in range(lines.boxes.shape[0]):
-        if _distance(lines, block, x, y) > reach:
+    for block in range(lines.boxes.shape[1]):
+        if _distance(lines.boxes, block, x, y) > reach:
             continue
         for m in range(lines.first[block], lines.first[block + 1]):
             to_x = walls[0, m] - x
@@ -182,10 +184,10 @@ def _block_span(lines: Lines, block: int, x: float, y: float) -> tuple[bool, flo
 
     They are told from the point, x and y of the right one first.
     """
-    x0 = lines.boxes[block, 0] - x
-    y0 = lines.boxes[block, 1] - y
-    x1 = lines.boxes[block, 2] - x
-    y1 = lines.boxes[block, 3] - y
+    x0 = lines.boxes[0, block] - x
+    y0 = lines.boxes[1, block] - y
+    x1 = lines.boxes[2, block] - x
+    y1 = lines.boxes[3, block] - y
     if x0 > 0.0:
         return True, (x1 if y0 > 0.0 else x0), y0, (x1 if y1 < 0.0 else x0), y1
     if x1 < 0.0:

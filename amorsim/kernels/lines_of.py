@@ -22,7 +22,7 @@ _BLOCK = 16  # segments whose distance is asked for at once
 
 def no_lines() -> Lines:
     """Lines of a map that has none."""
-    return Lines(np.empty((0, 4)), np.zeros(1, dtype=np.int64), np.empty((6, 0)))
+    return Lines(np.empty((4, 0)), np.zeros(1, dtype=np.int64), np.empty((6, 0)))
 
 
 def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins: Floats | None = None) -> Lines:
@@ -51,7 +51,11 @@ def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins:
     beyond = 1.5 * margin[:, None]  # the corner of a rectangle is the square root of 2 margins away
     low = np.minimum.reduceat(np.minimum(ends[:, :2], ends[:, 2:]) - beyond, first[:-1])
     high = np.maximum.reduceat(np.maximum(ends[:, :2], ends[:, 2:]) + beyond, first[:-1])
-    return Lines(np.concatenate([low, high], axis=1), first.astype(np.int64), np.ascontiguousarray(walls.T))
+    return Lines(
+        np.ascontiguousarray(np.concatenate([low, high], axis=1).T),
+        first.astype(np.int64),
+        np.ascontiguousarray(walls.T),
+    )
 
 
 def _tighten(walls: Floats, ends: Floats, resolution: float) -> None:

@@ -186,7 +186,7 @@ def test_a_large_world_of_many_walls() -> None:
     angle, length = rng.random(6000) * 7, rng.random(6000) * 3
     ends = start + length[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     world = Map.from_segments(np.column_stack([start, ends]), resolution=0.005)
-    assert len(world.lines.boxes) > 100
+    assert world.lines.boxes.shape[1] > 100
     poses = random_poses(rng, world, 60)
     assert np.isfinite(scanned(world, poses, FAN)).mean() > 0.2
     # So many walls are within this range that beams go alone.
@@ -200,8 +200,8 @@ def test_every_wall_is_in_one_block_and_its_cells_in_the_box() -> None:
     assert lines.first[0] == 0
     assert lines.first[-1] == lines.walls.shape[1] == len(walls) + 4  # and the border
     assert (np.diff(lines.first) > 0).all()
-    block = np.repeat(np.arange(len(lines.boxes)), np.diff(lines.first))
+    block = np.repeat(np.arange(lines.boxes.shape[1]), np.diff(lines.first))
     begin = lines.walls[:2].T
     for end in (begin, begin + (lines.walls[2:4] * lines.walls[4]).T):
-        assert (end - 0.05 >= lines.boxes[block, :2]).all()
-        assert (end + 0.05 <= lines.boxes[block, 2:]).all()
+        assert (end - 0.05 >= lines.boxes[:2, block].T).all()
+        assert (end + 0.05 <= lines.boxes[2:, block].T).all()
