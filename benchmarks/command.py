@@ -24,7 +24,10 @@ CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure what was asked for, and write the table as text, JSON and a picture; the exit status."""
-    given = _parser().parse_args(arguments)
+    parser = _parser()
+    given = parser.parse_args(arguments)
+    if given.threads > 1 and given.clock == "cpu":
+        parser.error("argument --threads: the processor's time adds threads up; expected --clock wall beside it")
     began = time.perf_counter()
 
     def say(what: str) -> None:
@@ -41,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "fleet" in given.only:
         if not plain_rates:
             plain_rates = rays.yardstick(given.rounds, given.quick, clock, say)
-        rows += fleet.measure(given.rounds, given.quick, peers, plain_rates, clock, say)
+        rows += fleet.measure(given.rounds, given.quick, peers, plain_rates, clock, say, given.threads)
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
     if "start" in given.only:
@@ -78,13 +81,20 @@ def _parser() -> argparse.ArgumentParser:
         metavar="SECTIONS",
         help=f"some of {','.join(SECTIONS)}, with commas between; all without it",
     )
-    parser.add_argument("--rounds", type=_rounds, default=5, metavar="N", help="how often each side runs (5)")
+    parser.add_argument("--rounds", type=_count, default=5, metavar="N", help="how often each side runs (5)")
     parser.add_argument(
         "--clock",
         choices=sorted(CLOCKS),
         default="wall",
         help="cpu counts the processor's time of the process: fair on a machine that others use too, while every side "
         "runs in one thread (wall)",
+    )
+    parser.add_argument(
+        "--threads",
+        type=_count,
+        default=1,
+        metavar="N",
+        help="of amorsim in fleets of 100 robots and more; with the clock on the wall only (1)",
     )
     parser.add_argument("--quick", action="store_true", help="smaller worlds and fleets: to see that all runs")
     parser.add_argument(
@@ -101,7 +111,7 @@ def _sections(text: str) -> tuple[str, ...]:
     return wanted
 
 
-def _rounds(text: str) -> int:
+def _count(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number of rounds > 0, got {text!r}")
+        raise argparse.ArgumentTypeError(f"expected a whole number > 0, got {text!r}")
     return int(text)

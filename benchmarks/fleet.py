@@ -22,6 +22,7 @@ SECTION = "fleet"
 UNIT = "robot-steps/s"
 _AREA = 10.0  # m2 for each robot, where density is constant
 _CLEARANCE = 0.45  # m about a start: a disc, and what `wander` keeps free
+_MANY = 100  # robots, from which on threads share them
 _APART = 0.85  # m from start to start
 _AT_LEAST = 0.3  # s timed of amorsim in a round
 _AT_MOST = 1.5  # s timed of a peer in a round, if it does not get through all steps
@@ -69,13 +70,17 @@ def measure(
     plain_rates: tuple[float, ...],
     clock: Clock,
     say: Callable[[str], None],
+    threads: int = 1,
 ) -> list[Row]:
-    """The rows; `plain_rates` are the plain traversal's on the office, by which published figures are scaled."""
+    """The rows; `plain_rates` are the plain traversal's on the office, by which published figures are scaled.
+
+    `threads` are amorsim's in fleets of a hundred robots and more.
+    """
     rows: list[Row] = []
     costs: dict[int, tuple[float, ...]] = {}
     for setting in _settings(quick):
         say(f"fleet: {setting.name}")
-        made = _contest(setting, rounds, peers if setting.peers else [], clock)
+        made = _contest(setting, rounds, peers if setting.peers else [], clock, threads)
         ours = made[0].rounds
         if not setting.peers:
             costs[setting.robots] = ours
@@ -108,11 +113,12 @@ def _threads(robots: int, rounds: int, say: Callable[[str], None]) -> Row:
     return Row(section=SECTION, setting=setting, side="amorsim", unit="x as fast", rounds=tuple(ratios))
 
 
-def _contest(setting: _Setting, rounds: int, peers: list[type[Peer]], clock: Clock) -> list[Row]:
+def _contest(setting: _Setting, rounds: int, peers: list[type[Peer]], clock: Clock, threads: int = 1) -> list[Row]:
+    threads = threads if setting.robots >= _MANY else 1
     world = setting.world()
     poses = worlds.places(world, setting.robots, _CLEARANCE, _APART)
     make = pioneer if setting.with_pioneer else disc
-    ours = Ours(world, [make(f"r{n:05d}", pose) for n, pose in enumerate(poses)])
+    ours = Ours(world, [make(f"r{n:05d}", pose) for n, pose in enumerate(poses)], threads)
     task, track = ours.task(setting.steps)
     timed = ours.repeated(setting.steps)
     fit = [
@@ -132,9 +138,8 @@ def _contest(setting: _Setting, rounds: int, peers: list[type[Peer]], clock: Clo
         for peer, side in sides:
             did, conducts[peer.name] = followed(side, setting.steps, _AT_MOST, clock)
             theirs[peer.name].append(setting.robots * did.steps / did.seconds)
-    rows = [
-        _row(setting, "amorsim", rates, track_conduct(track, setting.steps), PIONEER if setting.with_pioneer else DISCS)
-    ]
+    side = "amorsim" if threads == 1 else f"amorsim, {threads} threads"
+    rows = [_row(setting, side, rates, track_conduct(track, setting.steps), PIONEER if setting.with_pioneer else DISCS)]
     for peer in fit:
         conduct = conducts[peer.name]
         assert conduct.steps is not None

@@ -18,7 +18,9 @@ from benchmarks.worlds import line_room
     ("arguments", "why"),
     [
         (["--only", "rays,spped"], "no section 'spped'"),
-        (["--rounds", "0"], "rounds > 0"),
+        (["--rounds", "0"], "whole number > 0, got '0'"),
+        (["--threads", "0"], "whole number > 0, got '0'"),
+        (["--threads", "2", "--clock", "cpu"], "expected --clock wall"),
         (["--rounds", "x"], "got 'x'"),
     ],
 )
