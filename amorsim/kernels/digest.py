@@ -38,6 +38,35 @@ def _mix(bits: npt.NDArray[np.uint64], out: npt.NDArray[np.uint64]) -> None:
     out[1] = second
 
 
+@part
+def _mix_both(
+    bits: npt.NDArray[np.uint64],
+    others: npt.NDArray[np.uint64],
+    out: npt.NDArray[np.uint64],
+    other_out: npt.NDArray[np.uint64],
+) -> None:
+    """What `_mix` does for two rows of as many bits: each waits for its own product, so two take no longer than one."""
+    first = out[0]
+    second = out[1]
+    other_first = other_out[0]
+    other_second = other_out[1]
+    for j in range(bits.shape[0]):
+        word = bits[j]
+        other = others[j]
+        first = (first ^ word) * _FIRST
+        other_first = (other_first ^ other) * _FIRST
+        first ^= first >> _SHIFT
+        other_first ^= other_first >> _SHIFT
+        second = (second + word) * _SECOND
+        other_second = (other_second + other) * _SECOND
+        second ^= second >> _OTHER
+        other_second ^= other_second >> _OTHER
+    out[0] = first
+    out[1] = second
+    other_out[0] = other_first
+    other_out[1] = other_second
+
+
 @kernel
 def _absorb(
     a: Floats, b: Floats, c: Floats, d: Floats, e: Floats, f: Floats, g: Floats, h: Floats, out: npt.NDArray[np.uint64]
@@ -75,9 +104,14 @@ def absorb_together(
     second_bits = second.view(np.uint64)
     start = 0
     for k in sizes:
-        for i in range(begin, end):
-            _mix(first_bits[start + i * k : start + (i + 1) * k], out[i])
-            _mix(second_bits[start + i * k : start + (i + 1) * k], out[i])
+        for i in range(begin, end - 1, 2):
+            at = start + i * k
+            _mix_both(first_bits[at : at + k], first_bits[at + k : at + 2 * k], out[i], out[i + 1])
+            _mix_both(second_bits[at : at + k], second_bits[at + k : at + 2 * k], out[i], out[i + 1])
+        if (end - begin) % 2:
+            at = start + (end - 1) * k
+            _mix(first_bits[at : at + k], out[end - 1])
+            _mix(second_bits[at : at + k], out[end - 1])
         start += rows * k
 
 

@@ -1,0 +1,76 @@
+"""Fingerprints: the same however rows are cut and arrays are laid, and another for any bit that differs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from amorsim.kernels.digest import absorb, absorb_together
+
+MASK = 2**64 - 1
+
+
+def twin(rows):
+    """The fingerprints (N, 2) of rows of numbers, in Python's whole numbers."""
+    found = []
+    for row in rows:
+        first = second = 0
+        for word in np.array(row, dtype=np.float64).view(np.uint64).tolist():
+            first = (first ^ word) * 0x9E3779B97F4A7C15 & MASK
+            first ^= first >> 29
+            second = (second + word) * 0x6A09E667F3BCC909 & MASK
+            second ^= second >> 32
+        found.append((first, second))
+    return np.array(found, dtype=np.uint64).reshape(-1, 2)
+
+
+def results(rows, sizes):
+    """Five arrays (N, k), and of devices what they truly and really read, device by device."""
+    draw = np.random.default_rng(rows)
+    return (
+        [draw.normal(size=(rows, k)) for k in (3, 2, 2, 3, 9)],
+        [draw.normal(size=(rows, k)) for k in sizes],
+        [draw.normal(size=(rows, k)) for k in sizes],
+    )
+
+
+def laid(arrays):
+    return np.concatenate([np.zeros(0), *(array.ravel() for array in arrays)])
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3, 8, 9])
+@pytest.mark.parametrize("sizes", [(), (2,), (2, 181, 1)])
+def test_many_arrays_are_mixed_as_one_after_the_other(rows, sizes):
+    plain, true, measured = results(rows, sizes)
+    pairs = [array for both in zip(true, measured, strict=True) for array in both]
+    expected = twin(np.concatenate([*plain, *pairs], axis=1))
+    one_by_one, together = np.zeros((2, rows, 2), dtype=np.uint64)
+    absorb([*plain, *pairs], one_by_one)
+    absorb_together(*plain, np.array(sizes, dtype=np.int64), laid(true), laid(measured), 0, rows, together)
+    np.testing.assert_array_equal(one_by_one, expected)
+    np.testing.assert_array_equal(together, expected)
+
+
+@given(st.integers(1, 12), st.integers(0, 12))
+def test_however_rows_are_cut_the_fingerprints_are_the_same(rows, cut):
+    plain, true, measured = results(rows, (2, 5))
+    given_ = *plain, np.array([2, 5], dtype=np.int64), laid(true), laid(measured)
+    whole, parts = np.zeros((2, rows, 2), dtype=np.uint64)
+    absorb_together(*given_, 0, rows, whole)
+    cut = min(cut, rows)
+    absorb_together(*given_, 0, cut, parts)
+    absorb_together(*given_, cut, rows, parts)
+    np.testing.assert_array_equal(parts, whole)
+
+
+def test_the_last_bit_of_any_number_tells():
+    values = np.random.default_rng(0).normal(size=(1, 7))
+    found = np.zeros((8, 2), dtype=np.uint64)
+    absorb([values], found[:1])
+    for j in range(7):
+        changed = values.copy()
+        changed[0, j] = np.nextafter(changed[0, j], np.inf)
+        absorb([changed], found[j + 1 : j + 2])
+    assert len({tuple(row) for row in found.tolist()}) == 8
