@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
-from amorsim.core.poses import logarithm
-from amorsim.drives.motors import Motors, own_first
-from amorsim.kernels import poses, steering
+from amorsim.drives.motors import Steered, own_first
+from amorsim.kernels import steering
 
 __all__ = ["Ackermann"]
 
@@ -27,7 +26,7 @@ _JOINTS = {
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
-class Ackermann(Motors):
+class Ackermann(Steered):
     """A car; the base point is the middle of the rear axle.
 
     The steering angle s is that of one wheel in the middle of the front axle, which would do the same. A metre that the
@@ -67,10 +66,6 @@ class Ackermann(Motors):
     wheelbase: float = parameter(unit="m", gt=0, help="from the rear axle to the front one")
     track: float = parameter(unit="m", gt=0, help="distance between left and right wheels")
     steering_max: float = parameter(unit="rad", gt=0, le=1.4, help="largest steering angle to either side")
-    steering_rate: float = parameter(unit="rad/s", gt=0, help="how fast the steering moves at most")
-    steering_lag: float = parameter(
-        0.0, unit="s", ge=0, help="time constant with which the steering follows its command"
-    )
     rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the shaft turns, the mean of the rear wheels")
     counted: str = parameter(
         "rear", choices=("rear", "front", "centre"), static=True, help="which wheels are joints, and have encoders"
@@ -116,10 +111,6 @@ class Ackermann(Motors):
         )
         return out
 
-    def twist(self, before: Array, after: Array) -> Array:
-        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
-        return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
-
     def between(self, before: Array, after: Array, fraction: Array) -> Array:
         """The joints `(N, j)` after a stop at `fraction`."""
         out = np.empty(before.shape)
@@ -155,9 +146,7 @@ class Ackermann(Motors):
 
     def curvature_max(self) -> Array:
         """The sharpest curve `(N, 1)` [1/m]: that of the steering at its end."""
-        angle = np.array(self.steering_max)
-        cos, sin = np.empty_like(angle), np.empty_like(angle)
-        poses.directions(angle, cos, sin)
+        cos, sin = self.steering_end()
         return np.asarray(sin / cos / self.wheelbase)
 
     def top_speeds(self) -> Array:

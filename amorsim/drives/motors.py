@@ -1,4 +1,4 @@
-"""What drives with motors share: how a motor follows the rate it is told."""
+"""What drives with motors share: how a motor follows the rate it is told; a steering its angle; and paths that wind."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Drive, parameter
+from amorsim.core.poses import logarithm
+from amorsim.kernels import poses
 
-__all__ = ["Motors", "over_rows", "own_first"]
+__all__ = ["Motors", "Steered", "Winding", "over_rows", "own_first"]
 
 Array = npt.NDArray[np.float64]
 
@@ -57,3 +59,36 @@ class Motors(Drive):
     def _acceleration(self, rows: int) -> Array:
         """The limit on acceleration over rows `(N, 1)`, inf for none."""
         return over_rows(self.acceleration_max, rows)
+
+
+class Winding(Motors):
+    """A drive whose path in a step is no single arc, for its wheels steer meanwhile: it tells `displacement` itself."""
+
+    def twist(self, before: Array, after: Array) -> Array:
+        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
+        return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class Steered(Winding):
+    """A drive that is steered by an angle, the first of its joints, with a `wheelbase` and a `steering_max`.
+
+    Parameters
+    ----------
+    steering_rate
+        How fast the steering moves at most [rad/s].
+    steering_lag
+        Time constant with which the steering follows its command [s]; 0 for none.
+    """
+
+    steering_rate: float = parameter(unit="rad/s", gt=0, help="how fast the steering moves at most")
+    steering_lag: float = parameter(
+        0.0, unit="s", ge=0, help="time constant with which the steering follows its command"
+    )
+
+    def steering_end(self) -> tuple[Array, Array]:
+        """Cosine and sine `(N, 1)` of the largest steering angle."""
+        angle = np.array(self.steering_max)  # type: ignore[attr-defined]  # a field of each drive, with its own bounds
+        cos, sin = np.empty_like(angle), np.empty_like(angle)
+        poses.directions(angle, cos, sin)
+        return cos, sin

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
-from amorsim.core.poses import logarithm
-from amorsim.drives.motors import Motors, over_rows, own_first
+from amorsim.drives.motors import Winding, over_rows, own_first
 from amorsim.kernels import synchro
 
 __all__ = ["Synchro"]
@@ -23,7 +22,7 @@ _TURRET = Joint(name="turret", rolls=False)
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
-class Synchro(Motors):
+class Synchro(Winding):
     """Three or more wheels that stay parallel: one motor steers them all, another rolls them all.
 
     The base point is the middle between the wheels. They take it their way, whichever way the body looks: with the
@@ -102,10 +101,6 @@ class Synchro(Motors):
         out = np.empty((len(before), 3))
         synchro.synchro_paths(before, after, fraction, self.wheel_radius, self._mode, out)
         return out
-
-    def twist(self, before: Array, after: Array) -> Array:
-        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
-        return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
 
     def travel(self, before: Array, after: Array) -> Array:
         """Length of the path [m] and turning of the robot's frame [rad] `(N, 2)`."""

@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
-from amorsim.core.poses import logarithm
-from amorsim.drives.motors import Motors, own_first
-from amorsim.kernels import poses, steering
+from amorsim.drives.motors import Steered, own_first
+from amorsim.kernels import steering
 
 __all__ = ["Tricycle"]
 
@@ -22,7 +21,7 @@ _NEARLY_RIGHT = _RIGHT - 1e-9  # [rad] steering that goes so far turns the base 
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
-class Tricycle(Motors):
+class Tricycle(Steered):
     """A front wheel that is steered and driven, and two rear wheels that follow, as under many a fork lift.
 
     The base point is the middle of the rear axle. With the steering at an angle s, a metre that the front wheel rolls
@@ -57,10 +56,6 @@ class Tricycle(Motors):
     wheel_radius: float = parameter(unit="m", gt=0, help="radius of the front wheel")
     wheelbase: float = parameter(unit="m", gt=0, help="from the rear axle to the front wheel")
     steering_max: float = parameter(_RIGHT, unit="rad", gt=0, le=_RIGHT, help="largest steering angle to either side")
-    steering_rate: float = parameter(unit="rad/s", gt=0, help="how fast the steering moves at most")
-    steering_lag: float = parameter(
-        0.0, unit="s", ge=0, help="time constant with which the steering follows its command"
-    )
     rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the front wheel turns")
 
     def advance(
@@ -89,10 +84,6 @@ class Tricycle(Motors):
         steering.tricycle_paths(before, after, fraction, self.wheel_radius, self.wheelbase, out)
         return out
 
-    def twist(self, before: Array, after: Array) -> Array:
-        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
-        return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
-
     def travel(self, before: Array, after: Array) -> Array:
         """Bounds on the path `(N, 2)`: the way of the front wheel, and the turn if it stood athwart."""
         way = np.abs(after[:, 1:2] - before[:, 1:2]) * self.wheel_radius
@@ -116,17 +107,15 @@ class Tricycle(Motors):
 
     def curvature_max(self) -> Array:
         """The sharpest curve `(N, 1)` [1/m]; inf where the steering goes athwart."""
-        angle = np.array(self.steering_max)
-        cos, sin = np.empty_like(angle), np.empty_like(angle)
-        poses.directions(angle, cos, sin)
-        return np.where(angle >= _NEARLY_RIGHT, np.inf, sin / np.maximum(cos, 1e-9) / self.wheelbase)
+        cos, sin = self.steering_end()
+        return np.where(
+            np.asarray(self.steering_max) >= _NEARLY_RIGHT, np.inf, sin / np.maximum(cos, 1e-9) / self.wheelbase
+        )
 
     def top_speeds(self) -> Array:
         """Fastest speed and turn, and how fast each changes, `(N, 4)`."""
-        angle = np.array(self.steering_max)
-        cos, sin = np.empty_like(angle), np.empty_like(angle)
-        poses.directions(angle, cos, sin)
+        _, sin = self.steering_end()
         fastest: Any = self.rate_max * self.wheel_radius
-        change = self._acceleration(len(angle)) * self.wheel_radius
+        change = self._acceleration(len(fastest)) * self.wheel_radius
         lever = sin / self.wheelbase
         return np.concatenate((fastest, fastest * lever, change, change * lever), axis=1)

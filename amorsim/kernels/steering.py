@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.actuation import respond
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.poses import arc
 
 __all__ = [
@@ -107,9 +107,9 @@ def _steered_path(way: float, start: float, end: float, wheelbase: float, by_fro
         count = _parts(abs(bend) * max(abs(math.tan(start)), abs(math.tan(end))), abs(width))
     x = 0.0
     y = 0.0
-    for part in range(count):
+    for piece in range(count):
         for node in range(6):
-            u = (part + _NODES[node]) / count
+            u = (piece + _NODES[node]) / count
             steering = start + width * u
             weight = _WEIGHTS[node] / count
             if by_front:
@@ -146,9 +146,9 @@ def _wheel_ways(start: float, end: float, skew: float, place: int) -> tuple[floa
     left = 0.0
     right = 0.0
     count = _parts(0.0, abs(end - start))
-    for part in range(count):
+    for piece in range(count):
         for node in range(6):
-            steering = start + (end - start) * ((part + _NODES[node]) / count)
+            steering = start + (end - start) * ((piece + _NODES[node]) / count)
             weight = _WEIGHTS[node] / count
             left += weight * _speed_of_front(steering, skew, 1.0)
             right += weight * _speed_of_front(steering, skew, -1.0)
@@ -166,6 +166,18 @@ def _way(before: Floats, after: Floats, skew: float, place: int) -> float:
         return 0.5 * (left + right)
     of_left, of_right = _wheel_ways(before[0], after[0], skew, place)
     return 0.5 * (left / of_left + right / of_right)
+
+
+@part
+def _steer(
+    start: float, told: float, most: float, rate: float, lag: float, dt: float, out: Floats
+) -> tuple[float, float]:
+    """Where a steering is to go, and where it comes to in a step; its angle and its mean rate go into `out` (2,)."""
+    target = min(max(told, -most), most)
+    end, _ = respond(start, target, rate, lag, dt)
+    out[0] = end
+    out[1] = (end - start) / dt
+    return target, end
 
 
 @kernel
@@ -188,12 +200,10 @@ def ackermann_advance(
     """Joints and rates of cars a step later, into `out` (2, N, j); the command is (steering [rad], wheels [rad/s])."""
     for i in range(joints.shape[0]):
         skew = 0.5 * track[i, 0] / wheelbase[i, 0]
-        most = steering_max[i, 0]
         start = joints[i, 0]
-        target = min(max(command[i, 0], -most), most)
-        end, _ = respond(start, target, steering_rate[i, 0], steering_lag[i, 0], dt)
-        out[0, i, 0] = end
-        out[1, i, 0] = (end - start) / dt
+        _, end = _steer(
+            start, command[i, 0], steering_max[i, 0], steering_rate[i, 0], steering_lag[i, 0], dt, out[:, i, 0]
+        )
         # What the shaft does now, by the wheels that are counted.
         left, right = _wheel_ways(start, start, skew, place)
         if place == CENTRE:
@@ -324,12 +334,9 @@ def tricycle_advance(
 ) -> None:
     """Joints and rates of tricycles a step later, into `out` (2, N, 2); the command is (steering, front wheel)."""
     for i in range(joints.shape[0]):
-        most = steering_max[i, 0]
-        start = joints[i, 0]
-        target = min(max(command[i, 0], -most), most)
-        end, _ = respond(start, target, steering_rate[i, 0], steering_lag[i, 0], dt)
-        out[0, i, 0] = end
-        out[1, i, 0] = (end - start) / dt
+        target, end = _steer(
+            joints[i, 0], command[i, 0], steering_max[i, 0], steering_rate[i, 0], steering_lag[i, 0], dt, out[:, i, 0]
+        )
         # The slower the farther the steering is off: else it sets off in the direction of a moment ago.
         along = max(1.0 - abs(target - end) / _WAITS, 0.0)
         target = min(max(command[i, 1], -rate_max[i, 0]), rate_max[i, 0]) * along
