@@ -226,10 +226,10 @@ class View(Protocol):
     ) -> Array:
         """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
 
-        `origins` `(N * m, 3)` are world poses, m for each row in turn; `bearings` `(1, k)` or `(N * m, k)` are
-        relative to them; `range_max` `(N, 1)`, or `(N * m, 1)`, of each origin. With `traversal` ``"bresenham"`` walls
-        are looked for along the cells of Bresenham's line, as the original AMORsim does, and distances are between the
-        centres of cells. Without `bodies`, walls alone count.
+        A robot sees neither itself nor its own parts. `origins` `(N * m, 3)` are world poses, m for each row in turn;
+        `bearings` `(1, k)` or `(N * m, k)` are relative to them; `range_max` `(N, 1)`, or `(N * m, 1)`, of each
+        origin. With `traversal` ``"bresenham"`` walls are looked for along the cells of Bresenham's line, as the
+        original AMORsim does, and distances are between the centres of cells. Without `bodies`, walls alone count.
         """
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
@@ -245,7 +245,7 @@ class View(Protocol):
         """The nearest marks in sight of the sensor's mount: landmarks, and other bodies that carry a fiducial.
 
         Within `range_max` [m] and `half_angle` [rad] to either side of the mount's heading, both `(N, 1)`. One is in
-        sight if the line to it meets nothing before: no wall, no body but the row's own and the one that carries it.
+        sight if the line to it meets nothing before: no wall, no body but the row's own, its parts and what carries it.
         """
 
     @property

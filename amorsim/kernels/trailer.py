@@ -57,4 +57,6 @@ def follow_hitch(
         out[i, 0] = 2.0 * math.atan2(above, below)
         # The same turn of the trailer around the tractor: no jump as it folds under.
         out[i, 0] += 4.0 * math.pi * math.floor((hitch[i, 0] - out[i, 0]) / (4.0 * math.pi) + 0.5)
-        out[i, 0] = min(max(out[i, 0], -hitch_max[i, 0]), hitch_max[i, 0])
+        # One that is beyond its end already, which may have been set nearer, does not jump there.
+        limit = hitch_max[i, 0]
+        out[i, 0] = min(max(out[i, 0], min(-limit, hitch[i, 0])), max(limit, hitch[i, 0]))

@@ -292,12 +292,15 @@ class Group:
         """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
         return self.drive.part_travel(self._before, self._ground_after)
 
-    def stopped_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
-        """Poses and joints of some of the robots were they to stop at fractions `(Q, 1)`: what `arrive` makes of it."""
-        drive, before, after = take(self.drive, which), self._before[which], self._after[which]
-        displacement = drive.displacement(before, self._ground_after[which], fraction)
+    def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
+        """Poses of robots were they to stop at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
+        drive, before, ground, after, poses = self.drive, self._before, self._ground_after, self._after, self.true_pose
+        if self.rows > 1 or len(which) > 1:  # one alone, which is looked at often, is all there is
+            drive = take(drive, which)
+            before, ground, after, poses = before[which], ground[which], after[which], poses[which]
+        displacement = drive.displacement(before, ground, fraction)
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
-        return compose(self.true_pose[which], displacement), drive.follow(joints, displacement)
+        return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""

@@ -84,8 +84,7 @@ class Parts:
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of them are `(Q, 3)` at fractions `(Q,)` of the step."""
         row, part = np.divmod(which, self._each)
-        poses, joints = self._group.stopped_at(row, fraction[:, None])
-        inside = take(self._group.drive, row).part_poses(joints)
+        poses, inside = self._group.parts_at(row, fraction[:, None])
         return compose(poses, np.ascontiguousarray(inside[np.arange(len(row)), part]))
 
     def arrive(self, poses: Array, stop: Array) -> None:

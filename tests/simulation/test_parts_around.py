@@ -226,6 +226,27 @@ def test_a_drive_that_changes_moves_its_trailer_or_is_refused() -> None:
         sim.set("rig", "drive.trailer_width", 1.0)
 
 
+def test_a_hitch_whose_end_is_set_nearer_does_not_jump() -> None:
+    """It comes back as the tractor pulls; and at no instant is the trailer in the wall beside it."""
+    sim = am.Simulation(yard(rig(x=5.0, y=5.0)))
+    sim.robot("rig").command(-2.0, 3.0)
+    for _ in range(20):
+        sim.step()
+    folded = float(sim.robot("rig").joints[2])
+    assert folded == pytest.approx(1.4)
+    sim.set("rig", "drive.hitch_max", 0.3)
+    sim.step()
+    assert float(sim.robot("rig").joints[2]) == folded
+    sim.robot("rig").command(2.0, 2.0)
+    before = sim.robot("rig").parts["trailer"]
+    for _ in range(60):
+        sim.step()
+        now = sim.robot("rig").parts["trailer"]
+        assert np.hypot(*(now - before)[:2]) < 0.03
+        before = now
+    assert abs(float(sim.robot("rig").joints[2])) < 0.5 * folded
+
+
 # -------------------------------------------------------------------------------------------------------------- bits
 
 
