@@ -14,7 +14,7 @@ from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.contact import map_gaps
 
-__all__ = ["freest_start", "least_gaps", "out_of_reach", "overlap_with_walls", "wall_gaps"]
+__all__ = ["freest_start", "least_gaps", "out_of_reach", "outside", "overlap_with_walls", "wall_gaps"]
 
 Array = npt.NDArray[np.float64]
 
@@ -39,15 +39,15 @@ def out_of_reach(world: Map, x: float, y: float) -> str:
     """What is wrong with a place in the world where somebody wants to be, in words; nothing if it is free."""
     if not world.occupied([[x, y]])[0]:
         return ""
-    return _outside(world, x, y) or _IN_A_WALL
+    return outside(world, x, y) or _IN_A_WALL
 
 
 def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], what: str = "the footprint") -> str:
     """What is wrong with a footprint, or with `what`, at a place that overlaps an occupied cell `near`, in words."""
-    outside = _outside(world, x, y)
-    if outside:
+    beyond = outside(world, x, y)
+    if beyond:
         of_part = "" if what == "the footprint" else f", where {what} is,"
-        return f"({x:.3f}, {y:.3f}) m{of_part} {outside}; expected a free place"
+        return f"({x:.3f}, {y:.3f}) m{of_part} {beyond}; expected a free place"
     half = 0.5 * world.resolution
     about = [(near[0] + dx, near[1] + dy) for dx in (-half, half) for dy in (-half, half)]
     walls = [place for place in about if out_of_reach(world, *place) == _IN_A_WALL]
@@ -58,7 +58,8 @@ def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], wh
     )
 
 
-def _outside(world: Map, x: float, y: float) -> str:
+def outside(world: Map, x: float, y: float) -> str:
+    """That a place in the world is outside the map, in words; nothing if it is within."""
     origin_x, origin_y, yaw = world.origin
     c, s = math.cos(yaw), math.sin(yaw)
     along, up = c * (x - origin_x) + s * (y - origin_y), c * (y - origin_y) - s * (x - origin_x)

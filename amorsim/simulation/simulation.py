@@ -13,6 +13,7 @@ import numpy.typing as npt
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_you_mean
 from amorsim.core.parameters import ParameterError
+from amorsim.core.starts import outside
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Robot, Scenario
 from amorsim.simulation import phases
@@ -245,6 +246,9 @@ class Simulation:
         if len(pose) != 3 or not np.isfinite(pose).all():
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {pose!r}")
         wanted = np.array([pose], dtype=float)
+        beyond = outside(self._fleet.world.map, *wanted[0, :2].tolist())
+        if beyond:
+            raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: that {beyond}")
         parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
         found = self._fleet.overlap(group, row, np.concatenate((wanted, parts)))
         if found:

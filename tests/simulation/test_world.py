@@ -80,3 +80,15 @@ def test_the_compass_and_the_gyro_tell_the_truth_without_noise() -> None:
     expected = 3.0 + 0.05 + 0.2 - 2 * math.pi
     assert sim.robot("rover").readings["compass"].true[0] == pytest.approx(expected)
     assert sim.robot("rover").readings["gyro"].true[0] == pytest.approx(0.5)
+
+
+def test_a_robot_is_not_put_outside_the_map_or_into_a_wall() -> None:
+    sim = am.Simulation(building.scenario())
+    before = sim.digest()
+    with pytest.raises(
+        am.AmorsimError, match=r"cannot stand at \(9.0, 2.0, 0.0\): that is outside the map, which is 6 m x"
+    ):
+        sim.set_pose("rover", (9.0, 2.0, 0.0))
+    with pytest.raises(am.AmorsimError, match=r"cannot stand at \(6.0, 2.0, 0.0\): it would overlap a wall"):
+        sim.set_pose("rover", (6.0, 2.0, 0.0))
+    assert sim.digest() == before
