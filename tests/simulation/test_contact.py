@@ -150,7 +150,7 @@ def test_replicas_never_meet() -> None:
 
 @pytest.mark.parametrize(
     ("pose", "message"),
-    [((5.95, 2.0, 0.0), "wall"), ((9.0, 2.0, 0.0), "wall"), ((2.1, 2.1, 0.0), "overlaps 'rover'")],
+    [((5.95, 2.0, 0.0), "wall"), ((9.0, 2.0, 0.0), "is outside the map"), ((2.1, 2.1, 0.0), "overlaps 'rover'")],
 )
 def test_a_start_that_is_not_free_is_refused(pose: tuple[float, float, float], message: str) -> None:
     x, y, heading = pose
