@@ -23,7 +23,7 @@ from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle
 from amorsim.simulation.occupancy import occupancy
-from amorsim.simulation.snapshot import Snapshot, fits, put_back, take_snapshot
+from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
 
 __all__ = ["Simulation"]
 
@@ -383,14 +383,19 @@ class Simulation:
         """
         return take_snapshot(self._fleet)
 
-    def restore(self, snapshot: Snapshot) -> None:
+    def restore(self, snapshot: Snapshot | bytes) -> None:
         """Go back to what `snapshot` gave, to the bit; it may be restored any number of times.
+
+        Bytes are what `Snapshot.to_bytes` gave, maybe in another process. They are unpickled, so restore none that
+        somebody else may have made.
 
         Raises
         ------
         SnapshotError
             If it is of another simulation: other replicas, robots, obstacles or components. Nothing has changed then.
         """
+        if isinstance(snapshot, bytes):
+            snapshot = from_bytes(self._fleet, snapshot)
         if not fits(self._fleet, snapshot):
             raise SnapshotError("this snapshot is of another simulation")
         if snapshot.seed != self.seed:

@@ -15,7 +15,7 @@ from amorsim.core.errors import SnapshotError
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 
-__all__ = ["Snapshot", "copy_state", "fits", "put_back", "take_snapshot"]
+__all__ = ["Snapshot", "copy_state", "fits", "from_bytes", "put_back", "take_snapshot"]
 
 Arrays = dict[str, npt.NDArray[Any]]
 Bools = npt.NDArray[np.bool_]
@@ -42,6 +42,43 @@ class Snapshot:
     groups: tuple[GroupSnapshot, ...]
     touching: frozenset[tuple[int, int]]
     events: tuple[Any, ...]
+
+    def to_bytes(self) -> bytes:
+        """The same for another process that simulates the same scenario: `Simulation.restore` takes it there.
+
+        Parameters that were set are not in it: they are to be set there again before.
+
+        Raises
+        ------
+        SnapshotError
+            If a user's controller cannot be pickled.
+        """
+        bare = attrs.evolve(self, groups=tuple(attrs.evolve(group, specified=()) for group in self.groups))
+        try:
+            return pickle.dumps(bare, pickle.HIGHEST_PROTOCOL)
+        except Exception as error:  # whatever a user's object raises
+            raise SnapshotError(f"a controller cannot be carried to another process: {error}") from error
+
+
+def from_bytes(fleet: Fleet, data: bytes) -> Snapshot:
+    """What `Snapshot.to_bytes` gave, with the parameters that a fleet has.
+
+    Raises
+    ------
+    SnapshotError
+        If these are no such bytes, or what they hold cannot be made here.
+    """
+    try:
+        bare = pickle.loads(data)
+    except Exception as error:
+        raise SnapshotError(f"a snapshot cannot be read: {error}") from error
+    if not isinstance(bare, Snapshot) or len(bare.groups) != len(fleet.everything):
+        raise SnapshotError("this snapshot is of another simulation")
+    groups = tuple(
+        attrs.evolve(held, specified=tuple(group.specified))
+        for group, held in zip(fleet.everything, bare.groups, strict=True)
+    )
+    return attrs.evolve(bare, groups=groups)
 
 
 def take_snapshot(fleet: Fleet) -> Snapshot:

@@ -29,6 +29,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
 from amorsim.kernels.cache import mark_warm
 from amorsim.simulation.warm import compile_contact_beside
+from amorsim.ui.carried import Carried, Carrier
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.orphan import stay
@@ -83,6 +84,8 @@ class Child:
         self._tick = 0
         self._folder = ""
         self._is_first = True
+        self._carrier = Carrier()
+        self._epoch = 0
         self._told: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
 
     # ---------------------------------------------------------------------------------------------- the reading thread
@@ -155,8 +158,11 @@ class Child:
 
     # ------------------------------------------------------------------------------------------- the simulating thread
 
-    def work(self, recipe: Recipe, *, out: Path | None, inputs: Inputs, tick: int, epoch: int) -> None:
+    def work(
+        self, recipe: Recipe, *, out: Path | None, inputs: Inputs, tick: int, epoch: int, carried: Carried | None
+    ) -> None:
         """Make the simulation, and simulate until the session ends."""
+        since = ""
         try:
             self._busy_since = time.monotonic()
             compile_contact_beside()
@@ -164,7 +170,7 @@ class Child:
             player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
             if tick or len(inputs):
                 player.inputs = inputs
-                player.resume(tick)
+                since = player.resume(tick, carried)
         except AmorsimError as error:
             self._writer.send({"push": "failed", "error": explain(error)})
             return
@@ -175,7 +181,9 @@ class Child:
         remarks = [
             f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
         ]
-        self._writer.send({"push": "ready", "scene": builder.scene, "remarks": remarks, "folder": self._folder})
+        ready = {"scene": builder.scene, "remarks": remarks, "folder": self._folder, "since": since}
+        self._writer.send({"push": "ready", **ready})
+        self._epoch = player.epoch
         try:
             while not self._is_ending.is_set():
                 with contextlib.suppress(Interrupted):  # it came late: what it was meant for has returned
@@ -256,9 +264,20 @@ class Child:
         if self._is_first:
             mark_warm()
             self._is_first = False
+        if self._carrier.is_due:
+            self._carry()
         does.pace.stepped(time.monotonic(), player.simulation.dt)
         if player.newest == player.last:
             does.is_running, does.has_ended = False, True
+
+    def _carry(self) -> None:
+        """Let the session have a snapshot for a child after this one, or know why it has none."""
+        carried = self._player.carry(self._carrier)
+        if carried is not None:
+            self._writer.send({"push": "tick", "tick": carried.tick})
+            self._writer.send_snapshot(carried.to_bytes())
+        elif self._carrier.reason:
+            self._writer.send({"push": "uncarried", "reason": self._carrier.reason})
 
     def _interrupted(self) -> None:
         robot = self._hung
@@ -281,6 +300,9 @@ class Child:
 
     def _tell_inputs(self) -> None:
         """Let the session know what was given, for a child after this one."""
+        if self._player.epoch != self._epoch:  # what was carried is of another course of events
+            self._epoch = self._player.epoch
+            self._writer.send({"push": "epoch"})
         folder = str(self._player.folder or "")
         if folder != self._folder:
             self._folder = folder
@@ -346,6 +368,7 @@ def main() -> None:
     if first is None:
         return
     order = json.loads(first[1])
+    snapshot = read_message(said) if order["carried"] else None
     child = Child(said, answers)
     with contextlib.suppress(AttributeError, ValueError):
         signal.signal(signal.SIGTERM, lambda *_: child.end())
@@ -357,6 +380,7 @@ def main() -> None:
         inputs=Inputs(Input(**one) for one in order["inputs"]),
         tick=order["tick"],
         epoch=order["epoch"],
+        carried=None if snapshot is None else Carried.from_bytes(snapshot[1]),
     )
     child.close()
     # All is written; taking the interpreter apart would only take time.

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.pipes import FRAME, Writer, python_for, read_message
+from amorsim.ui.pipes import FRAME, SNAPSHOT, Writer, python_for, read_message
 
 __all__ = ["Link"]
 
@@ -35,6 +35,8 @@ class Link:
     ----------
     order
         What it is to simulate (see `amorsim.ui.child.main`).
+    carried
+        The snapshot that it is to go on from, as another child gave it; None for none.
     on_frame, on_end
         Called in a thread with the bytes of each frame, and with the link when the process has ended.
 
@@ -46,6 +48,10 @@ class Link:
         What was given to it, as far as it told.
     tick
         The last that it told of.
+    carried
+        The last snapshot that another child can go on from, or None.
+    uncarried
+        Why there is none, where there cannot be any.
     folder
         What it writes the run into.
     end, last_words
@@ -53,11 +59,18 @@ class Link:
     """
 
     def __init__(
-        self, order: Mapping[str, Any], *, on_frame: Callable[[bytes], None], on_end: Callable[[Link], None]
+        self,
+        order: Mapping[str, Any],
+        *,
+        carried: bytes | None = None,
+        on_frame: Callable[[bytes], None],
+        on_end: Callable[[Link], None],
     ) -> None:
         self.ready: concurrent.futures.Future[Answer] = concurrent.futures.Future()
         self.inputs: list[dict[str, Any]] = list(order["inputs"])
         self.tick: int = order["tick"]
+        self.carried = carried
+        self.uncarried = ""
         self.folder = ""
         self.end = ""
         self._log: collections.deque[str] = collections.deque(maxlen=LAST_WORDS)
@@ -77,7 +90,9 @@ class Link:
         )
         assert self._process.stdin is not None
         self._writer = Writer(self._process.stdin)
-        self._writer.send(order)
+        self._writer.send({**order, "carried": carried is not None})
+        if carried is not None:
+            self._writer.send_snapshot(carried)
         self._threads = [
             threading.Thread(target=target, name=name, daemon=True)
             for target, name in ((self._read, "amorsim-link"), (self._hear, "amorsim-log"))
@@ -140,6 +155,9 @@ class Link:
             if kind == FRAME:
                 self._on_frame(data)
                 continue
+            if kind == SNAPSHOT:
+                self.carried = data
+                continue
             table = json.loads(data)
             if "push" in table:
                 self._pushed(table)
@@ -159,6 +177,12 @@ class Link:
             self.ready.set_exception(AmorsimError(table["error"]))
         elif kind == "inputs":
             self.inputs[table["first"] :] = table["inputs"]
+        elif kind == "epoch":
+            self.carried = None
+        elif kind == "uncarried":
+            self.uncarried = table["reason"]
+        elif kind == "tick":
+            self.tick = max(self.tick, table["tick"])
         elif kind == "folder":
             self.folder = table["folder"]
 

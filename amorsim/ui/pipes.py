@@ -10,9 +10,9 @@ import threading
 from collections.abc import Mapping
 from typing import IO, Any
 
-__all__ = ["FRAME", "JSON", "Writer", "python_for", "read_message"]
+__all__ = ["FRAME", "JSON", "SNAPSHOT", "Writer", "python_for", "read_message"]
 
-JSON, FRAME = b"J", b"F"
+JSON, FRAME, SNAPSHOT = b"J", b"F", b"S"
 _HEAD = struct.Struct("<cI")
 LARGEST = 1 << 30
 
@@ -37,7 +37,7 @@ def read_message(pipe: IO[bytes]) -> tuple[bytes, bytes] | None:
     if head is None:
         return None
     kind, size = _HEAD.unpack(head)
-    if kind not in (JSON, FRAME) or size > LARGEST:
+    if kind not in (JSON, FRAME, SNAPSHOT) or size > LARGEST:
         return None
     data = _read(pipe, size)
     return None if data is None else (kind, data)
@@ -75,6 +75,10 @@ class Writer:
     def send_frame(self, data: bytes) -> None:
         """Send the bytes of a frame."""
         self._put(FRAME, data)
+
+    def send_snapshot(self, data: bytes) -> None:
+        """Send the bytes of a snapshot."""
+        self._put(SNAPSHOT, data)
 
     def _put(self, kind: bytes, data: bytes) -> None:
         self._waiting.put(_HEAD.pack(kind, len(data)) + data)

@@ -16,6 +16,7 @@ from amorsim.core.trouble import explain
 from amorsim.runs.folder import next_folder
 from amorsim.runs.session import RunSession
 from amorsim.simulation.simulation import Simulation
+from amorsim.ui.carried import Carried, Carrier
 from amorsim.ui.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
 from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.packing import Dynamic, FrameFlag, Selected
@@ -265,16 +266,45 @@ class Player:
         self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
         return tick
 
-    def resume(self, tick: int) -> None:
-        """Simulate from the start what the inputs say, up to a tick, as though it had been watched."""
+    def resume(self, tick: int, carried: Carried | None = None) -> str:
+        """Simulate what the inputs say, up to a tick, as though it had been watched; returns from where, in words.
+
+        From the start, or from a snapshot that another process has taken.
+        """
         remarks = self._remarks_until(tick)
         self._begin(self._new())
         self._remarks = remarks
+        self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
+        since = "from the start"
+        if carried is not None and self._recording is None:
+            try:
+                self._take_over(carried)
+                since = f"from the snapshot of {carried.tick * self.simulation.dt:.1f} s"
+            except AmorsimError as error:
+                since += f" ({error})"
+                self._begin(self._new())
         for now in self.inputs.replay(self.simulation, tick):
             self._newest = now
             self._write()
             self._keep()
             self._notice(now)
+        return since
+
+    def _take_over(self, carried: Carried) -> None:
+        """Put a simulation at its start to where another process was; of the past there is the start still."""
+        for one in self.inputs:
+            if one.do == "set" and one.tick < carried.tick:
+                one.give(self.simulation)
+        self.simulation.restore(carried.snapshot)
+        self._newest = carried.tick
+        self.paths.put(carried.paths, carried.stride, carried.tick)
+
+    def carry(self, carrier: Carrier) -> Carried | None:
+        """The present for another process to go on from, before anything is given to it; none where that cannot be."""
+        if self._recording is not None:
+            carrier.reason = "the run is written as it goes"
+            return None
+        return carrier.take(self.simulation, self._newest, self.paths.stride, self.paths.kept)
 
     # ---------------------------------------------------------------------------------------------------------- inputs
 

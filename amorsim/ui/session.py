@@ -112,14 +112,15 @@ class Session:
         assert self._scene is not None
         return self._scene
 
-    def _begin(self, rest: dict[str, Any]) -> None:
+    def _begin(self, rest: dict[str, Any], carried: bytes | None = None) -> str:
+        """Start a child; returns from where it was led to where the last one was, in words."""
         order = {
             "recipe": self.recipe.to_json(),
             "out": str(self._out) if self._out else "",
             "epoch": self._epoch,
             **rest,
         }
-        link = Link(order, on_frame=self._take_frame, on_end=self._ended)
+        link = Link(order, carried=carried, on_frame=self._take_frame, on_end=self._ended)
         self._link = link
         try:
             ready = self._await_ready(link)
@@ -133,6 +134,7 @@ class Session:
             self._state = link.send({"do": "state"}).result(LONGEST_START)  # to be told where it can tell no other
         if not link.is_alive:
             self._ended(link)
+        return str(ready["since"])
 
     def _await_ready(self, link: Link) -> Answer:
         """What it says when it is ready; the user is told what takes so long."""
@@ -434,13 +436,15 @@ class Session:
         if self._out is not None and self._out.exists():
             self._out = next_folder(self._out)
         try:
-            self._begin({"inputs": inputs, "tick": tick})
+            since = self._begin({"inputs": inputs, "tick": tick}, link.carried)
         except AmorsimError as error:
             self._note_hang("gone", f"it could not be started again: {error}", tick, "", link.last_words)
             raise
+        if link.uncarried and link.carried is None:
+            since += f", for {link.uncarried}"
         for kept in list(self._kept.values()):
             self._send(kept)
-        self._remark("restarted", "it was started again, and led to where it was")
+        self._remark("restarted", f"it was started again, and led to where it was {since}")
         return {"ok": True, "again": True}
 
     def _is_back(self, link: Link) -> bool:

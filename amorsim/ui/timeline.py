@@ -58,6 +58,16 @@ class Paths:
         place = max(0, min(tick // self.stride, self._count - 1))
         return place * self.stride, self._kept[place]
 
+    @property
+    def kept(self) -> npt.NDArray[np.float32]:
+        """All that is kept `(n, R, 6)`, of every `stride`-th tick."""
+        return self._kept[: self._count]
+
+    def put(self, kept: npt.NDArray[np.float32], stride: int, newest: int) -> None:
+        """Take what another kept, up to a tick."""
+        self._kept, self._count = kept.copy(), len(kept)
+        self.stride, self.newest = stride, newest
+
     def cut(self, tick: int) -> None:
         """Forget what came after `tick`."""
         self._count = min(self._count, tick // self.stride + 1)

@@ -33,7 +33,7 @@ pose = {{ x = 1.5, y = 1.2 }}
 controller = {{ use = "manual" }}
 """
 CONTROLLERS = """
-import os, time
+import os, threading, time
 import amorsim as am
 
 class Circling:
@@ -67,6 +67,11 @@ class Exiting(Circling):
         if clock.tick == 40:
             os._exit(3)
         return super().command(readings, estimate, clock)
+
+class Held(Exiting):
+    def __init__(self):
+        super().__init__()
+        self.lock = threading.Lock()  # which nothing can copy
 
 class Compiling(Circling):
     # As though a kernel were compiled for the first time, for as long as there is a file.

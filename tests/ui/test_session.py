@@ -312,6 +312,43 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
         assert am.reproduce(answer["folder"]).is_exact
 
 
+@pytest.mark.parametrize("controller", ["Exiting", "Held"])
+def test_another_child_goes_on_from_the_last_snapshot_where_that_can_be_carried(start: Make, controller: str) -> None:
+    session = start(f"own.py:{controller}", patience=PATIENCE)
+    window = session.open_window()
+    path = "errors.drive.wheel_radius_left.scale"
+    done(session, "step", steps=3)
+    done(session, "set", robot="rover", path=path, value=1.04)
+    done(session, "run")  # by the clock: it gets to tick 40 after four seconds, and a snapshot is taken every two
+    until(lambda: state(session, window)["status"] == "gone")
+    link = session._link
+    assert link is not None
+    assert (link.carried is not None) == (controller == "Exiting")
+    done(session, "restart", without=["rover"])
+    remark = next(one for one in done(session, "events")["events"] if one["kind"] == "restarted")
+    since = "from the snapshot of" if controller == "Exiting" else "from the start, for controller of 'rover'"
+    assert since in remark["text"]
+    tick = state(session, window)["tick"]
+    assert 3 < tick <= 40
+    # It knows what was set, where it was, and the past, all as though nothing had happened.
+    forms = {form["path"]: form for form in done(session, "parameters", robot="rover")["parameters"]}
+    assert forms[path]["value"] == 1.04
+    ticks = done(session, "history", robot="rover", max_points=1000)["ticks"]
+    assert ticks == list(range(tick + 1))
+    looked = done(session, "scrub", tick=2)
+    assert (looked["exact"], looked["can_continue"]) == (True, controller == "Exiting")
+    done(session, "scrub", tick=None)
+    done(session, "step", steps=10)
+    answer = done(session, "save_run", name="after")
+    assert answer["same"] is True  # as the same led from the start
+    # What is given up is not gone on from.
+    if controller == "Exiting":
+        assert session._link is not None
+        assert session._link.carried is not None
+        done(session, "reset")
+        assert session._link.carried is None
+
+
 def test_each_state_has_a_status_while_the_child_goes(start: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     session = start()
     window = session.open_window()
