@@ -125,7 +125,8 @@ class Child:
         held = 0.0 if since is None else time.monotonic() - since
         answer: dict[str, Any] = {"id": command["id"], "ok": True, "held": held, "tick": self._tick}
         if held > LONGEST_QUIET:
-            answer["compiling"] = is_compiling(self._stack()[1])
+            # To take kernels from their cache lasts as long where there is much else to do, and is no news.
+            answer["compiling"] = is_compiling(self._stack()[1], anew=True)
         if self._in_step and held > float(command.get("patience", 5.0)):
             answer |= self._where()
         return answer
@@ -338,9 +339,10 @@ class Child:
         self._writer.close()
 
 
-def is_compiling(stack: traceback.StackSummary) -> bool:
-    """Whether a stack is in the compiler of kernels."""
-    return any(Path(frame.filename).is_relative_to(_COMPILER) for frame in stack)
+def is_compiling(stack: traceback.StackSummary, *, anew: bool = False) -> bool:
+    """Whether a stack is in the compiler of kernels; with `anew` only where none is being taken from its cache."""
+    files = (Path(frame.filename) for frame in stack)
+    return any(file.is_relative_to(_COMPILER) and (not anew or file.stem.startswith("compiler")) for file in files)
 
 
 def _robot_of(frame: FrameType | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 import traceback
 from pathlib import Path
@@ -16,11 +17,13 @@ from tests.ui.test_session import done, frame, state, until
 
 
 def test_the_compiler_is_known_by_its_stack() -> None:
-    seen: list[bool] = []
+    seen: list[tuple[bool, bool]] = []
+    calls = itertools.count()
 
     def look(frame: object, event: str, argument: object) -> None:
-        if event == "call" and len(seen) < 200:
-            seen.append(is_compiling(traceback.extract_stack(frame)))  # type: ignore[arg-type]
+        if event == "call" and next(calls) % 50 == 0 and not (seen and seen[-1][1]):
+            stack = traceback.extract_stack(frame)  # type: ignore[arg-type]
+            seen.append((is_compiling(stack), is_compiling(stack, anew=True)))
 
     function = numba.njit(lambda x: x + 1.0)
     before = sys.getprofile()
@@ -29,7 +32,9 @@ def test_the_compiler_is_known_by_its_stack() -> None:
         function(1.0)
     finally:
         sys.setprofile(before)
-    assert any(seen)
+    assert any(whole for whole, _ in seen)
+    assert any(anew for _, anew in seen)
+    assert not any(anew and not whole for whole, anew in seen)
     assert not is_compiling(traceback.extract_stack())
 
 
