@@ -29,10 +29,9 @@ class _PartLibrary(codegen.JITCodeLibrary):  # type: ignore[misc, unused-ignore]
     _bitcode: bytes | None = None
 
     def _optimize_final_module(self) -> None:
-        passes, builder = self._codegen._module_pass_manager(
-            loop_vectorize=self._codegen._loopvect, slp_vectorize=False, opt=self._codegen._opt_level, cost="cheap"
-        )
-        passes.run(self._final_module, builder)
+        made = self._codegen._module_pass_manager(loop_vectorize=False, slp_vectorize=False, opt=0, cost="cheap")
+        passes, *builder = made if isinstance(made, tuple) else (made,)  # older versions of numba give no builder
+        passes.run(self._final_module, *builder)
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
