@@ -33,6 +33,7 @@ def make(folder: Path) -> None:
     """Write the pictures into `folder`."""
     from playwright.sync_api import sync_playwright
 
+    folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as work:
         for name in ("demo.toml", "office.wld"):
             shutil.copy(Path(amorsim.__file__).parent / "scenarios" / name, work)
