@@ -11,7 +11,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Joint
+from amorsim.contracts import Drive, Joint, Part
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import Parameter, describe
 
@@ -52,6 +52,8 @@ def check_class(kind: str, contract: type, cls: Any) -> tuple[str, ...]:
     if not problems:  # only a class without abstract methods can be tried for being frozen
         problems += _check_attrs(kind, cls)
     problems += _check_constants(contract, cls)
+    if contract is Drive:
+        problems += _check_parts(contract, cls)
     return tuple(problems)
 
 
@@ -131,6 +133,21 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
         return
     for parameter in described.values():
         yield from _check_field(parameter)
+
+
+def _check_parts(contract: type, cls: type) -> Iterator[str]:
+    """A drive that brings parts has to say where they are and how far they go; there is no default for that."""
+    parts = inspect.getattr_static(cls, "parts")
+    if not isinstance(parts, property):  # else static fields decide them
+        if not isinstance(parts, tuple) or not all(isinstance(part, Part) for part in parts):
+            yield f"parts: expected a tuple of Part, found {parts!r}"
+            return
+        if not parts:
+            return
+    needed = ("part_poses", "part_travel")
+    missing = [name for name in needed if inspect.getattr_static(cls, name) is inspect.getattr_static(contract, name)]
+    if missing:
+        yield f"parts: expected {' and '.join(missing)} to be overridden where there are parts, found none of that name"
 
 
 def _check_field(parameter: Parameter) -> Iterator[str]:

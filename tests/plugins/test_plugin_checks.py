@@ -5,7 +5,8 @@ from typing import Any, ClassVar
 import attrs
 import pytest
 
-from amorsim.contracts import Drive, Joint, MapLoader, Noise, Recorder, Sensor, parameter
+from amorsim.contracts import Drive, Joint, MapLoader, Noise, Part, Recorder, Sensor, parameter
+from amorsim.core.shapes import Shape
 from amorsim.plugins.checks import check_class
 
 
@@ -212,6 +213,53 @@ def test_a_drive_needs_joints_and_channels():
 
     problems = check_class("drive", Drive, Bare)
     assert [problem.split(":")[0] for problem in problems] == ["channels", "joints"]
+    assert check_class("drive", Drive, Whole) == ()
+
+
+def test_a_drive_that_brings_parts_says_where_they_are_and_how_far_they_go():
+    class Cart(Drive):
+        joints: ClassVar[tuple[Joint, ...]] = (Joint(name="left"),)
+        channels: ClassVar[tuple[str, ...]] = ("left",)
+
+        def advance(self, joints, rates, command, dt, state, draws):
+            return joints, rates
+
+        def twist(self, before, after):
+            return before
+
+        def command_for(self, twist, joints):
+            return twist
+
+        def rolling_radius(self):
+            return None
+
+    boom = Part("boom", Shape.circle(0.1))
+
+    @frozen
+    class Named(Cart):
+        parts = ("boom",)
+
+    @frozen
+    class Lost(Cart):
+        parts = (boom,)
+
+    @frozen
+    class Unbound(Cart):
+        @property
+        def parts(self):
+            return (boom,)
+
+        def part_poses(self, joints):
+            return joints
+
+    @frozen
+    class Whole(Unbound):
+        def part_travel(self, before, after):
+            return before
+
+    assert "parts: expected a tuple of Part, found ('boom',)" in only(check_class("drive", Drive, Named))
+    assert "expected part_poses and part_travel to be overridden" in only(check_class("drive", Drive, Lost))
+    assert "expected part_travel to be overridden" in only(check_class("drive", Drive, Unbound))
     assert check_class("drive", Drive, Whole) == ()
 
 
