@@ -91,7 +91,7 @@ def command(
     picture of the paths. Ctrl-C ends the run with its files whole.
     """
     from amorsim.core.errors import AmorsimError
-    from amorsim.runs.asked import make_simulation, read_scenario
+    from amorsim.runs.asked import look_up, make_simulation, read_scenario
     from amorsim.runs.run import run as run_scenario
 
     if replicas is not None and replica:
@@ -100,6 +100,7 @@ def command(
         raise AmorsimError(f"--replicas: expected a whole number > 0, got {replicas}")
     if quiet:
         warnings.simplefilter("ignore")
+    look_up(scenario)  # before the long wait of whoever has just installed
     compile_once(quiet)
     read = read_scenario(scenario, resolution=resolution, changes=changes or [])
     read = _with_options(read, seed, duration)

@@ -21,8 +21,9 @@ __all__ = ["claim_folder", "draw", "free_folder", "read_study", "significant", "
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
     """The scenario that a user means, with another seed if one is given."""
     from amorsim.core.parameters import ParameterError
-    from amorsim.runs.asked import read_scenario
+    from amorsim.runs.asked import look_up, read_scenario
 
+    look_up(name)
     compile_once()
     scenario = read_scenario(name, changes=changes or [])
     if seed is None:

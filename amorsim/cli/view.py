@@ -73,10 +73,12 @@ def command(
     if not 0 <= port < 65536:
         raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
 
+    from amorsim.runs.asked import look_up
     from amorsim.ui.recipe import Recipe
     from amorsim.ui.server import serve
     from amorsim.ui.session import Session
 
+    look_up(scenario)
     cold = compile_once()
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
     # What no run has needed yet (a camera's kernels ...) is compiled later: that is told when it takes long.

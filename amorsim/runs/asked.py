@@ -13,20 +13,34 @@ if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
-__all__ = ["make_simulation", "read_scenario"]
+__all__ = ["look_up", "make_simulation", "read_scenario"]
+
+
+def look_up(name: str) -> None:
+    """Raise what `read_scenario` would if there is nothing of that name; quickly, for nothing is compiled for it."""
+    from amorsim.plugins.manager import default_registry
+    from amorsim.scenario.maps import find_loader
+    from amorsim.scenario.read import find_document
+
+    if _is_map(name):
+        find_loader(Path(name), None, default_registry())
+    else:
+        find_document(name, default_registry())
+
+
+def _is_map(name: str) -> bool:
+    if not name.strip():
+        raise AmorsimError("expected the name of a scenario or of a map, got nothing")
+    return Path(name).suffix.lower() not in ("", ".toml")
 
 
 def read_scenario(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Scenario:
     """The scenario that a user means by `name`."""
     from amorsim.scenario.read import load, scenario_for_map
 
-    if not name.strip():
-        raise AmorsimError("expected the name of a scenario or of a map, got nothing")
-    path = Path(name)
-    is_map = path.suffix.lower() not in ("", ".toml")
-    if is_map:
+    if _is_map(name):
         options: dict[str, Any] = {} if resolution is None else {"resolution": resolution}
-        return scenario_for_map(path, overrides=tuple(changes), **options)
+        return scenario_for_map(Path(name), overrides=tuple(changes), **options)
     if resolution is not None:
         raise AmorsimError(
             "--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)"

@@ -55,6 +55,19 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
         With all the faults that were found, each with file, key path, and what would be right.
     """
     registry = registry or default_registry()
+    path, document = find_document(source, registry)
+    origin = Source(file=str(path), folder=path.parent)
+    return _read(document, Book(origin), overrides, registry, path)
+
+
+def find_document(source: str | Path, registry: Registry) -> tuple[Path, dict[str, Any]]:
+    """The file that is meant by a path or by the name of a registered scenario, and the table in it.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such file, or it is not TOML. Nothing in the table has been looked at.
+    """
     path = Path(source)
     names = registry.names("scenario")
     if str(source) in names and not path.is_file():
@@ -65,8 +78,7 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
         if not path.suffix:
             document += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
         raise ScenarioError([Fault(file=str(source), path="", message=document)])
-    origin = Source(file=str(path), folder=path.parent)
-    return _read(document, Book(origin), overrides, registry, path)
+    return path, document
 
 
 def loads(
