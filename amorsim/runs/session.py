@@ -270,7 +270,8 @@ class RunSession:
         try:
             self.close("interrupted" if issubclass(kind, KeyboardInterrupt) else "broken off")
         except RunError as second:
-            error.add_note(str(second))  # the first one says why
+            if str(second) != str(error):  # the first one says why
+                error.add_note(str(second))
         error.add_note(f"the files up to {self.steps * self._simulation.dt:g} s are in {self.folder}")
 
     def give_up(self) -> None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import signal
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -12,6 +14,8 @@ import pytest
 from PIL import Image
 
 import amorsim as am
+from amorsim.contracts import Frame
+from amorsim.recorders.text import Text
 from amorsim.runs.folder import new_folder
 from tests import building
 from tests.studies import make_study
@@ -207,6 +211,27 @@ def test_a_controller_that_fails_later_leaves_whole_files_up_to_there(tmp_path: 
             assert text.splitlines()[-1].startswith("1.000000,"), table
     # What was done can be done again.
     assert str(am.reproduce(tmp_path / "run")) == "the same to the bit, over 10 steps"
+
+
+def test_a_disk_that_is_full_is_told_once_though_the_files_cannot_be_closed_either(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write, problem = Text.write, "laser.csv: cannot be written (No space left on device)"
+
+    def write_some(recorder: Text, frames: Sequence[Frame], events: Sequence[Any]) -> None:
+        if frames[0].tick[0] > 5:
+            raise am.RunError(problem)
+        write(recorder, frames, events)
+
+    def fail(recorder: Text) -> None:
+        raise am.RunError(problem)
+
+    monkeypatch.setattr(Text, "write", write_some)
+    monkeypatch.setattr(Text, "close", fail)
+    with pytest.raises(am.RunError) as caught:
+        am.run(am.load(study), tmp_path / "run")
+    assert str(caught.value) == problem
+    assert caught.value.__notes__ == [f"the files up to 0.5 s are in {tmp_path / 'run'}"]
 
 
 def test_ctrl_c_ends_a_run_between_two_steps(study: Path, tmp_path: Path) -> None:
