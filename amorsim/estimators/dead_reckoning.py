@@ -171,6 +171,8 @@ class DeadReckoning(Estimator):
             state["covariance"],
             state["joints"],
             joints,
+            0,
+            rows,
             pose,
             grown,
         )

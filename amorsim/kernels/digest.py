@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["NOTHING", "absorb", "absorb_together"]
+__all__ = ["NOTHING", "absorb", "absorb_rows", "absorb_together"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -77,8 +77,8 @@ def _absorb(
             _mix(bits[i], out[i])
 
 
-@kernel
-def absorb_together(
+@part
+def absorb_rows(
     a: Floats,
     b: Floats,
     c: Floats,
@@ -91,10 +91,7 @@ def absorb_together(
     end: int,
     out: npt.NDArray[np.uint64],
 ) -> None:
-    """Mix five arrays (N, k), and then many in turn, the first of each kind and the second, as `absorb` does.
-
-    `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,). Rows begin..end-1 are mixed.
-    """
+    """What `absorb_together` does, for kernels."""
     rows = out.shape[0]
     for values in (a, b, c, d, e):
         bits = values.view(np.uint64)
@@ -113,6 +110,27 @@ def absorb_together(
             _mix(first_bits[at : at + k], out[end - 1])
             _mix(second_bits[at : at + k], out[end - 1])
         start += rows * k
+
+
+@kernel
+def absorb_together(
+    a: Floats,
+    b: Floats,
+    c: Floats,
+    d: Floats,
+    e: Floats,
+    sizes: npt.NDArray[np.int64],
+    first: Floats,
+    second: Floats,
+    begin: int,
+    end: int,
+    out: npt.NDArray[np.uint64],
+) -> None:
+    """Mix five arrays (N, k), and then many in turn, the first of each kind and the second, as `absorb` does.
+
+    `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,). Rows begin..end-1 are mixed.
+    """
+    absorb_rows(a, b, c, d, e, sizes, first, second, begin, end, out)
 
 
 def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:

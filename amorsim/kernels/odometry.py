@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.actuation import respond
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.poses import arc, displaced
 
-__all__ = ["drive_wheels", "grow_covariance", "reckon_wheels", "wheel_rates", "wheel_twists"]
+__all__ = ["drive_wheels", "grow_covariance", "reckon_rows", "reckon_wheels", "wheel_rates", "wheel_twists"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -102,6 +102,134 @@ def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
     return forward * along - left * across, forward * across + left * along
 
 
+@part
+def _grow_row(
+    covariance: Floats,
+    heading: float,
+    forward: float,
+    left: float,
+    turn: float,
+    jacobian: Floats,
+    before: Floats,
+    after: Floats,
+    rolling: Ints,
+    radius: Floats,
+    variance: float,
+    out: Floats,
+) -> None:
+    """What `grow_covariance` does, for a row."""
+    end_x, end_y = _along_arc(forward, left, turn)
+    xx = 0.0
+    xy = 0.0
+    yy = 0.0
+    xt = 0.0
+    yt = 0.0
+    tt = 0.0
+    for node in range(4):
+        u = _NODES[node]
+        x, y = _along_arc(forward * u, left * u, turn * u)
+        c = math.cos(turn * u)
+        s = math.sin(turn * u)
+        for j in range(rolling.shape[0]):
+            joint = rolling[j]
+            travel = abs((after[joint] - before[joint]) * radius[j])
+            weight = _WEIGHTS[node] * variance * travel
+            ahead = jacobian[0, j]
+            aside = jacobian[1, j]
+            gt = jacobian[2, j]
+            # Turning by gt here swings the end about this point.
+            gx = c * ahead - s * aside - gt * (end_y - y)
+            gy = s * ahead + c * aside + gt * (end_x - x)
+            xx += weight * gx * gx
+            xy += weight * gx * gy
+            yy += weight * gy * gy
+            xt += weight * gx * gt
+            yt += weight * gy * gt
+            tt += weight * gt * gt
+
+    c = math.cos(heading)
+    s = math.sin(heading)
+    # An error e of the heading before moves the end by e * (swing_x, swing_y).
+    swing_x = -(s * end_x + c * end_y)
+    swing_y = c * end_x - s * end_y
+    p_xt = covariance[0, 2]
+    p_yt = covariance[1, 2]
+    p_tt = covariance[2, 2]
+    out[0, 0] = covariance[0, 0] + swing_x * (2.0 * p_xt + swing_x * p_tt)
+    out[0, 1] = covariance[0, 1] + swing_y * p_xt + swing_x * p_yt + swing_x * swing_y * p_tt
+    out[1, 1] = covariance[1, 1] + swing_y * (2.0 * p_yt + swing_y * p_tt)
+    out[0, 2] = p_xt + swing_x * p_tt
+    out[1, 2] = p_yt + swing_y * p_tt
+    out[2, 2] = p_tt + tt
+    out[0, 0] += c * (c * xx - s * xy) - s * (c * xy - s * yy)
+    out[0, 1] += s * (c * xx - s * xy) + c * (c * xy - s * yy)
+    out[1, 1] += s * (s * xx + c * xy) + c * (s * xy + c * yy)
+    out[0, 2] += c * xt - s * yt
+    out[1, 2] += s * xt + c * yt
+    out[1, 0] = out[0, 1]
+    out[2, 0] = out[0, 2]
+    out[2, 1] = out[1, 2]
+
+
+@part
+def reckon_rows(
+    counts: Floats,
+    counts_per_revolution: Floats,
+    radius_left: Column,
+    radius_right: Column,
+    track: Column,
+    variance: Column,
+    pose: Floats,
+    covariance: Floats,
+    before: Floats,
+    after: Floats,
+    begin: int,
+    end: int,
+    first: Floats,
+    radius: Floats,
+    jacobian: Floats,
+    both: Ints,
+    out: Floats,
+    grown: Floats,
+) -> None:
+    """What `reckon_wheels` does, with room to work in: (2,) twice, (3, 2), and 0 and 1."""
+    last = counts_per_revolution.shape[1] - 1
+    jacobian[0, 0] = 0.5
+    jacobian[0, 1] = 0.5
+    jacobian[1, 0] = 0.0
+    jacobian[1, 1] = 0.0
+    both[0] = 0
+    both[1] = 1
+    for i in range(begin, end):
+        radius[0] = radius_left[i, 0]
+        radius[1] = radius_right[i, 0]
+        jacobian[2, 0] = -1.0 / track[i, 0]
+        jacobian[2, 1] = 1.0 / track[i, 0]
+        for j in range(2):
+            after[i, j] = counts[i, j] / counts_per_revolution[i, min(j, last)] * _TURN
+            first[j] = after[i, j] if math.isnan(before[i, j]) else before[i, j]
+        at_left = (after[i, 0] - first[0]) * radius[0]
+        at_right = (after[i, 1] - first[1]) * radius[1]
+        forward = 0.5 * (at_left + at_right)
+        turn = (at_right - at_left) / track[i, 0]
+        _grow_row(
+            covariance[i],
+            pose[i, 2],
+            forward,
+            0.0,
+            turn,
+            jacobian,
+            first,
+            after[i],
+            both,
+            radius,
+            variance[i, 0],
+            grown[i],
+        )
+        ahead, left, turned = arc(forward, 0.0, turn, 1.0)
+        out[i, 0], out[i, 1], out[i, 2] = displaced(pose[i, 0], pose[i, 1], pose[i, 2], ahead, left, turned)
+
+
 @kernel
 def reckon_wheels(
     counts: Floats,
@@ -114,6 +242,8 @@ def reckon_wheels(
     covariance: Floats,
     before: Floats,
     after: Floats,
+    begin: int,
+    end: int,
     out: Floats,
     grown: Floats,
 ) -> None:
@@ -121,30 +251,28 @@ def reckon_wheels(
 
     `pose` and `covariance` are those before, `before` the wheels' angles then (N, 2) [rad], nan for none yet; `after`
     gets those of now. Parameters are (N, 1), as in `wheel_twists` and `grow_covariance`; counts in a turn are those of
-    each wheel (N, 2), or of both (N, 1).
+    each wheel (N, 2), or of both (N, 1). Rows begin..end-1 are worked on.
     """
-    rows = pose.shape[0]
-    last = counts_per_revolution.shape[1] - 1
-    first = np.empty((rows, 2))
-    twists = np.empty((rows, 3))
-    jacobian = np.zeros((rows, 3, 2))
-    radius = np.empty((rows, 2))
-    for i in range(rows):
-        radius[i, 0] = radius_left[i, 0]
-        radius[i, 1] = radius_right[i, 0]
-        jacobian[i, 0, 0] = 0.5
-        jacobian[i, 0, 1] = 0.5
-        jacobian[i, 2, 0] = -1.0 / track[i, 0]
-        jacobian[i, 2, 1] = 1.0 / track[i, 0]
-        for j in range(2):
-            after[i, j] = counts[i, j] / counts_per_revolution[i, min(j, last)] * _TURN
-            first[i, j] = after[i, j] if math.isnan(before[i, j]) else before[i, j]
-    wheel_twists(first, after, radius_left, radius_right, track, twists)
-    both = np.arange(2)
-    grow_covariance(covariance, pose, twists, jacobian, first, after, both, radius, variance, grown)
-    for i in range(rows):
-        ahead, left, turn = arc(twists[i, 0], twists[i, 1], twists[i, 2], 1.0)
-        out[i, 0], out[i, 1], out[i, 2] = displaced(pose[i, 0], pose[i, 1], pose[i, 2], ahead, left, turn)
+    reckon_rows(
+        counts,
+        counts_per_revolution,
+        radius_left,
+        radius_right,
+        track,
+        variance,
+        pose,
+        covariance,
+        before,
+        after,
+        begin,
+        end,
+        np.empty(2),
+        np.empty(2),
+        np.empty((3, 2)),
+        np.empty(2, dtype=np.int64),
+        out,
+        grown,
+    )
 
 
 @kernel
@@ -187,57 +315,17 @@ def grow_covariance(
         Of the travel, per metre of it, (N, 1) [m^2/m].
     """
     for i in range(covariance.shape[0]):
-        forward = twists[i, 0]
-        left = twists[i, 1]
-        turn = twists[i, 2]
-        end_x, end_y = _along_arc(forward, left, turn)
-        xx = 0.0
-        xy = 0.0
-        yy = 0.0
-        xt = 0.0
-        yt = 0.0
-        tt = 0.0
-        for node in range(4):
-            u = _NODES[node]
-            x, y = _along_arc(forward * u, left * u, turn * u)
-            c = math.cos(turn * u)
-            s = math.sin(turn * u)
-            for j in range(rolling.shape[0]):
-                joint = rolling[j]
-                travel = abs((after[i, joint] - before[i, joint]) * radius[i, j])
-                weight = _WEIGHTS[node] * variance[i, 0] * travel
-                ahead = jacobian[i, 0, j]
-                aside = jacobian[i, 1, j]
-                gt = jacobian[i, 2, j]
-                # Turning by gt here swings the end about this point.
-                gx = c * ahead - s * aside - gt * (end_y - y)
-                gy = s * ahead + c * aside + gt * (end_x - x)
-                xx += weight * gx * gx
-                xy += weight * gx * gy
-                yy += weight * gy * gy
-                xt += weight * gx * gt
-                yt += weight * gy * gt
-                tt += weight * gt * gt
-
-        c = math.cos(headings[i, 2])
-        s = math.sin(headings[i, 2])
-        # An error e of the heading before moves the end by e * (swing_x, swing_y).
-        swing_x = -(s * end_x + c * end_y)
-        swing_y = c * end_x - s * end_y
-        p_xt = covariance[i, 0, 2]
-        p_yt = covariance[i, 1, 2]
-        p_tt = covariance[i, 2, 2]
-        out[i, 0, 0] = covariance[i, 0, 0] + swing_x * (2.0 * p_xt + swing_x * p_tt)
-        out[i, 0, 1] = covariance[i, 0, 1] + swing_y * p_xt + swing_x * p_yt + swing_x * swing_y * p_tt
-        out[i, 1, 1] = covariance[i, 1, 1] + swing_y * (2.0 * p_yt + swing_y * p_tt)
-        out[i, 0, 2] = p_xt + swing_x * p_tt
-        out[i, 1, 2] = p_yt + swing_y * p_tt
-        out[i, 2, 2] = p_tt + tt
-        out[i, 0, 0] += c * (c * xx - s * xy) - s * (c * xy - s * yy)
-        out[i, 0, 1] += s * (c * xx - s * xy) + c * (c * xy - s * yy)
-        out[i, 1, 1] += s * (s * xx + c * xy) + c * (s * xy + c * yy)
-        out[i, 0, 2] += c * xt - s * yt
-        out[i, 1, 2] += s * xt + c * yt
-        out[i, 1, 0] = out[i, 0, 1]
-        out[i, 2, 0] = out[i, 0, 2]
-        out[i, 2, 1] = out[i, 1, 2]
+        _grow_row(
+            covariance[i],
+            headings[i, 2],
+            twists[i, 0],
+            twists[i, 1],
+            twists[i, 2],
+            jacobian[i],
+            before[i],
+            after[i],
+            rolling,
+            radius[i],
+            variance[i, 0],
+            out[i],
+        )
