@@ -23,8 +23,10 @@ _KEY = (
 
 
 def draw(rows: Sequence[Row], path: Path, title: str) -> None:
-    """Draw rates of the sections ``rays`` and ``fleet`` into a PNG file."""
+    """Draw rates of the sections ``rays`` and ``fleet`` into a PNG file, where there is more than one side."""
     shown = [row for row in rows if row.rounds and row.section in ("rays", "fleet")]
+    # Each setting has a scale of its own, so a bar by itself says nothing.
+    shown = [row for row in shown if len(_of(shown, row.section, row.setting)) > 1]
     settings = list(dict.fromkeys((row.section, row.setting) for row in shown))
     height = 110 + sum(34 + (_BAR + _GAP) * len(_of(shown, *setting)) for setting in settings)
     image = Image.new("RGB", (_WIDTH, height), "white")
@@ -68,7 +70,7 @@ def _bar(
         share = (math.log10(value) - decades[0]) / (decades[1] - decades[0])
         return _LABEL + share * (_WIDTH - _LABEL - 330)
 
-    colour = _OURS if row.side == "amorsim" else _COUNTS if row.ratio and row.ratio.counts else _DOES_NOT
+    colour = _OURS if row.side.startswith("amorsim") else _COUNTS if row.ratio and row.ratio.counts else _DOES_NOT
     pen.text((_LABEL - 12, y + _BAR / 2), row.side, fill=_INK, font=font, anchor="rm")
     pen.rectangle((_LABEL, y, max(x(spread.median), _LABEL + 2), y + _BAR), fill=colour)
     middle = y + _BAR / 2
