@@ -118,6 +118,18 @@ def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_fra
     window.until(f"document.querySelector('tr.chosen td.difference').innerText.replace('+', '') === '{apart:.3f}'")
 
 
+def test_control_tells_the_measured_velocities(window: Window) -> None:
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    window.do(do="drive", robot="rover", forward=0.4)
+    window.do(do="step", steps=20)
+    window.until("newest.tick === 20")
+    rate = window.see("newest.measuredRates[0]")
+    assert rate > 1.0
+    window.until(f"stage.control.note.innerText.includes('left wheel {rate:.2f} rad/s')")
+    assert window.see("stage.robot.note.innerText") == ""
+
+
 def test_true_beams_fall_where_the_true_sensor_looks(window: Window) -> None:
     path = "errors.sensors.laser.mount.heading.add"
     window.page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")

@@ -75,7 +75,8 @@ export class Pane {
       role: "img",
       "aria-label": `${label}. Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.`,
     });
-    this.element = h("div", { class: "pane" }, this.canvas, this.coordinates);
+    this.note = h("output", { class: "note", "aria-hidden": "true" }); // what the table tells, too
+    this.element = h("div", { class: "pane" }, this.canvas, this.coordinates, this.note);
     this.context = this.canvas.getContext("2d", { alpha: false });
     this.listen();
   }

@@ -249,7 +249,7 @@ export class Simulator {
     if (!frame) return;
     if (now - (this.tableAt ?? 0) > TABLE_EVERY || !isNew) {
       this.tableAt = now;
-      if (isNew) this.numbers.show(frame);
+      if (isNew) this.showNumbers(frame);
       this.drawNumbers();
     }
     this.film?.look(now);
@@ -262,9 +262,14 @@ export class Simulator {
     // What comes between two looks at the table must be shown at the end, too.
     clearTimeout(this.tableSoon);
     this.tableSoon = setTimeout(() => {
-      this.numbers.show(frame);
+      this.showNumbers(frame);
       this.drawNumbers();
     }, 2 * TABLE_EVERY);
+  }
+
+  showNumbers(frame) {
+    this.numbers.show(frame);
+    say(this.stage.control.note, this.numbers.velocities(frame));
   }
 
   drawNumbers() {
