@@ -159,6 +159,8 @@ def test_bits_do_not_tell_whether_phases_are_made_in_one_call(change: Any, repli
         alone.step()
         rolled += together._fleet.rolls
         assert not alone._fleet.rolls or change is own_estimators
+        assert together._fleet.groups[0]._is_recorded
+        assert not alone._fleet.groups[0]._is_recorded
     assert 20 < rolled < 300  # near walls it is looked
     assert any(event.kind == "collision" for event in together.events)
     np.testing.assert_array_equal(together.true_pose, alone.true_pose)
