@@ -64,7 +64,7 @@ class Mover(Protocol):
 class Contact:
     """Two bodies, or a body and a wall (`other` is `WALL`), that met at a fraction of the step.
 
-    Parts of robots are told as their robots.
+    A part of a robot is told as the body that it is.
     """
 
     body: int
@@ -200,8 +200,6 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
             _stop_parts(world, paths)
             late = world.parts[paths.stop[world.parts] < 1.0]
             paths.end[late] = paths.at(late, paths.stop[late])
-    if world.has_parts:
-        a, b = world.owner[a], np.where(b == WALL, WALL, world.owner[b])
     contacts = [
         Contact(body=body, other=other, fraction=fraction, point=(x, y))
         for body, other, fraction, (x, y) in zip(a.tolist(), b.tolist(), when.tolist(), point.tolist(), strict=True)

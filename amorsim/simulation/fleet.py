@@ -16,6 +16,7 @@ from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 from amorsim.simulation.bodies import World
+from amorsim.simulation.contact import WALL
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group, group_key
 from amorsim.simulation.obstacles import ObstacleGroup
@@ -47,6 +48,8 @@ class Fleet:
         Whether the robots have moved already in this step, as they actuated: nothing was in the way.
     touching
         The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
+    contacts
+        The pairs whose contact goes on: those that touched, and those that did and have not parted since.
     """
 
     def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...], threads: int = 1) -> None:
@@ -95,6 +98,7 @@ class Fleet:
         self.parts = [group.parts for group in self.groups if group.parts is not None]
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
+        self.contacts: frozenset[tuple[int, int]] = frozenset()
         self.rolls = False
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
@@ -177,6 +181,13 @@ class Fleet:
         for group in self.everything:
             group.moment.advance()
             group.streams.rewind()
+
+    def part_from_all(self, body: int) -> None:
+        """Let whatever contact a robot and its parts have be over: what they meet from now on, they meet anew."""
+        owner = self.world.owner
+        self.contacts = frozenset(
+            pair for pair in self.contacts if all(owner[one] != body for one in pair if one != WALL)
+        )
 
     def row_of(self, body: int) -> tuple[Group | ObstacleGroup, int]:
         """The group of a body, and its row there."""

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import attrs
 
 from amorsim.simulation.contact import WALL, Contact, Mover, move
+from amorsim.simulation.contacts import still_near
 from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
@@ -49,7 +50,7 @@ def _actuate(fleet: Fleet) -> None:
 def _roll(fleet: Fleet) -> bool:
     """Let the wheels take the only group of robots on, who have no company and no wall near, where that can be told."""
     world = fleet.world
-    if world.has_company or world.room_at is not world.poses or len(fleet.everything) != 1:
+    if world.has_company or world.room_at is not world.poses or len(fleet.everything) != 1 or fleet.contacts:
         return False
     return fleet.groups[0].wheels.roll(world)
 
@@ -63,10 +64,12 @@ def _move(fleet: Fleet) -> None:
     movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
     for contact in contacts:
-        # Whoever keeps leaning on something collides with it once.
-        if (contact.body, contact.other) not in fleet.touching:
+        # A contact that goes on is no further collision.
+        if (contact.body, contact.other) not in fleet.contacts:
             _log_contact(fleet, contact)
     fleet.touching = frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY
+    if fleet.contacts or contacts:
+        fleet.contacts = fleet.touching | still_near(fleet.world, fleet.contacts - fleet.touching, poses)
     fleet.world.poses = poses
     if len(movers) == 1 and len(movers[0].bodies) == len(poses):
         movers[0].arrive(poses, stop)
@@ -109,7 +112,8 @@ _DOES: Mapping[str, Callable[[Fleet], None]] = {
 
 def _log_contact(fleet: Fleet, contact: Contact) -> None:
     """An event for each body that met something, and one for each controller that ends by it."""
-    for body, other in ((contact.body, contact.other), (contact.other, contact.body)):
+    pair = tuple(int(fleet.world.owner[body]) if body != WALL else WALL for body in (contact.body, contact.other))
+    for body, other in (pair, pair[::-1]):
         if body == WALL:
             continue
         index = int(fleet.world.replica_index[body])

@@ -155,7 +155,7 @@ class Simulation:
         world = self._fleet.world
         found = np.zeros((len(self.replicas), world.count), dtype=bool)
         for pair in self._fleet.touching:
-            found.flat[[body for body in pair if body != WALL]] = True
+            found.flat[[world.owner[body] for body in pair if body != WALL]] = True
         return found[:, : len(self.names)].reshape(-1)
 
     def _gather(self, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArray[Any]:
@@ -259,6 +259,7 @@ class Simulation:
         group.true_twist = _with_row(group.true_twist, row, 0.0)
         group.joint_rates = _with_row(group.joint_rates, row, 0.0)
         self._fleet.place()
+        self._fleet.part_from_all(int(group.bodies[row]))
         self._log_change(handle, "pose_set", "pose", tuple(float(part) for part in pose))
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
@@ -331,6 +332,7 @@ class Simulation:
         if handle.is_by_hand == (to == "hand") and (to == "hand" or handle.is_active):
             return
         handle._group.hand_over(handle._row, to == "hand")
+        self._fleet.part_from_all(int(handle._group.bodies[handle._row]))
         self._log_change(handle, "handed_over", "driver", to)
 
     def _log_change(self, handle: RobotHandle, kind: str, path: str, value: Any) -> None:
@@ -364,7 +366,7 @@ class Simulation:
         fleet = self._fleet
         kept = take_snapshot(fleet)
         fleet.ticks = np.zeros_like(fleet.ticks)
-        fleet.touching = frozenset()
+        fleet.touching = fleet.contacts = frozenset()
         fleet.episodes = fleet.episodes + again
         for group in fleet.everything:
             group.start()

@@ -41,6 +41,7 @@ class Snapshot:
     episodes: npt.NDArray[np.int64]
     groups: tuple[GroupSnapshot, ...]
     touching: frozenset[tuple[int, int]]
+    contacts: frozenset[tuple[int, int]]
     events: tuple[Any, ...]
 
     def to_bytes(self) -> bytes:
@@ -101,6 +102,7 @@ def take_snapshot(fleet: Fleet) -> Snapshot:
             for group in fleet.everything
         ),
         touching=fleet.touching,
+        contacts=fleet.contacts,
         events=tuple(fleet.events),
     )
 
@@ -127,9 +129,11 @@ def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
     """Put the replicas marked in `which` `(R,)` back to the snapshot, events apart, and leave the others."""
     fleet.ticks = np.where(which, snapshot.ticks, fleet.ticks)
     fleet.episodes = np.where(which, snapshot.episodes, fleet.episodes)
-    back = {pair for pair in snapshot.touching if which[fleet.world.replica_index[pair[0]]]}
-    kept = {pair for pair in fleet.touching if not which[fleet.world.replica_index[pair[0]]]}
-    fleet.touching = frozenset(back | kept)
+    of = fleet.world.replica_index
+    for name in ("touching", "contacts"):
+        back = {pair for pair in getattr(snapshot, name) if which[of[pair[0]]]}
+        kept = {pair for pair in getattr(fleet, name) if not which[of[pair[0]]]}
+        setattr(fleet, name, frozenset(back | kept))
     for group, held in zip(fleet.everything, snapshot.groups, strict=True):
         if isinstance(group, Group) and any(a is not b for a, b in zip(group.specified, held.specified, strict=True)):
             group.specified = list(held.specified)
