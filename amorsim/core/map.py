@@ -120,11 +120,12 @@ class Map:
         offset = (int(low[0]), int(low[1]))
         kept = walls.copy()
         kept.flags.writeable = False
+        grid = grid_from_segments(walls, int(rows), int(cols), side, offset)
         return cls(
-            grid=grid_from_segments(walls, int(rows), int(cols), side, offset),
+            grid=grid,
             origin=(offset[0] * side, offset[1] * side, 0.0),
             segments=kept,
-            lines=lines_of(walls - np.tile(np.array(offset) * side, 2), int(rows), int(cols), side),
+            lines=lines_of(walls - np.tile(np.array(offset) * side, 2), int(rows), int(cols), side, grid=grid),
             start=_start(start),
             warnings=tuple(warnings),
             name=name,

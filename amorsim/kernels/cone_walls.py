@@ -2,6 +2,7 @@
 
 Where the map has line features, they bound every ray from below (`amorsim.kernels.lines`): the few rays that could be
 the nearest by these bounds are cast, from where all are free, and mostly that is one, square to a wall or at its end.
+Walls that are boxes of occupied cells need no ray at all (`amorsim.kernels.cone_boxes`).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import part
+from amorsim.kernels.cone_boxes import bearing_of, enter_box, rays_between
 from amorsim.kernels.cone_cells import SAFETY
 from amorsim.kernels.grid import ONE, Grid, word_at
 from amorsim.kernels.lines import FACE, INSIDE, PASSED, Lines, side_of
@@ -25,8 +27,8 @@ Integers = NDArray[np.int64]
 
 MOST = 64  # walls that a cone may hear
 AT_ONCE = 32  # walls that are looked at together
+_TOUCH = 1e-3  # [cells]
 _STEPS = 12  # cells that a ray walks before it jumps
-_NEXT = 0.05  # [rays] within which a wall that ends beside a ray counts as met; so rough are bearings
 
 
 @part
@@ -57,43 +59,6 @@ def _look_along(
 
 
 @part
-def _bearing(x: float, y: float) -> float:
-    """The angle [rad] of a direction, to 4e-6: good for telling which rays are about it.
-
-    The arc tangent of z up to 1 is z times a polynomial in z * z, here fitted at Chebyshev's points.
-    """
-    low = min(abs(x), abs(y))
-    high = max(abs(x), abs(y))
-    z = low / high if high > 0.0 else 0.0
-    w = z * z
-    angle = 0.05733179602962784 - 0.01342247840194614 * w
-    angle = 0.19558996708261733 + w * (-0.12111113029350314 + w * angle)
-    angle = z * (0.9999955182994817 + w * (-0.3329888274017294 + w * angle))
-    if abs(y) > abs(x):
-        angle = 0.5 * math.pi - angle
-    if x < 0.0:
-        angle = math.pi - angle
-    return angle if y >= 0.0 else -angle
-
-
-@part
-def _rays_between(
-    x0: float, y0: float, x1: float, y1: float, half_angle: float, step: float, rays: int
-) -> tuple[int, int]:
-    """First and last ray of a cone from one direction anticlockwise to another; the last before the first if none."""
-    low = _bearing(x0, y0)
-    high = _bearing(x1, y1)
-    if high < low:
-        if high >= -half_angle - step:
-            low -= 2.0 * math.pi
-        else:
-            high += 2.0 * math.pi
-    first = max(math.ceil((low + half_angle) / step - _NEXT), 0.0)
-    last = min(math.floor((high + half_angle) / step + _NEXT), rays - 1.0)
-    return int(first), int(last)
-
-
-@part
 def _crosses(a: float, b: float, near: float, start: float, stop: float, margin: float, dx: float, dy: float) -> bool:
     """Whether a ray goes through a wall's rectangle from one long side to the other, so that it must meet the wall."""
     # How far along the wall it gets for each metre across; the wall itself ends short of its rectangle.
@@ -101,6 +66,14 @@ def _crosses(a: float, b: float, near: float, start: float, stop: float, margin:
     first = near * slope
     last = (near + 2.0 * margin) * slope
     return bool(min(first, last) > start + 3.0 * margin and max(first, last) < stop - 3.0 * margin)
+
+
+@part
+def _touches(walls: Floats, m: int, resolution: float, x: float, y: float) -> bool:
+    """Whether a point is so near a box that roundings of places count for the bearings of its corners."""
+    col = x / resolution
+    row = y / resolution
+    return bool(max(walls[6, m] - col, col - walls[8, m], walls[7, m] - row, row - walls[9, m]) < _TOUCH)
 
 
 @part
@@ -193,6 +166,9 @@ def hear_walls(
     # Nothing farther than this is heard: out of range, or behind a wall that fills the way.
     most = range_max * (1.0 + SAFETY)
     held = 0
+    # The first distance that is out of range.
+    least = np.nextafter(range_max, np.inf)
+    square = (bearing_of(cos_h, -sin_h) + half_angle) / step
     # Square to the edges, outward.
     left_x = -sin_h * edge[0] - cos_h * edge[1]
     left_y = cos_h * edge[0] - sin_h * edge[1]
@@ -209,6 +185,30 @@ def hear_walls(
             if away[i] - aside > most:
                 break
             m = found[i]
+            if lines.walls[6, m] < lines.walls[8, m]:
+                if _touches(lines.walls, m, grid.resolution, x, y):
+                    return False, 0.0
+                least = enter_box(
+                    lines.walls[6, m],
+                    lines.walls[7, m],
+                    lines.walls[8, m],
+                    lines.walls[9, m],
+                    col,
+                    row,
+                    grid.resolution,
+                    x,
+                    y,
+                    cos_h,
+                    sin_h,
+                    half_angle,
+                    step,
+                    square,
+                    cos_b,
+                    sin_b,
+                    least,
+                )
+                most = min(most, least * (1.0 + SAFETY))
+                continue
             what, a, b, x0, y0, x1, y1, near, start, stop = side_of(lines.walls, m, x, y, cos_h, sin_h, most)
             if what == PASSED:
                 continue
@@ -217,7 +217,7 @@ def hear_walls(
             beside = max(start, -stop, 0.0)
             if near > 0.0 and near * near + beside * beside > most * most:
                 continue
-            first, last = _rays_between(x0, y0, x1, y1, half_angle, step, rays)
+            first, last = rays_between(x0, y0, x1, y1, half_angle, step, rays)
             if first > last:
                 continue
             # The nearness of the line is a sine over the rays, and less than half of its turn is here.
@@ -225,7 +225,7 @@ def hear_walls(
             if a * sin_b[0, first] < b * cos_b[0, first]:
                 best = last
                 if a * sin_b[0, last] > b * cos_b[0, last]:
-                    best = min(max(int(np.rint((_bearing(a, b) + half_angle) / step)), first), last)
+                    best = min(max(int(np.rint((bearing_of(a, b) + half_angle) / step)), first), last)
             dx = cos_b[0, best]
             dy = sin_b[0, best]
             nearness = a * dx + b * dy
@@ -243,10 +243,6 @@ def hear_walls(
             margin = lines.walls[5, m]
             if what == FACE and _crosses(a, b, near, start, stop, margin, dx, dy):
                 most = min(most, (1.0 + 2.0 * margin / near) / nearness * (1.0 + SAFETY))
-    least = np.inf
-    if held == 0:
-        return True, least
-    limit = range_max * (1.0 + SAFETY)
     for _ in range(held):
         nearest = 0
         for i in range(1, held):
@@ -255,14 +251,14 @@ def hear_walls(
         a = walls[nearest, 0]
         b = walls[nearest, 1]
         nearness = walls[nearest, 2]
-        if nearness * min(least, limit) * (1.0 + SAFETY) < 1.0:
+        if nearness * least * (1.0 + SAFETY) < 1.0:
             break
         free = (1.0 - SAFETY) / nearness
         # From the nearest ray outward to either side, as far as the bound stays below what was found.
         for way in (-1, 1):
             k = spans[nearest, 2] + (way + 1) // 2
             while spans[nearest, 0] <= k <= spans[nearest, 1]:
-                if (a * cos_b[0, k] + b * sin_b[0, k]) * min(least, limit) * (1.0 + SAFETY) < 1.0:
+                if (a * cos_b[0, k] + b * sin_b[0, k]) * least * (1.0 + SAFETY) < 1.0:
                     break
                 if casts == 0:
                     return False, 0.0
@@ -271,4 +267,4 @@ def hear_walls(
                 least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
                 k += way
         walls[nearest, 2] = -np.inf
-    return True, least
+    return True, least + 0.0 if least <= range_max else np.inf

@@ -61,7 +61,8 @@ class Lines(NamedTuple):
     first: Integers
     """(blocks + 1,): a block's first segment, and one past its last, that of the next."""
     walls: Floats
-    """(6, M) x0, y0; unit vector along the segment; length; how far its cells reach beyond it."""
+    """(10, M) x0, y0; unit vector along the segment; length; how far its cells reach beyond it; and of those that are
+    boxes of occupied cells the grid lines that bound it, as `amorsim.kernels.solids` has them."""
 
 
 @inlined

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.kernels.grid import Grid
 from amorsim.kernels.lines import Lines
 from amorsim.kernels.rasterise import SNAP
+from amorsim.kernels.solids import NOT_SOLID, solids_of
 
 __all__ = ["lines_of", "no_lines"]
 
@@ -22,14 +24,22 @@ _BLOCK = 16  # segments whose distance is asked for at once
 
 def no_lines() -> Lines:
     """Lines of a map that has none."""
-    return Lines(np.empty((4, 0)), np.zeros(1, dtype=np.int64), np.empty((6, 0)))
+    return Lines(np.empty((4, 0)), np.zeros(1, dtype=np.int64), np.empty((10, 0)))
 
 
-def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins: Floats | None = None) -> Lines:
+def lines_of(
+    segments: Floats,
+    rows: int,
+    cols: int,
+    resolution: float,
+    margins: Floats | None = None,
+    grid: Grid | None = None,
+) -> Lines:
     """Lines of segments (M, 4), x0 y0 x1 y1 [m] in the frame of a map of rows x cols cells, and of the map's border.
 
     `margins` (M,) [m] says how far what is occupied reaches beyond each segment; where not given it is the cells that
     the segment touches. The border is needed because outside is occupied: a beam that no segment covers ends there.
+    Without the `grid` of the map no wall is known to be a box.
     """
     width, height = cols * resolution, rows * resolution
     border = np.array([[0, 0, width, 0], [width, 0, width, height], [width, height, 0, height], [0, height, 0, 0]])
@@ -40,10 +50,20 @@ def lines_of(segments: Floats, rows: int, cols: int, resolution: float, margins:
     # A cell that holds a point of the segment reaches as far from it, across and along; what is outside does not.
     margin = resolution * (np.abs(unit).sum(axis=1) + _SLACK)
     if margins is not None:
-        margin = np.append(margins, np.full(4, resolution * _SLACK))
+        margin[:-4] = margins
+    margin[-4:] = resolution * _THIN_SLACK
     walls = np.concatenate([ends[:, :2], unit, length[:, None], margin[:, None]], axis=1)
     if margins is None:
         _tighten(walls[:-4], ends[:-4], resolution)
+    boxes = np.tile(NOT_SOLID, (len(walls), 1))
+    if grid is not None:
+        boxes[:-4] = solids_of(grid, walls[:-4])
+        # What is outside is occupied, at its corners too.
+        boxes[-4:, 0] = boxes[-4:, 1] = -1.0
+        boxes[-4:, 2], boxes[-4:, 3] = cols + 1.0, rows + 1.0
+        for n, (line, at) in enumerate(((3, 0.0), (0, cols), (1, rows), (2, 0.0))):
+            boxes[len(walls) - 4 + n, line] = at
+    walls = np.concatenate([walls, boxes], axis=1)
     order = np.argsort(_curve(ends, max(width, height)), kind="stable")
     walls, ends, margin = walls[order], ends[order], margin[order]
     block = _BLOCK * max(1, math.isqrt(len(ends)) // (4 * _BLOCK))

@@ -29,6 +29,8 @@ Cells = NDArray[np.uint8]
 _TOLERANCE = 1.6  # [cells] a corner may lie beside the line; more than 1, so that a thin wall is one strip
 _MOST_CORNERS = 1024  # of one strip
 _MARGIN = 1e-3  # [cells] by which a strip is wider than the sides in it, for roundings
+_EXACT = 0.02  # [cells] by which one along an axis may be wider than another, and is still to be preferred
+_THIN_MARGIN = 1e-6  # [cells] the same for one along an axis, whose corners are whole numbers
 
 
 @kernel
@@ -101,9 +103,9 @@ def _finish(corners: Floats, count: int, wedge: Floats, strip: Floats) -> None:
     """Write the narrowest strip about some corners: x0, y0, x1, y1 of its segment, and how far it reaches beyond it."""
     narrowest = np.inf
     for trial in range(3):
-        # The middle of the wedge, or an axis: for walls along one it is exact.
-        ux = wedge[0] + wedge[2] if trial == 0 else trial - 1.0
-        uy = wedge[1] + wedge[3] if trial == 0 else 2.0 - trial
+        # An axis, which for walls along it is exact, or the middle of the wedge.
+        ux = wedge[0] + wedge[2] if trial == 2 else trial * 1.0
+        uy = wedge[1] + wedge[3] if trial == 2 else 1.0 - trial
         length = math.sqrt(ux * ux + uy * uy)
         if length == 0.0:
             continue
@@ -116,7 +118,7 @@ def _finish(corners: Floats, count: int, wedge: Floats, strip: Floats) -> None:
             first, last = min(first, along), max(last, along)
             right, left = min(right, across), max(left, across)
         margin = 0.5 * (left - right)
-        if margin < narrowest:
+        if margin < narrowest - (_EXACT if trial == 2 else 0.0):
             narrowest = margin
             middle = 0.5 * (left + right)
             first += margin
@@ -125,7 +127,7 @@ def _finish(corners: Floats, count: int, wedge: Floats, strip: Floats) -> None:
                 first = last = 0.5 * (first + last)
             strip[0], strip[1] = first * ux - middle * uy, first * uy + middle * ux
             strip[2], strip[3] = last * ux - middle * uy, last * uy + middle * ux
-            strip[4] = margin + _MARGIN
+            strip[4] = margin + (_MARGIN if trial == 2 else _THIN_MARGIN)
 
 
 @kernel
@@ -211,4 +213,4 @@ def strips_of(grid: Grid, cells: Cells) -> Floats:
 def outline_lines(grid: Grid, cells: Cells) -> Lines:
     """Lines of the outlines of a grid's cells, given as an array too, for scans to look up."""
     strips = strips_of(grid, cells) * grid.resolution
-    return lines_of(strips[:, :4], grid.rows, grid.cols, grid.resolution, strips[:, 4])
+    return lines_of(strips[:, :4], grid.rows, grid.cols, grid.resolution, strips[:, 4], grid)

@@ -17,6 +17,7 @@ from amorsim.kernels import rays
 from amorsim.kernels.cones import cast_cones
 from amorsim.kernels.lines_of import lines_of
 from amorsim.simulation.view import cone_bearings
+from tests.kernels.test_outlines import random_cells
 from tests.kernels.test_scans import random_poses, random_walls
 
 
@@ -84,6 +85,37 @@ def test_among_walls_of_all_kinds_the_bits_are_the_same() -> None:
 @pytest.mark.long
 def test_among_walls_of_all_kinds_the_bits_are_the_same_at_length() -> None:
     compare_in_line_worlds(worlds=1500, poses=100, seed=1)
+
+
+def compare_in_bitmaps(worlds: int, poses: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for m in range(worlds):
+        cells = random_cells(rng)
+        if cells.all():
+            continue
+        resolution = float(rng.choice([0.001, 0.05, 1 / 3]))
+        map_ = Map.from_array(cells, resolution=resolution, origin=(0.0, 0.0, 0.7 * (m % 3)))
+        free = np.argwhere(cells == 0)
+        # At grid lines, all but at them, and anywhere.
+        within = rng.choice([0.0, 0.5, 1e-9, 1.0 - 1e-9], (poses, 2)) + rng.random((poses, 2)) * (m % 2)
+        places = (free[rng.integers(0, len(free), poses), ::-1] + within) * resolution
+        c, s = np.cos(map_.origin[2]), np.sin(map_.origin[2])
+        heading = rng.random(poses) * 7
+        heading[::3] = rng.integers(-4, 5, len(heading[::3])) * (np.pi / 4)
+        starts = np.column_stack([places @ np.array([[c, s], [-s, c]]), heading + map_.origin[2]])
+        half_angle = math.radians(float(rng.choice([0.3, 5.0, 15.0, 60.0, 85.0])))
+        reach = float(rng.choice([np.inf, 8.0, 50 * resolution]))
+        least, expected = both(map_, starts, half_angle, reach)
+        np.testing.assert_array_equal(least.view(np.int64), expected.view(np.int64))
+
+
+def test_among_boxes_of_all_kinds_the_bits_are_the_same() -> None:
+    compare_in_bitmaps(worlds=60, poses=24, seed=2)
+
+
+@pytest.mark.long
+def test_among_boxes_of_all_kinds_the_bits_are_the_same_at_length() -> None:
+    compare_in_bitmaps(worlds=1500, poses=100, seed=3)
 
 
 def test_walls_are_believed() -> None:

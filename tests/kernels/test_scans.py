@@ -203,5 +203,6 @@ def test_every_wall_is_in_one_block_and_its_cells_in_the_box() -> None:
     block = np.repeat(np.arange(lines.boxes.shape[1]), np.diff(lines.first))
     begin = lines.walls[:2].T
     for end in (begin, begin + (lines.walls[2:4] * lines.walls[4]).T):
-        assert (end - 0.05 >= lines.boxes[:2, block].T).all()
-        assert (end + 0.05 <= lines.boxes[2:, block].T).all()
+        assert (end - lines.walls[5][:, None] >= lines.boxes[:2, block].T).all()
+        assert (end + lines.walls[5][:, None] <= lines.boxes[2:, block].T).all()
+    assert (lines.walls[5] >= 0.05).mean() > 0.5
