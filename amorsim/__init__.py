@@ -85,6 +85,7 @@ if TYPE_CHECKING:
     from amorsim.simulation.phases import PHASES
     from amorsim.simulation.simulation import Simulation
     from amorsim.simulation.stages import KeptStages, Stage, keep_stages
+    from amorsim.ui.view import view
 
 _MODULES = {
     "amorsim.contracts": (
@@ -117,6 +118,7 @@ _MODULES = {
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
     "amorsim.simulation.stages": "KeptStages Stage keep_stages",
+    "amorsim.ui.view": "view",
 }
 _PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
@@ -206,6 +208,7 @@ __all__ = [
     "sensors",
     "stack",
     "testing",
+    "view",
     "wrap_angle",
 ]
 

@@ -2,13 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import gc
-import importlib.util
-import os
-import sys
-import threading
-import webbrowser
 from pathlib import Path
 from typing import Annotated
 
@@ -17,8 +10,6 @@ import typer
 from amorsim.cli.console import compile_once, complain, say
 
 __all__ = ["command"]
-
-LONGEST_REST = 0.5  # [s] that the server gets to end once the simulation has
 
 
 def command(
@@ -67,55 +58,18 @@ def command(
     files of --out whole. What is saved in the window goes into the present folder.
     """
     from amorsim.core.errors import AmorsimError
+    from amorsim.ui.show import check_extra, show
 
-    if importlib.util.find_spec("nicegui") is None:
-        raise AmorsimError('the window needs the extra "ui"; install it with: pip install "amorsim[ui]"')
+    check_extra()
     if not 0 <= port < 65536:
         raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
 
     from amorsim.runs.asked import look_up
     from amorsim.ui.recipe import Recipe
-    from amorsim.ui.server import serve
-    from amorsim.ui.session import Session
 
     look_up(scenario)
     cold = compile_once()
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
     # What no run has needed yet (a camera's kernels ...) is compiled later: that is told when it takes long.
-    session = Session(recipe, out=out, notice=None if cold else say)
-    told = threading.Lock()  # the last word, once
-
-    def tell() -> None:
-        if told.acquire(blocking=False) and session.folder:
-            say(f"results: {session.folder}")
-
-    def leave() -> None:
-        tell()
-        sys.stdout.flush()
-        os._exit(0)
-
-    def end() -> None:
-        session.close()
-        # The files are whole. What the server still does (a GIF that is being made) shall not hold up the end.
-        rest = threading.Timer(LONGEST_REST, leave)
-        rest.daemon = True
-        rest.start()
-
-    try:
-        session.start()
-        for remark in session.remarks:
-            complain(remark)
-
-        def ready(address: str) -> None:
-            say(address)
-            if open_:
-                # Some browsers hold up whoever opens them.
-                threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-
-        with contextlib.suppress(KeyboardInterrupt):
-            serve(session, host=host, port=port, ready=ready, ending=end)
-    finally:
-        session.close()
-        # Python's last look for what nobody uses takes a second with all that NiceGUI and numba hold.
-        gc.freeze()
-    tell()
+    notice = None if cold else say
+    show(recipe, out=out, host=host, port=port, browser=open_, say=say, complain=complain, notice=notice)

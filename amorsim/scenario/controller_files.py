@@ -15,7 +15,7 @@ from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
 
-__all__ = ["is_controller_file", "load_controller", "split_reference"]
+__all__ = ["is_controller_file", "load_controller", "reference_to", "split_reference"]
 
 
 def is_controller_file(use: str) -> bool:
@@ -31,6 +31,16 @@ def split_reference(use: str, folder: Path) -> tuple[Path, str]:
     if not name.isidentifier():
         raise ControllerError(f"expected the name of a function or class after the colon, got {name!r}")
     return Path(os.path.abspath(folder / file)), name  # noqa: PTH100 - a link keeps the name that it was given
+
+
+def reference_to(thing: Any) -> str:
+    """``"FILE.py:NAME"`` of a function or class that stands at the top of a file of Python; nothing for any other."""
+    module = sys.modules.get(getattr(thing, "__module__", None) or "")
+    name = getattr(thing, "__qualname__", "")
+    file = getattr(module, "__file__", None) or ""
+    if module is None or not file.endswith(".py") or vars(module).get(name) is not thing:
+        return ""
+    return f"{Path(file).absolute()}:{name}"
 
 
 CONTROLLER = ("readings", "estimate", "clock")

@@ -21,7 +21,7 @@ from amorsim.scenario.maps import save_map
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.starts import series_of
 
-__all__ = ["document_of", "document_text", "with_copies", "write_document"]
+__all__ = ["document_of", "document_text", "with_copies", "with_maps", "write_document"]
 
 # Tables of a robot that get a header of their own; whatever else holds keys stands on one line.
 _HEADED = (
@@ -147,6 +147,20 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
         copies.of_program(written.get("motion", {}))
         _copy_files(first.motion, written.get("motion", {}), copies)
     return document
+
+
+def with_maps(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
+    """The document of a scenario, the maps that were made in Python written into a folder; other files stay in place.
+
+    Raises
+    ------
+    RunError
+        If a map cannot be written.
+    ScenarioError
+        As for `document_of`; nothing has been written then.
+    """
+    document_of(scenario, maps_in_files=False)
+    return document_of(_with_files(scenario, _Copies(Path(folder))))
 
 
 def _with_files(scenario: Scenario, copies: _Copies) -> Scenario:

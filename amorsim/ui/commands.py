@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+import shutil
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError, RunError, did_you_mean
 from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.write import document_of, write_document
 from amorsim.ui.forms import forms_of, value_at
@@ -33,11 +34,19 @@ MOST_STEPS_AT_ONCE = 1000
 class Commands:
     """Carries out commands on a player, and knows whether it runs.
 
-    `is_ending` is asked whether to leave off.
+    `is_ending` is asked whether to leave off. Files of the folder `passing` are not there for long (see `Recipe`).
     """
 
-    def __init__(self, player: Player, builder: SceneBuilder, is_ending: Callable[[], bool] = lambda: False) -> None:
+    def __init__(
+        self,
+        player: Player,
+        builder: SceneBuilder,
+        is_ending: Callable[[], bool] = lambda: False,
+        *,
+        passing: str = "",
+    ) -> None:
         self._is_ending = is_ending
+        self._passing = passing
         self.player = player
         self.pace = Pace()
         self.is_running = False
@@ -301,7 +310,10 @@ class Commands:
         robots = [simulation.robot(name).nominal for name in names]
         scenario = attrs.evolve(simulation.scenario, robots=robots, seed=simulation.seed)
         path = Path(str(command["file"]))
-        write_document(_with_near_names(document_of(scenario), path.parent), path)
+        document = document_of(scenario)
+        if self._passing:
+            _copy_maps(document, Path(self._passing), path)
+        write_document(_with_near_names(document, path.parent), path)
 
     def _remark(self, command: Table) -> None:
         self.player.remark(
@@ -319,6 +331,36 @@ def _value_at(robot: Any, path: str) -> Any:
         raise AmorsimError(f"{path}: {error.args[0]}") from None
 
 
+def _copy_maps(document: dict[str, Any], passing: Path, path: Path) -> None:
+    """Copy the maps that lie in a folder beside the file that is to be, named after it, and name the copies."""
+    copies: dict[str, str] = {}
+
+    def kept(name: str) -> str:
+        file = Path(name)
+        if not file.is_relative_to(passing):
+            return name
+        if name not in copies:
+            number, copy = 1, path.with_suffix(file.suffix)
+            while copy.exists():
+                number += 1
+                copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
+            try:
+                shutil.copyfile(file, copy)
+            except OSError as error:
+                raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
+            copies[name] = str(copy)
+        return copies[name]
+
+    _rename_maps(document, kept)
+
+
+def _rename_maps(document: dict[str, Any], to: Callable[[str], str]) -> None:
+    document["world"]["map"] = to(document["world"]["map"])
+    for robot in document["robots"]:
+        if "map" in robot.get("knowledge", {}):
+            robot["knowledge"]["map"] = to(robot["knowledge"]["map"])
+
+
 def _with_near_names(document: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The document with files in `folder` or below named from there, so that they may be moved together."""
 
@@ -329,10 +371,8 @@ def _with_near_names(document: dict[str, Any], folder: Path) -> dict[str, Any]:
             return name
         return path.relative_to(folder).as_posix() + (f":{rest}" if colon else "")
 
-    document["world"]["map"] = near(document["world"]["map"])
+    _rename_maps(document, near)
     for robot in document["robots"]:
-        if "map" in robot.get("knowledge", {}):
-            robot["knowledge"]["map"] = near(robot["knowledge"]["map"])
         if is_controller_file(robot.get("controller", {}).get("use", "")):
             robot["controller"]["use"] = near(robot["controller"]["use"])
     return document

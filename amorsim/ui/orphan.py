@@ -1,4 +1,4 @@
-"""The end of a process whose session ends while it is still being loaded.
+"""A process that a session started, and its end where the session ends while it is still being loaded.
 
 Later it reads its standard input, whose end tells that nobody waits any more. But until numpy and numba are loaded it
 reads nothing, which takes a second, and many of them on a machine that has much else to do. Loads nothing itself.
@@ -10,13 +10,15 @@ import os
 import select
 import threading
 
-__all__ = ["leave_with_the_session", "stay"]
+__all__ = ["is_child", "leave_with_the_session", "stay"]
 
 _stays = threading.Event()
+_has_session = threading.Event()
 
 
 def leave_with_the_session() -> None:
     """From now on end at once when the other end of standard input is closed, until `stay`."""
+    _has_session.set()
     if hasattr(select, "poll"):  # not on Windows
         threading.Thread(target=_watch, name="amorsim-orphan", daemon=True).start()
 
@@ -24,6 +26,11 @@ def leave_with_the_session() -> None:
 def stay() -> None:
     """Leave it to whoever reads standard input."""
     _stays.set()
+
+
+def is_child() -> bool:
+    """Whether this process was started by a session."""
+    return _has_session.is_set()
 
 
 def _watch() -> None:

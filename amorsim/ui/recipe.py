@@ -17,13 +17,17 @@ __all__ = ["Recipe"]
 
 @attrs.frozen(kw_only=True)
 class Recipe:
-    """What `amorsim view` was told: a scenario's name or file, and what is changed of it."""
+    """What `amorsim view` was told: a scenario's name or file, and what is changed of it.
+
+    `passing` is a folder that ends with the window, where the scenario and some of its maps lie; or nothing.
+    """
 
     name: str
     resolution: float | None = None
     changes: Sequence[str] = ()
     seed: int | None = None
     duration: float | None = None
+    passing: str = ""
 
     def simulation(self) -> tuple[Simulation, str]:
         """The simulation, at its start, and a remark for the user, or nothing.

@@ -25,12 +25,15 @@ pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
 
 
 class View:
-    """`amorsim view` with these arguments, once it has told its address; `first` is done by the process before."""
+    """`amorsim view` with these arguments, once it has told its address; `first` is done by the process before.
 
-    def __init__(self, *arguments: str, cwd: Path, command: str = "view", first: str = "") -> None:
-        script = f"import sys\n{first}\nfrom amorsim.cli import main\nmain()"
+    Or a script that opens a window.
+    """
+
+    def __init__(self, *arguments: str, cwd: Path, command: str = "view", first: str = "", script: str = "") -> None:
+        main = f"import sys\n{first}\nfrom amorsim.cli import main\nmain()"
         self.process = subprocess.Popen(
-            [sys.executable, "-c", script, command, *arguments, "--no-open"],
+            [sys.executable, script] if script else [sys.executable, "-c", main, command, *arguments, "--no-open"],
             cwd=cwd,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

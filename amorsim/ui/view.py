@@ -1,0 +1,158 @@
+"""The Simulator's window for a scenario that was made in Python."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.controllers.user import UserController
+from amorsim.core.errors import AmorsimError, Fault, ScenarioError
+from amorsim.motions.user import UserMotion
+from amorsim.runs.session import run_name
+from amorsim.scenario.controller_files import reference_to
+from amorsim.scenario.spec import Scenario
+from amorsim.scenario.write import with_maps, write_document
+from amorsim.ui.orphan import is_child
+from amorsim.ui.pipes import python_for
+from amorsim.ui.recipe import Recipe
+from amorsim.ui.show import check_extra
+
+__all__ = ["view"]
+
+
+def view(
+    scenario: Scenario | str | os.PathLike[str],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    browser: bool = True,
+) -> None:
+    """Open the Simulator in the browser: what is true beside what the robot knows. Returns after Ctrl-C.
+
+    The window's simulation is another process's, which is told the scenario as a file would tell it. So components
+    have to be registered, and a controller or motion of one's own is a function or class at the top of a file: of the
+    script itself, where what the script does stands below ``if __name__ == "__main__":``, or of one that it imports.
+
+    Parameters
+    ----------
+    scenario
+        A scenario, or what ``amorsim view`` takes: a file, the name of a bundled scenario, or a map alone.
+    out
+        Folder that the run is written into as it goes, new or empty.
+    host, port
+        Where the window is served; only this machine can reach the default, and 0 takes a port that is free.
+    browser
+        Whether to open the window in the browser. Its address is printed in any case; whoever has it can drive.
+
+    Raises
+    ------
+    ScenarioError
+        If something in the scenario cannot be told to another process.
+    AmorsimError
+        If it cannot be simulated, the extra ``ui`` is not installed, the address is taken, or the folder cannot be
+        written.
+    """
+    check_extra()
+    if is_child():
+        raise AmorsimError(
+            "the window's simulation looks for a controller or motion in this file, and must not open a window of its "
+            "own; put what the script does below: if __name__ == '__main__':"
+        )
+    with tempfile.TemporaryDirectory(prefix="amorsim-view-", ignore_cleanup_errors=True) as passing:
+        file = ""
+        if isinstance(scenario, Scenario):
+            path = Path(passing).resolve() / f"{run_name(scenario)}.toml"
+            write_document(with_maps(_named(scenario), path.parent), path)
+            file = str(path)
+            recipe = Recipe(name=file, passing=str(path.parent))
+        else:
+            recipe = Recipe(name=os.fspath(scenario))
+        order = {
+            "recipe": recipe.to_json(),
+            "out": "" if out is None else os.fspath(out),
+            "host": host,
+            "port": port,
+            "browser": browser,
+        }
+        problem = _show(order)
+    if problem:
+        # Who made the scenario in Python knows nothing of the file.
+        raise AmorsimError(problem.replace(f"{file}: ", "") if file else problem)
+
+
+def _show(order: dict[str, Any]) -> str:
+    """Let a process serve the window, and say here what it says, until Ctrl-C; returns what was wrong, or nothing.
+
+    A process of its own: the server's loop and signals are not for a script, and still less for a notebook.
+    """
+    problem = ""
+    with subprocess.Popen(
+        python_for("amorsim.ui.show"),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
+        start_new_session=True,  # Ctrl-C in the terminal is for this process alone
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            process.stdin.write(json.dumps(order) + "\n")
+            process.stdin.flush()
+            for line in process.stdout:
+                kind, text = json.loads(line)
+                if kind == "error":
+                    problem = text
+                else:
+                    stream = sys.stdout if kind == "say" else sys.stderr
+                    stream.write(text + "\n")
+                    stream.flush()
+        except KeyboardInterrupt:
+            with contextlib.suppress(OSError):
+                process.stdin.close()  # which it takes as its end
+            for line in process.stdout:
+                sys.stdout.write(json.loads(line)[1] + "\n")
+        finally:
+            with contextlib.suppress(OSError):
+                process.stdin.close()
+    return problem
+
+
+def _named(scenario: Scenario) -> Scenario:
+    """The scenario with the files and names of the controllers and motions that were given as objects.
+
+    Raises
+    ------
+    ScenarioError
+        With a fault for each that stands at the top of no file.
+    """
+    faults: list[Fault] = []
+
+    def named(path: str, body: Any, field: str) -> Any:
+        own = getattr(body, field)
+        if not isinstance(own, (UserController, UserMotion)) or own.source:
+            return body
+        source = reference_to(own.function)
+        if not source:
+            name = getattr(own.function, "__qualname__", repr(own.function))
+            message = (
+                f"{name} stands at the top of no file, so the window's process cannot find it; define it with def or "
+                f"class at the top of a .py file: this script, or one that it imports"
+            )
+            faults.append(Fault(file="", path=f"{path}.{field}", message=message))
+        return attrs.evolve(body, **{field: attrs.evolve(own, source=source)})
+
+    robots = [named(f"robots.{i}", robot, "controller") for i, robot in enumerate(scenario.robots)]
+    obstacles = [named(f"obstacles.{i}", obstacle, "motion") for i, obstacle in enumerate(scenario.obstacles)]
+    if faults:
+        raise ScenarioError(faults)
+    return attrs.evolve(scenario, robots=robots, obstacles=obstacles)
