@@ -33,6 +33,7 @@ from amorsim.controllers.driving import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels import wandering, wandering_car
+from amorsim.kernels.shares import ALONE
 
 __all__ = ["Wander"]
 
@@ -151,10 +152,10 @@ class Wander(Controller):
             state["trail"],
         )
         if state["way"].shape[1]:
-            wandering.wander(*asked, 0, robot.rows, twist)
+            wandering.wander(*asked, ALONE, twist)
             twist = np.where(np.isinf(state["curvature"]), twist, self._as_cars(robot, asked, state))
             return command_along(robot, twist, joints)
-        draws.share(_WORK, lambda first, end: wandering.wander(*asked, first, end, twist))
+        draws.share(_WORK, lambda share: wandering.wander(*asked, share, twist))
         return command_along(robot, twist, joints)
 
     def _as_cars(self, robot: RobotModel, asked: Any, state: State) -> Array:

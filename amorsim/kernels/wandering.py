@@ -17,6 +17,7 @@ from amorsim.kernels.free_space import (
     nearest_side,
     see_points,
 )
+from amorsim.kernels.shares import take_rows
 
 __all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "wander"]
 
@@ -262,8 +263,7 @@ def wander(
     dt: float,
     memory: Floats,
     trail: Floats,
-    first: int,
-    end: int,
+    share: int,
     out: Floats,
 ) -> None:
     """Twists (forward, left, turn) [m/s, m/s, rad/s] of wandering robots, into `out` (N, 3).
@@ -286,23 +286,27 @@ def wander(
         Uniform random numbers, (N, 2).
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
-    first, end
-        The rows that are worked on.
+    share
+        Of the rows, see `shares.take_rows`.
     """
     points = np.empty((3, ranges.shape[1] * samples))
-    for i in range(first, end):
-        see_points(ranges[i], beams[i], half_angle[i, 0], points)
-        _wander_row(
-            points,
-            age[i, 0],
-            pose[i],
-            body[i],
-            speed[i, 0],
-            turn_rate[i, 0],
-            clearance[i, 0],
-            draws[i],
-            dt,
-            memory[i],
-            trail[i],
-            out[i],
-        )
+    rows = ranges.shape[0]
+    first, end = take_rows(share, rows, 0)
+    while first < end:
+        for i in range(first, end):
+            see_points(ranges[i], beams[i], half_angle[i, 0], points)
+            _wander_row(
+                points,
+                age[i, 0],
+                pose[i],
+                body[i],
+                speed[i, 0],
+                turn_rate[i, 0],
+                clearance[i, 0],
+                draws[i],
+                dt,
+                memory[i],
+                trail[i],
+                out[i],
+            )
+        first, end = take_rows(share, rows, end)

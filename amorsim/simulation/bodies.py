@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ from amorsim.core.workers import Workers
 from amorsim.kernels import bodies as body_kernels
 from amorsim.kernels import body_hash, body_rays
 from amorsim.kernels import contact as contact_kernels
+from amorsim.kernels.bodies import Bodies
 from amorsim.kernels.body_hash import BodyHash
 from amorsim.simulation.surroundings import Surroundings
 
@@ -147,7 +148,7 @@ class World:
         if self.workers.threads == 1:
             part(0, len(bodies))
         else:
-            self.workers.share(len(bodies), _GAP_WORK, part)
+            self.workers.share_slices(len(bodies), _GAP_WORK, part)
         return out, where
 
     def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
@@ -204,32 +205,16 @@ class World:
         Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, as `out` and -1, gets
         the body that was met, where somebody asks. `own` `(N,)` is a robot, which does not see itself nor its parts.
         """
-        self.workers.share(
-            len(origins), cos_b.shape[1], self.casting(own, replica, origins, cos_b, sin_b, range_max, out, hit)
-        )
-
-    def casting(
-        self,
-        own: Ints,
-        replica: Ints,
-        origins: Array,
-        cos_b: Array,
-        sin_b: Array,
-        range_max: Array,
-        out: Array,
-        hit: Ints | None = None,
-    ) -> Callable[[int, int], None]:
-        """What `cast` does, for the slice of the origins that it is called with: for who shares more than that."""
-        table = self.by_place(self.poses)
+        bodies, poses, edge_rows, table, widest = self.met()
 
         def part(a: int, b: int) -> None:
             mine = slice(a, b) if len(cos_b) > 1 else slice(None)
             body_rays.cast_bodies(
-                self.bodies,
-                self.poses,
-                self.edge_rows,
+                bodies,
+                poses,
+                edge_rows,
                 table,
-                self._widest,
+                widest,
                 replica[a:b],
                 own[a:b],
                 origins[a:b],
@@ -240,7 +225,11 @@ class World:
                 _NOBODY_ASKS if hit is None else hit[a:b],
             )
 
-        return part
+        self.workers.share_slices(len(origins), cos_b.shape[1], part)
+
+    def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
+        """The bodies where they are, as `body_rays.cast_bodies` takes them."""
+        return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self._widest
 
 
 _NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit

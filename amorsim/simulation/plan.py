@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Noise, Sensor
 from amorsim.kernels import digest, scans, sensing
+from amorsim.kernels.sensing_among import sense_among
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -115,13 +116,14 @@ class SensePlan:
         # Where range finders look from: written anew in each step, and shown to nobody.
         self._places = np.empty((rows * sum(places), 3))
         limits = np.concatenate([np.zeros(0), *(_limits(unit, n) for unit, n in zip(held, places, strict=True) if n)])
-        finders = [_Finder(unit, table[d], rows, self._places, limits) for d, unit in enumerate(held) if places[d]]
+        finders = [_Finder(unit, table[d]) for d, unit in enumerate(held) if places[d]]
         beams = _Beams(finders)
         for finder, columns in zip(finders, beams.columns, strict=True):
             finder.line[-3:] = columns
         half_angles = np.array([float(getattr(unit.sensor, "half_angle", _NO_ANGLE)[0, 0]) for unit in held])
         edges = np.array([[math.cos(angle), math.sin(angle)] for angle in half_angles]).reshape(-1, 2)
         self._finders = finders
+        self._among: tuple[Any, ...] | None = None  # what the finders need to meet bodies
         self._given = (
             *world.map.grid,
             *world.map.lines,
@@ -185,47 +187,49 @@ class SensePlan:
                 lambda first, end: sense(looks, True, *given, first, end, *into),
             )
             return
-        meetings = [finder.meeting(view, batch.true) for finder in self._finders]
+        among: Any = sense_among
+        given = (*self._world.met(), *self._company(view), *given, *into)
+        self._world.workers.share(
+            self._rows, self._look_work + self._meet_work + self._read_work, lambda share: among(share, *given)
+        )
 
-        def part(first: int, end: int) -> None:
-            sense(True, False, *given, first, end, *into)
-            for meet in meetings:
-                meet(first, end)
-            sense(False, True, *given, first, end, *into)
-
-        self._share(self._look_work + self._meet_work + self._read_work, part)
+    def _company(self, view: GroupView) -> tuple[Any, ...]:
+        """What the finders need to meet bodies, as `sense_among` takes it."""
+        if self._among is None:
+            columns, begin = [], 0
+            for finder in self._finders:
+                rays = len(finder.table[0][0])
+                columns.append([*finder.line[2:5:2].tolist(), finder.per_row, int(finder.line[1]), begin, rays])
+                begin += rays
+            carriers = [view.carriers(finder.per_row) for finder in self._finders]
+            tables = [finder.table for finder in self._finders]
+            self._among = (
+                np.array(columns, dtype=np.int64),
+                *(np.concatenate(each) for each in zip(*carriers, strict=True)),
+                *(np.concatenate(each, axis=1)[0] for each in zip(*tables, strict=True)),
+            )
+        return self._among
 
     def _share(self, work: int, part: Callable[[int, int], None]) -> None:
         workers = self._world.workers
         if workers.threads == 1:
             part(0, self._rows)
         else:
-            workers.share(self._rows, work, part)
+            workers.share_slices(self._rows, work, part)
 
 
 class _Finder:
-    """A range finder of the plan: from where it looks, and how."""
+    """A range finder of the plan: what beams it has."""
 
-    def __init__(self, unit: SensorUnit, line: Ints, rows: int, places: Array, limits: Array) -> None:
+    def __init__(self, unit: SensorUnit, line: Ints) -> None:
         sensor: Any = unit.sensor
         self.line = line  # of the table of devices
         self.is_cone = type(sensor) is Sonar
         size = int(line[1])
-        per_row = size if self.is_cone else 1
+        self.per_row = size if self.is_cone else 1
         self.work = size * (CONE_WORK if self.is_cone else 1)
-        self._span = int(line[2]) * rows, (int(line[2]) + size) * rows
-        self._shape = (rows * size, 1) if self.is_cone else (rows, size)
-        mine = slice(int(line[4]) * rows, (int(line[4]) + per_row) * rows)
-        self._from, self._limits = places[mine], limits[mine]
         bearings = cone_bearings(float(sensor.half_angle[0, 0])) if self.is_cone else sensor.bearings()
         self.table = directions_of(bearings)
-
-    def meeting(self, view: GroupView, true: Array) -> Callable[[int, int], None]:
-        """What puts the bodies that some rows see before the walls into its part of `true`."""
-        out = true[self._span[0] : self._span[1]].reshape(self._shape)
-        cast = view.casting_bodies(self._from, *self.table, self._limits, out)
-        per_row = len(self._from) // view.rows
-        return lambda first, end: cast(first * per_row, end * per_row)
 
 
 class _Beams:

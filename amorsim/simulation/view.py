@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,7 +115,7 @@ class GroupView:
                 return
             scans.cast_scans(grid, lines, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
 
-        world.workers.share(len(origins), out.shape[1], part)
+        world.workers.share_slices(len(origins), out.shape[1], part)
         if bodies and world.has_company:
             self.cast_bodies(origins, cos_b, sin_b, limits, out)
 
@@ -231,23 +231,16 @@ class GroupView:
         def part(a: int, b: int) -> None:
             cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
 
-        world.workers.share(len(origins), CONE_WORK, part)
+        world.workers.share_slices(len(origins), CONE_WORK, part)
         if world.has_company:
             self.cast_bodies(origins, *table, limits, out[:, None])
 
     def cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""
-        self._world.cast(*self._who(origins), origins, cos_b, sin_b, limits, out)
+        self._world.cast(*self.carriers(len(origins) // self.rows), origins, cos_b, sin_b, limits, out)
 
-    def casting_bodies(
-        self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array
-    ) -> Callable[[int, int], None]:
-        """What `cast_bodies` does, for the slice of the origins that it is called with."""
-        return self._world.casting(*self._who(origins), origins, cos_b, sin_b, limits, out)
-
-    def _who(self, origins: Array) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """Which body carries what looks from each of the origins, and which replica it is of."""
-        per_row = len(origins) // self.rows
+    def carriers(self, per_row: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Which body carries what looks from each of so many places in a row, and which replica it is of."""
         known = self._carriers.get(per_row)
         if known is None:
             own = np.repeat(self._bodies, per_row)
