@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
     from amorsim.contracts import (
         Aim,
+        Bundle,
         Clock,
         Context,
         Controller,
@@ -89,9 +90,9 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint Lights MapLoader Measurement "
-        "Motion Mount Noise ObstacleFrame Part Recorder RobotModel RunInfo Sensor SensorModel Sightings State View "
-        "parameter"
+        "Aim Bundle Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint Lights MapLoader "
+        "Measurement Motion Mount Noise ObstacleFrame Part Recorder RobotModel RunInfo Sensor SensorModel Sightings "
+        "State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -127,6 +128,7 @@ __all__ = [
     "PHASES",
     "Aim",
     "AmorsimError",
+    "Bundle",
     "Clock",
     "ComponentError",
     "Context",

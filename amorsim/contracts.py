@@ -34,6 +34,7 @@ from amorsim.core.shapes import Shape
 __all__ = [
     "Aim",
     "BodyStates",
+    "Bundle",
     "Clock",
     "Context",
     "Controller",
@@ -537,6 +538,14 @@ class MapLoader(abc.ABC):
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
 
+class Bundle(NamedTuple):
+    """Readings of one group of robots that were all taken, and arrived, at this very step: side by side."""
+
+    places: Mapping[str, slice]  # by sensor: where its values are, `(N, k)` row by row
+    true: Array  # (V,)
+    measured: Array  # (V,)
+
+
 class Frame(NamedTuple):
     """One step of one group of robots, as recorders get it: truth included. Arrays are not to be changed."""
 
@@ -555,6 +564,7 @@ class Frame(NamedTuple):
     robot: RobotModel  # the nominal one
     parts: Sequence[str] = ()  # the names of each robot's
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, where there are any
+    bundle: Bundle | None = None  # of those `readings` that can be had together; for who keeps all of them
 
 
 class ObstacleFrame(NamedTuple):

@@ -12,7 +12,7 @@ from amorsim.core.errors import RunError
 __all__ = ["LineFile", "LineFiles"]
 
 LONGEST_WAIT = 0.4  # [s] of the clock on the wall, between a line and the system
-LARGEST_BUFFER = 1 << 20  # bytes, of one file
+LARGEST_BUFFER = 1 << 16  # bytes, of one file
 
 
 class LineFile:
@@ -26,22 +26,25 @@ class LineFile:
 
     def __init__(self, path: Path, header: str) -> None:
         self.path = path
-        self._lines = [header.encode() + b"\n"]
+        self._lines: list[bytes] = []
         self._size = 0
         self._end = 0  # of what the file holds
         try:
             self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
         except OSError as error:
             raise self._failure(error) from None
-        self.flush()
+        self._hand_over(header.encode() + b"\n")
 
-    def write(self, lines: str | bytes) -> None:
-        """Append whole lines, each with its line end; bytes are UTF-8."""
+    def write(self, lines: str | bytes | memoryview) -> None:
+        """Append whole lines, each with its line end; bytes are UTF-8. Nothing of them is asked for afterwards."""
         lines = lines.encode() if isinstance(lines, str) else lines
-        self._lines.append(lines)
-        self._size += len(lines)
-        if self._size > LARGEST_BUFFER:
+        if self._size + len(lines) > LARGEST_BUFFER:
             self.flush()
+        if len(lines) > LARGEST_BUFFER:  # copies of so many would cost more than to hand them over
+            self._hand_over(lines)
+            return
+        self._lines.append(bytes(lines))
+        self._size += len(lines)
 
     def flush(self) -> None:
         """Hand everything over to the system."""
@@ -50,12 +53,15 @@ class LineFile:
         data = b"".join(self._lines)
         self._lines = []
         self._size = 0
+        self._hand_over(data)
+
+    def _hand_over(self, data: bytes | memoryview) -> None:
         done = 0
         try:
             while done < len(data):  # a full disk or a signal may cut a write short
                 done += os.write(self._descriptor, memoryview(data)[done:])
         except OSError as error:
-            whole = data.rfind(b"\n", 0, done) + 1
+            whole = bytes(data[:done]).rfind(b"\n") + 1
             os.ftruncate(self._descriptor, self._end + whole)
             raise self._failure(error) from None
         self._end += done
@@ -108,7 +114,7 @@ class LineFiles:
         if self._problem is not None:
             raise self._problem
 
-    def write(self, name: str, lines: str | bytes) -> None:
+    def write(self, name: str, lines: str | bytes | memoryview) -> None:
         """Append whole lines to a file."""
         with self._lock:
             self.check()

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.decimals import EMPTY, NAME, TOKEN, WIDEST, write_lines
+from amorsim.kernels.decimals import EMPTY, MISSING, NAME, SPAN, TOKEN, WIDEST, write_lines
 
-__all__ = ["EXACT", "NAME", "NOTHING", "Lines", "Names", "as_lines"]
+__all__ = ["EXACT", "MISSING", "NAME", "NOTHING", "Columns", "Lines", "Printer", "Span"]
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 EXACT = TOKEN
 """A column of numbers that are written as the shortest decimals that read back the same."""
@@ -22,61 +23,100 @@ _MOST_DECIMALS = 13
 _CELLS_AT_ONCE = 1 << 15
 
 
-class Names:
-    """Texts that a column of `NAME` counts."""
+class Span(NamedTuple):
+    """Columns side by side that are alike, of tables in each line of which are numbers of several rows.
 
-    def __init__(self, texts: Sequence[str]) -> None:
-        self.texts = [text.encode() for text in texts]
-        self.longest = max((len(text) for text in self.texts), default=0)
-        self.bytes = np.frombuffer(bytearray(b"".join(self.texts) or b","), dtype=np.uint8)
-        self.ends = np.cumsum([len(text) for text in self.texts], dtype=np.int64)
+    `kind` is a number of decimals, `EXACT`, `NOTHING`, `MISSING` for nan, or `NAME`: then not numbers are counted, but
+    names.
+    """
+
+    kind: int
+    first: int = 0  # where those of row 0 begin
+    per_row: int = 0  # how much further those of the next row do
+    cells: int = 1
+
+
+class Columns:
+    """What a file's lines are made of: spans, and the names that they tell."""
+
+    def __init__(self, spans: Sequence[Span], names: Sequence[str] = ()) -> None:
+        self.spans = np.array(spans, dtype=np.int64).reshape(-1, SPAN)
+        self.longest = max((span.cells for span in spans), default=0)
+        self.names = [name.encode() for name in names]
+        self.bytes = np.frombuffer(bytearray(b"".join(self.names) or b","), dtype=np.uint8)
+        self.ends = np.cumsum([len(name) for name in self.names], dtype=np.int64)
+        self.needs_python = any(span.kind > _MOST_DECIMALS for span in spans)
+        told = sum(span.kind == NAME for span in spans) * max((len(name) for name in self.names), default=0)
+        self.cells = sum(span.cells for span in spans)
+        self.width = self.cells * WIDEST + told  # bytes that a line takes at most, but for exact numbers
+        exact = [(span.first + c, span.per_row) for span in spans if span.kind == EXACT for c in range(span.cells)]
+        self._exact = np.array(exact, dtype=np.int64).reshape(-1, 2)
+
+    def tokens(self, table: Array, step: Ints, row: Ints) -> bytes:
+        """The exact numbers, line by line, a comma after each; Python writes them, in one call."""
+        if not len(self._exact):
+            return b","
+        values = table[step[:, None], self._exact[:, 0] + row[:, None] * self._exact[:, 1]]
+        return repr(values.ravel().tolist())[1:-1].replace(" ", "").encode() + b","
 
 
 class Lines(NamedTuple):
-    """Whole lines, and where each ends."""
+    """Whole lines, which hold until the next are made, and where each ends."""
 
-    data: bytes
-    ends: npt.NDArray[np.int64]
-
-
-def as_lines(values: Array, kinds: Sequence[int], names: Names) -> Lines:
-    """A line for each row of `values` `(n, k)`, its cells after their columns' kinds `(k,)`, commas between.
-
-    A kind is a number of decimals, `NAME`, `EXACT` or `NOTHING`. What is written is to the byte what Python's
-    ``f"{value:.6f}"``, of as many decimals, and ``repr(value)`` give.
-    """
-    rows, columns = values.shape
-    at_once = max(1, _CELLS_AT_ONCE // max(columns, 1))
-    if rows > at_once:
-        parts = [as_lines(values[first : first + at_once], kinds, names) for first in range(0, rows, at_once)]
-        starts = np.cumsum([0] + [len(part.data) for part in parts])
-        moved = [part.ends + start for part, start in zip(parts, starts.tolist(), strict=False)]
-        return Lines(b"".join(part.data for part in parts), np.concatenate(moved))
-    if max(kinds) > _MOST_DECIMALS:
-        return _slowly(values, kinds, names)
-    kind = np.array(kinds, dtype=np.int64)
-    exact = values[:, kind == EXACT]
-    # Python writes them: its shortest decimals, in one call.
-    tokens = repr(exact.ravel().tolist())[1:-1].replace(" ", "").encode() + b","
-    out = np.empty(rows * (columns * WIDEST + names.longest) + len(tokens), dtype=np.uint8)
-    ends = np.empty(rows, dtype=np.int64)
-    given = np.frombuffer(bytearray(tokens), dtype=np.uint8)
-    if not write_lines(np.ascontiguousarray(values), kind, names.bytes, names.ends, given, ends, out):
-        return _slowly(values, kinds, names)
-    return Lines(out[: ends[-1] if rows else 0].tobytes(), ends)
+    data: memoryview
+    ends: Ints
 
 
-def _slowly(values: Array, kinds: Sequence[int], names: Names) -> Lines:
+class Printer:
+    """Makes lines of tables, always in the same place: memory that was never touched costs more than the digits."""
+
+    def __init__(self) -> None:
+        self._out = np.empty(0, dtype=np.uint8)
+        self._words = np.empty(0, dtype=np.uint64)
+
+    def print(self, table: Array, rows: int, lines: Ints, columns: Columns) -> Iterator[Lines]:
+        """Lines after `columns`, some at a time, of `table` `(s, w)`, in which are numbers of `rows` rows.
+
+        `lines` `(n,)` says of which step and row each is, ``step * rows + row``. What is written is to the byte what
+        Python's ``f"{value:.6f}"``, of as many decimals, and ``repr(value)`` give.
+        """
+        at_once = max(1, _CELLS_AT_ONCE // max(columns.cells, 1))
+        for first in range(0, len(lines), at_once):
+            yield self._print(table, rows, lines[first : first + at_once], columns)
+
+    def _print(self, table: Array, rows: int, lines: Ints, columns: Columns) -> Lines:
+        step, row = np.divmod(lines, rows)
+        if columns.needs_python:
+            return _slowly(table, step, row, columns)
+        tokens = columns.tokens(table, step, row)
+        room = len(lines) * columns.width + len(tokens)
+        if len(self._out) < room:
+            self._out = np.empty(room, dtype=np.uint8)
+        if len(self._words) < columns.longest:
+            self._words = np.empty(columns.longest, dtype=np.uint64)
+        ends = np.empty(len(lines), dtype=np.int64)
+        given = np.frombuffer(bytearray(tokens), dtype=np.uint8)
+        if not write_lines(
+            table, rows, lines, columns.spans, columns.bytes, columns.ends, given, self._words, ends, self._out
+        ):
+            return _slowly(table, step, row, columns)
+        return Lines(self._out.data[: ends[-1]], ends)
+
+
+def _slowly(table: Array, step: Ints, row: Ints, columns: Columns) -> Lines:
     """The same, cell by cell: for numbers of more digits than the kernel tells apart."""
-    lines = []
-    for row in values.tolist():
-        cells = []
-        for value, kind in zip(row, kinds, strict=True):
-            if kind == NAME:
-                cells.append(names.texts[int(value)])
-            elif kind == NOTHING:
-                cells.append(b"")
-            else:
-                cells.append((repr(value) if kind == EXACT else f"{value:.{kind}f}").encode())
-        lines.append(b",".join(cells) + b"\n")
-    return Lines(b"".join(lines), np.cumsum([len(line) for line in lines], dtype=np.int64))
+    made = []
+    for s, r in zip(step.tolist(), row.tolist(), strict=True):
+        cells: list[bytes] = []
+        for kind, first, per_row, count in columns.spans.tolist():
+            for place in range(first + r * per_row, first + r * per_row + count):
+                cells.append(columns.names[place] if kind == NAME else _cell(kind, table, s, place))
+        made.append(b",".join(cells) + b"\n")
+    return Lines(memoryview(b"".join(made)), np.cumsum([len(line) for line in made], dtype=np.int64))
+
+
+def _cell(kind: int, table: Array, step: int, place: int) -> bytes:
+    if kind in (NOTHING, MISSING):
+        return b"" if kind == NOTHING else b"nan"
+    value = float(table[step, place])
+    return (repr(value) if kind == EXACT else f"{value:.{kind}f}").encode()

@@ -2,80 +2,135 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame, ObstacleFrame
-from amorsim.recorders.lines import Names
+from amorsim.contracts import Frame
+from amorsim.kernels.keeping import keep_step
+from amorsim.recorders.lines import Span
 
-__all__ = ["Steps"]
+__all__ = ["BodySteps", "RobotSteps", "Steps"]
 
 Array = npt.NDArray[np.float64]
 
 _NUMBERS = 1 << 17  # kept of one group before they are written
 _MOST_STEPS = 512
+_NOTHING = np.empty(0)
 
 
 class Steps:
-    """The last steps of one group: a table of robots or obstacles each, with all that a frame holds, side by side."""
+    """The last steps of one group, a line of a table each.
 
-    def __init__(self, frame: Frame | ObstacleFrame) -> None:
-        self.first = frame  # what does not change from step to step is read from it
-        self.names = Names(frame.names)
+    Attributes
+    ----------
+    rows
+        How many there are.
+    texts
+        The rows' names, and then the numbers of their replicas.
+    count
+        How many steps are kept.
+    table
+        `(most, w)`: in each line quantities one after the other, of each the values of row 0 first.
+    """
+
+    def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64], sizes: Sequence[tuple[str, int]]) -> None:
+        self.rows = len(names)
+        self.texts = [*names, *map(str, replicas.tolist())]
         self.count = 0
-        self._places: dict[str, slice] = {}
+        self._places: dict[str, tuple[int, int]] = {}
         width = 0
-        for key, part in zip(_keys(frame), _parts(frame), strict=True):
-            self._places[key] = slice(width, width + part.shape[1])
-            width += part.shape[1]
-        rows = len(frame.names)
-        self.most = max(1, min(_MOST_STEPS, _NUMBERS // max(rows * width, 1)))
-        self._table = np.empty((self.most, rows, width))
+        for name, size in sizes:
+            self._places[name] = width, size
+            width += size * self.rows
+        self.most = max(1, min(_MOST_STEPS, _NUMBERS // max(width, 1)))
+        self.table = np.empty((self.most, width))
 
-    @property
-    def robots(self) -> Frame:
-        """The first frame, of a group of robots."""
-        assert isinstance(self.first, Frame)
-        return self.first
+    def __getitem__(self, name: str) -> Array:
+        """A quantity of the steps that are kept, `(steps, rows, values)`; a part of the table itself."""
+        first, size = self._places[name]
+        return self.table[: self.count, first : first + self.rows * size].reshape(self.count, self.rows, size)
 
-    def add(self, frame: Frame | ObstacleFrame) -> bool:
-        """Keep a step, as it is now; whether there is no room for another."""
-        np.concatenate(_parts(frame), axis=1, out=self._table[self.count])
+    def span(self, kind: int, name: str, of: int = 0, count: int | None = None) -> Span:
+        """Columns of a quantity: all its values, or `count` of them from value `of` on."""
+        first, size = self._places[name]
+        return Span(kind, first + of, size, size - of if count is None else count)
+
+
+class BodySteps(Steps):
+    """Steps of bodies of which no more is told than where they are."""
+
+    def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64]) -> None:
+        super().__init__(names, replicas, [("time", 1), ("true_pose", 3)])
+
+    def add(self, time: Array, poses: Array) -> bool:
+        """Keep a step; whether there is no room for another."""
+        line = self.table[self.count]
+        line[: self.rows] = time
+        line[self.rows :] = poses.reshape(-1)
         self.count += 1
         return self.count == self.most
 
-    def __getitem__(self, key: str) -> Array:
-        """What the frames held by that name, `(steps, rows, values)`; a part of the table itself."""
-        part: Array = self._table[: self.count, :, self._places[key]]
-        return part
 
+class RobotSteps(Steps):
+    """Steps of robots, with all that a frame holds, and room for what is reckoned from it before it is written.
 
-def _keys(frame: Frame | ObstacleFrame) -> list[str]:
-    if isinstance(frame, ObstacleFrame):
-        return ["time", "true_pose"]
-    found = ["time", "true_pose", "true_twist", "joint_rates", "command"]
-    for name in frame.estimates:
-        found += [f"pose {name}", f"covariance {name}"]
-    for name in frame.readings:
-        found += [f"{what} {name}" for what in ("true", "measured", "stamp", "fresh")]
-    return found
+    That are `estimated_twist`, `measured_rates`, and by sensor the `seconds` at which a sample was taken, where they
+    are not the step's own.
+    """
 
+    def __init__(self, frame: Frame) -> None:
+        self.first = frame  # what does not change from step to step is read from it
+        self.bundled: Mapping[str, slice] = {} if frame.bundle is None else frame.bundle.places
+        self.single = [name for name in frame.readings if name not in self.bundled]
+        rows, joints = len(frame.names), frame.joint_rates.shape[1]
+        estimates = [size for name in frame.estimates for size in ((f"pose {name}", 3), (f"covariance {name}", 9))]
+        kept = [("time", 1), ("true_pose", 3), ("true_twist", 3), ("joint_rates", joints)]
+        kept += [("command", frame.command.shape[1]), *estimates[:2]]
+        for what in ("true", "measured"):  # as the bundle has them, one sensor after the other
+            kept += [(f"{what} {name}", (at.stop - at.start) // rows) for name, at in self.bundled.items()]
+        kept += estimates[2:]
+        for name in self.single:
+            size = frame.readings[name][0].shape[1]
+            kept += [(f"true {name}", size), (f"measured {name}", size), (f"stamp {name}", 1), (f"fresh {name}", 1)]
+        self._end = rows * sum(size for _, size in kept)  # of what a frame holds
+        self._has_more = bool(self.single) or len(frame.estimates) > 1
+        reckoned = [
+            ("estimated_twist", 3),
+            ("measured_rates", joints),
+            *((f"seconds {name}", 1) for name in self.single),
+        ]
+        super().__init__(frame.names, frame.replica, kept + reckoned)
 
-def _parts(frame: Frame | ObstacleFrame) -> Sequence[npt.NDArray[Any]]:
-    if isinstance(frame, ObstacleFrame):
-        return frame.time[:, None], frame.true_pose
-    found: list[npt.NDArray[Any]] = [
-        frame.time[:, None],
-        frame.true_pose,
-        frame.true_twist,
-        frame.joint_rates,
-        frame.command,
-    ]
-    for estimate in frame.estimates.values():
-        found += (estimate.pose, estimate.covariance.reshape(-1, 9))
-    for true, reading in frame.readings.values():
-        found += (true, reading.measured, reading.stamp, reading.fresh)
-    return found
+    def fits(self, frame: Frame) -> bool:
+        """Whether a frame is one of those that are kept here; not if other readings than before come in a bundle."""
+        places = {} if frame.bundle is None else frame.bundle.places
+        return places is self.bundled or places == self.bundled
+
+    def add(self, frame: Frame) -> bool:
+        """Keep a step, as it is now; whether there is no room for another."""
+        estimates = iter(frame.estimates.values())
+        pose, covariance = next(estimates)
+        at = keep_step(
+            frame.time,
+            frame.true_pose,
+            frame.true_twist,
+            # A component's own, who may have laid them out in any way.
+            np.ascontiguousarray(frame.joint_rates),
+            np.ascontiguousarray(frame.command),
+            np.ascontiguousarray(pose),
+            np.ascontiguousarray(covariance),
+            *((_NOTHING, _NOTHING) if frame.bundle is None else frame.bundle[1:]),
+            self.count,
+            self.table,
+        )
+        if self._has_more:
+            more: list[npt.NDArray[Any]] = [array for estimate in estimates for array in estimate]
+            for name in self.single:
+                true, reading = frame.readings[name]
+                more += (true, reading.measured, reading.stamp, reading.fresh)
+            np.concatenate([array.reshape(-1) for array in more], out=self.table[self.count, at : self._end])
+        self.count += 1
+        return self.count == self.most

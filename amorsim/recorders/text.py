@@ -17,10 +17,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame, Recorder, RunInfo
+from amorsim.core.errors import RunError
 from amorsim.core.poses import logarithm, relative
 from amorsim.recorders.files import LineFiles
-from amorsim.recorders.lines import EXACT, NAME, NOTHING, as_lines
-from amorsim.recorders.steps import Steps
+from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
+from amorsim.recorders.steps import BodySteps, RobotSteps, Steps
 
 __all__ = ["Text"]
 
@@ -29,17 +30,26 @@ Array = npt.NDArray[np.float64]
 _POSE = "true_x,true_y,true_heading,estimated_x,estimated_y,estimated_heading"
 _TWIST = "true_forward,true_left,true_turn,estimated_forward,estimated_left,estimated_turn"
 _COVARIANCE = "xx,xy,xh,yy,yh,hh"
-_UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
+_UPPER = ((0, 3), (4, 2), (8, 1))  # of a 3 x 3 matrix, row by row: where they begin, and how many
 _OUTPUT = 6  # decimals
 _EVENT = "time,robot,kind,other,x,y,speed,path,value,tick"
 
 
-class Table(NamedTuple):
-    """Lines of a file to be: values (n, k), the kinds of their columns, and the step (n,) that each is of."""
+class Page(NamedTuple):
+    """Lines of a file to be, of one group: of which of its steps and rows they are, and what they are made of."""
 
-    values: Array
-    kinds: Sequence[int]
-    steps: npt.NDArray[np.int64]
+    steps: Steps
+    lines: npt.NDArray[np.int64]  # (n,), step * rows + row
+    columns: Columns
+
+
+@attrs.define(eq=False)
+class Group:
+    """The steps of one group of robots that are kept, the columns of each file, and what the next steps follow on."""
+
+    steps: RobotSteps
+    columns: dict[str, Columns]
+    previous: dict[str, Array]
 
 
 @attrs.define(kw_only=True, eq=False)
@@ -52,10 +62,11 @@ class Text(Recorder):
     """
 
     _files: LineFiles = attrs.field(init=False)
-    _steps: list[Steps] = attrs.field(factory=list, init=False)  # of each group
-    _obstacles: list[Steps] | None = attrs.field(default=None, init=False)  # of each group that moves
-    _parts: dict[int, Steps] = attrs.field(factory=dict, init=False)  # of each group whose robots have parts
-    _previous: list[dict[str, Array]] = attrs.field(factory=list, init=False)
+    _groups: list[Group] = attrs.field(factory=list, init=False)
+    _obstacles: list[BodySteps] | None = attrs.field(default=None, init=False)  # of each group that moves
+    _parts: dict[int, BodySteps] = attrs.field(factory=dict, init=False)  # of each group whose robots have parts
+    _todo: list[tuple[str, list[Page]]] = attrs.field(factory=list, init=False)  # files' lines that wait to be written
+    _printer: Printer = attrs.field(factory=Printer, init=False)
     _joints: list[str] = attrs.field(factory=list, init=False)
     _channels: list[str] = attrs.field(factory=list, init=False)
     _sizes: dict[str, int] = attrs.field(factory=dict, init=False)
@@ -88,10 +99,16 @@ class Text(Recorder):
                 self._sizes[name] = size
         if any(frame.parts for frame in frames):
             self._open("parts", "time,part,x,y,heading")
-        self._previous = [{} for _ in frames]
         with self._lock:
-            self._steps = [Steps(frame) for frame in frames]
-            self._parts = {place: Steps(_part_frame(frame)) for place, frame in enumerate(frames) if frame.parts}
+            self._groups = [self._group(frame, {}) for frame in frames]
+            self._parts = {
+                place: BodySteps(
+                    [f"{name}.{part}" for name in frame.names for part in frame.parts],
+                    np.repeat(frame.replica, len(frame.parts)),
+                )
+                for place, frame in enumerate(frames)
+                if frame.parts
+            }
         self.write(frames, [])
 
     def _open(self, name: str, header: str) -> None:
@@ -104,11 +121,17 @@ class Text(Recorder):
         """Write a line for each robot into each file, and one for each event and each sample that arrived."""
         self._files.check()
         with self._lock:
+            if self._todo:  # somebody broke in while they were written
+                self._write_steps()
             is_full = False
-            for frame, steps in zip(frames, self._steps, strict=True):
-                is_full |= steps.add(frame)
+            for place, frame in enumerate(frames):
+                if not self._groups[place].steps.fits(frame):
+                    self._write_steps()
+                    self._groups[place] = self._group(frame, self._groups[place].previous)
+                is_full |= self._groups[place].steps.add(frame)
             for place, steps in self._parts.items():
-                is_full |= steps.add(_part_frame(frames[place]))
+                time = np.repeat(frames[place].time, len(frames[place].parts))
+                is_full |= steps.add(time, frames[place].part_pose)
             if is_full:
                 self._write_steps()
         if events:
@@ -120,18 +143,20 @@ class Text(Recorder):
             return
         if self._obstacles is None:
             self._open("obstacles", "time,obstacle,x,y,heading")
-            first = [Steps(frame) for frame in frames]
-            for frame, steps in zip(frames, first, strict=True):
-                steps.add(frame)
-            self._write_tables("obstacles", [(steps, self._poses_of(steps)) for steps in first])
             with self._lock:
-                self._obstacles = [Steps(frame) for frame in frames if frame.moves]
+                everything = [BodySteps(frame.names, frame.replica) for frame in frames]
+                for frame, steps in zip(frames, everything, strict=True):
+                    steps.add(frame.time, frame.true_pose)
+                self._write_pages("obstacles", [self._page_of(steps) for steps in everything])
+                self._obstacles = [steps for frame, steps in zip(frames, everything, strict=True) if frame.moves]
+                for steps in self._obstacles:
+                    steps.count = 0
             return
         moving = [frame for frame in frames if frame.moves]
         with self._lock:
             is_full = False
             for frame, steps in zip(moving, self._obstacles, strict=True):
-                is_full |= steps.add(frame)
+                is_full |= steps.add(frame.time, frame.true_pose)
             if is_full:
                 self._write_steps()
 
@@ -140,111 +165,144 @@ class Text(Recorder):
             self._write_steps()
 
     def _write_steps(self) -> None:
-        """Make lines of the steps that are kept, and forget them."""
-        tables: dict[str, list[tuple[Steps, Table]]] = {}
-        for steps, previous in zip(self._steps, self._previous, strict=True):
-            if steps.count:
-                for name, table in self._tables(steps, previous).items():
-                    tables.setdefault(name, []).append((steps, table))
-        for name, bodies in (("obstacles", self._obstacles or ()), ("parts", self._parts.values())):
-            for steps in bodies:
-                if steps.count:
-                    tables.setdefault(name, []).append((steps, self._poses_of(steps)))
-        for name, parts in tables.items():
-            self._write_tables(name, parts)
-        for steps in (*self._steps, *(self._obstacles or ()), *self._parts.values()):
+        """Make lines of the steps that are kept, and forget them; whoever was broken off in it goes on where he was."""
+        if not self._todo:
+            previous = [self._reckon(group) if group.steps.count else group.previous for group in self._groups]
+            todo = list(self._pages().items())
+            for group, now in zip(self._groups, previous, strict=True):
+                group.previous = now
+            self._todo = todo
+        while self._todo:
+            try:
+                self._write_pages(*self._todo[0])
+            except RunError:  # it would go wrong again, and others need not wait for it
+                del self._todo[0]
+                raise
+            del self._todo[0]
+        for steps in (*(group.steps for group in self._groups), *(self._obstacles or ()), *self._parts.values()):
             steps.count = 0
 
-    def _write_tables(self, name: str, parts: Sequence[tuple[Steps, Table]]) -> None:
-        made = [as_lines(table.values, table.kinds, steps.names) for steps, table in parts]
-        if len(made) == 1:
-            self._files.write(name, made[0].data)
+    def _pages(self) -> dict[str, list[Page]]:
+        """What goes into each file."""
+        found: dict[str, list[Page]] = {}
+        for group in self._groups:
+            steps = group.steps
+            for name, columns in group.columns.items():
+                single = name.removeprefix("sensors/") if name.startswith("sensors/") else ""
+                if single in steps.single:
+                    lines = np.flatnonzero(steps[f"fresh {single}"])
+                else:
+                    lines = np.arange(steps.count * steps.rows)
+                if len(lines):
+                    found.setdefault(name, []).append(Page(steps, lines, columns))
+        for name, bodies in (("obstacles", self._obstacles or ()), ("parts", self._parts.values())):
+            pages = [self._page_of(steps) for steps in bodies if steps.count]
+            if pages:
+                found[name] = pages
+        return found
+
+    def _write_pages(self, name: str, pages: list[Page]) -> None:
+        """Write lines, and take them from the pages as they are written."""
+        if len(pages) == 1:
+            page = pages[0]
+            for made in self._printer.print(page.steps.table, page.steps.rows, page.lines, page.columns):
+                self._files.write(name, made.data)
+                pages[0] = pages[0]._replace(lines=pages[0].lines[len(made.ends) :])
             return
         # The groups take turns, step by step.
-        count = max(steps.count for steps, _ in parts)
-        bounds = [_bounds(lines.ends, table.steps, count) for lines, (_, table) in zip(made, parts, strict=True)]
-        pieces = [
-            lines.data[bound[step] : bound[step + 1]]
-            for step in range(count)
-            for lines, bound in zip(made, bounds, strict=True)
-        ]
-        self._files.write(name, b"".join(pieces))
+        count = max(page.steps.count for page in pages)
+        whole = []
+        for page in pages:
+            data, ends, size = [], [np.zeros(1, dtype=np.int64)], 0
+            for made in self._printer.print(page.steps.table, page.steps.rows, page.lines, page.columns):
+                data.append(bytes(made.data))
+                ends.append(made.ends + size)
+                size += len(made.data)
+            at = np.concatenate(ends)[np.searchsorted(page.lines // page.steps.rows, np.arange(count + 1))].tolist()
+            whole.append((b"".join(data), at))
+        self._files.write(name, b"".join(data[at[i] : at[i + 1]] for i in range(count) for data, at in whole))
 
-    def _table(self, steps: Steps, kinds: Sequence[int] | None, *parts: Array) -> Table:
-        """Lines that begin with the replica where there are several, the time, and the name."""
-        return self._table_of(steps, slice(None), None, kinds, *parts)
+    # ------------------------------------------------------------------------------------------------------ columns
 
-    def _table_of(
-        self, steps: Steps, which: Any, stamp: Array | None, kinds: Sequence[int] | None, *parts: Array
-    ) -> Table:
-        """The same of some of the lines, with the stamp (n,) [s] of a sample after the time if it has one."""
+    def _group(self, frame: Frame, previous: dict[str, Array]) -> Group:
+        steps = RobotSteps(frame)
+        return Group(steps, self._columns(steps), previous)
+
+    def _page_of(self, steps: BodySteps) -> Page:
+        spans = [*self._lead(steps), steps.span(_OUTPUT, "true_pose")]
+        return Page(steps, np.arange(steps.count * steps.rows), Columns(spans, steps.texts))
+
+    def _lead(self, steps: Steps, stamp: str = "") -> list[Span]:
+        """What lines begin with: the replica where there are several, times, and the name."""
         assert self._run is not None
-        rows, count = len(steps.first.names), steps.count
-        times = [steps["time"].reshape(-1)[which]] + ([] if stamp is None else [stamp])
-        numbered = len(self._run.replicas) > 1
-        replica = [np.tile(steps.first.replica.astype(np.float64), count)[which]] if numbered else []
-        row = np.tile(np.arange(rows, dtype=np.float64), count)[which]
-        values = np.concatenate((np.column_stack([*replica, *times, row]), *parts), axis=1)
-        lead = [0] * numbered + [self._decimals] * len(times) + [NAME]
-        kinds = [_OUTPUT] * (values.shape[1] - len(lead)) if kinds is None else kinds
-        return Table(values, [*lead, *kinds], np.repeat(np.arange(count), rows)[which])
+        texts = [Span(NAME, steps.rows, 1)] if len(self._run.replicas) > 1 else []
+        times = [steps.span(self._decimals, name) for name in ("time", stamp) if name]
+        return [*texts, *times, Span(NAME, 0, 1)]
 
-    def _poses_of(self, steps: Steps) -> Table:
-        return self._table(steps, None, steps["true_pose"].reshape(-1, 3))
-
-    def _tables(self, steps: Steps, previous: dict[str, Array]) -> dict[str, Table]:
-        """What goes into each file, of one group."""
+    def _columns(self, steps: RobotSteps) -> dict[str, Columns]:
+        """The columns of each file."""
         assert self._run is not None
-        frame = steps.robots
-        poses = {name: steps[f"pose {name}"].reshape(-1, 3) for name in frame.estimates}
-        estimated = next(iter(poses.values()))
-        made = {
-            "poses": self._table(steps, None, steps["true_pose"].reshape(-1, 3), estimated),
-            "velocities": self._table(steps, None, self._velocities(steps, estimated, previous)),
-            "commands": self._commands(steps),
+        frame, lead = steps.first, self._lead(steps)
+        first = next(iter(frame.estimates))
+        rates, channels = [], []
+        for joint in self._joints:
+            if joint in frame.joint_names:
+                place = list(frame.joint_names).index(joint)
+                rates += [steps.span(_OUTPUT, name, place, 1) for name in ("joint_rates", "measured_rates")]
+            else:
+                rates.append(Span(MISSING, cells=2))
+        for channel in self._channels:
+            is_there = channel in frame.channels
+            place = list(frame.channels).index(channel) if is_there else 0
+            channels.append(steps.span(EXACT, "command", place, 1) if is_there else Span(NOTHING))
+        twists = [steps.span(_OUTPUT, name) for name in ("true_twist", "estimated_twist")]
+        found = {
+            "poses": [*lead, *(steps.span(_OUTPUT, name) for name in ("true_pose", f"pose {first}"))],
+            "velocities": [*lead, *twists, *rates],
+            "commands": [*lead, *channels],
         }
-        for name, pose in poses.items():
-            spread = steps[f"covariance {name}"].reshape(-1, 9)[:, _UPPER]
-            made[f"estimates/{name}"] = self._table(steps, [_OUTPUT] * 3 + [EXACT] * 6, pose, spread)
+        for name in frame.estimates:
+            upper = [steps.span(EXACT, f"covariance {name}", of, count) for of, count in _UPPER]
+            found[f"estimates/{name}"] = [*lead, steps.span(_OUTPUT, f"pose {name}"), *upper]
         if self._run.with_sensors:
             for name, (true, _) in frame.readings.items():
-                fresh = np.flatnonzero(steps[f"fresh {name}"])
-                if not len(fresh):
-                    continue
-                size = true.shape[1]
-                stamp = steps[f"stamp {name}"].reshape(-1)[fresh] * self._run.dt
-                parts = [steps[f"{what} {name}"].reshape(-1, size)[fresh] for what in ("true", "measured")]
-                if self._sizes[name] > size:
-                    missing = np.full((len(fresh), self._sizes[name] - size), np.nan)
-                    parts = [parts[0], missing, parts[1], missing]
-                made[f"sensors/{name}"] = self._table_of(steps, fresh, stamp, None, *parts)
-        return made
+                missing = [Span(MISSING, cells=self._sizes[name] - true.shape[1])]
+                values = [[steps.span(_OUTPUT, f"{what} {name}"), *missing] for what in ("true", "measured")]
+                head = self._lead(steps, f"seconds {name}" if name in steps.single else "time")
+                found[f"sensors/{name}"] = [*head, *values[0], *values[1]]
+        return {name: Columns(spans, steps.texts) for name, spans in found.items()}
 
-    def _velocities(self, steps: Steps, estimated: Array, previous: dict[str, Array]) -> Array:
-        """Velocities of body and joints, true beside estimated or measured; nan where nothing was measured yet."""
+    # ------------------------------------------------------------------------------------- what follows from the steps
+
+    def _reckon(self, group: Group) -> dict[str, Array]:
+        """Put into the table what is written and no frame holds, and tell what the next steps follow on.
+
+        Velocities of the body as estimated, and of joints as measured, nan where nothing was measured; and when samples
+        were taken.
+        """
         assert self._run is not None
-        frame, rows = steps.robots, len(steps.robots.names)
-        before = np.concatenate((previous.get("pose", estimated[:rows]), estimated[:-rows]))
-        previous["pose"] = estimated[-rows:].copy()
+        steps, previous = group.steps, dict(group.previous)
+        for name in steps.single:
+            np.multiply(steps[f"stamp {name}"], self._run.dt, out=steps[f"seconds {name}"])
+        estimated = steps[f"pose {next(iter(steps.first.estimates))}"].reshape(-1, 3)
+        before = np.concatenate((previous.get("pose", estimated[: steps.rows]), estimated[: -steps.rows]))
+        previous["pose"] = estimated[-steps.rows :].copy()
         twist = logarithm(relative(before, estimated)) / self._run.dt
-        rates = np.full((len(estimated), 2 * len(self._joints)), np.nan)
-        measured = self._measured_rates(steps, previous)
-        joint_rates = steps["joint_rates"].reshape(len(estimated), -1)
-        for position, joint in enumerate(frame.joint_names):
-            column = 2 * self._joints.index(joint)
-            rates[:, column] = joint_rates[:, position]
-            if measured is not None:
-                rates[:, column + 1] = measured[:, position]
-        return np.concatenate((steps["true_twist"].reshape(-1, 3), twist, rates), axis=1)
+        steps["estimated_twist"][:] = twist.reshape(steps.count, steps.rows, 3)
+        steps["measured_rates"][:] = self._measured_rates(steps, previous)
+        return previous
 
-    def _measured_rates(self, steps: Steps, previous: dict[str, Array]) -> Array | None:
-        """Joint rates [rad/s] from the newest two samples of the first sensor that tells joints' angles."""
+    def _measured_rates(self, steps: RobotSteps, previous: dict[str, Array]) -> Array | float:
+        """Joint rates [rad/s] from the newest two samples of the first sensor that tells joints' angles; nan if none.
+
+        ``(steps, rows, joints)``.
+        """
         assert self._run is not None
-        frame = steps.robots
+        frame = steps.first
         for name, model in frame.robot.sensors.items():
             if not hasattr(model.sensor, "angles"):
                 continue
-            measured, stamps = steps[f"measured {name}"], steps[f"stamp {name}"]
+            measured, stamps = steps[f"measured {name}"], self._stamps(steps, name)
             if len(frame.names) == 1:
                 angles = model.sensor.angles(measured[:, 0])[:, None]
             else:
@@ -262,18 +320,16 @@ class Text(Recorder):
             held = np.maximum.accumulate(held, axis=0)
             all_rates = np.take_along_axis(np.concatenate((rates[None], all_rates)), held, axis=0)
             previous.update(angles=angles[-1].copy(), stamp=stamps[-1].copy(), rates=all_rates[-1].copy())
-            return all_rates.reshape(-1, angles.shape[2])
-        return None
+            return all_rates
+        return math.nan
 
-    def _commands(self, steps: Steps) -> Table:
-        columns = [self._channels.index(name) for name in steps.robots.channels]
-        command = steps["command"]
-        values = np.zeros((command.shape[0] * command.shape[1], len(self._channels)))
-        values[:, columns] = command.reshape(len(values), -1)
-        kinds = [NOTHING] * len(self._channels)
-        for column in columns:
-            kinds[column] = EXACT
-        return self._table(steps, kinds, values)
+    def _stamps(self, steps: RobotSteps, name: str) -> Array:
+        """Of which tick a sensor's readings are, `(steps, rows, 1)`."""
+        assert self._run is not None
+        if name in steps.single:
+            return steps[f"stamp {name}"]
+        ticks: Array = np.rint(steps["time"] / self._run.dt)
+        return ticks
 
     def _event(self, event: Any) -> str:
         assert self._run is not None
@@ -288,27 +344,6 @@ class Text(Recorder):
     def close(self) -> None:
         """Close the files, whatever happened before."""
         self._files.close()
-
-
-def _part_frame(frame: Frame) -> ObstacleFrame:
-    """The parts of a group's robots, one after another, as bodies of their own."""
-    each = len(frame.parts)
-    return ObstacleFrame(
-        names=[f"{name}.{part}" for name in frame.names for part in frame.parts],
-        replica=np.repeat(frame.replica, each),
-        tick=np.repeat(frame.tick, each),
-        time=np.repeat(frame.time, each),
-        true_pose=frame.part_pose.reshape(-1, 3),
-        true_twist=np.zeros((len(frame.names) * each, 3)),
-        moves=True,
-    )
-
-
-def _bounds(ends: npt.NDArray[np.int64], steps: npt.NDArray[np.int64], count: int) -> list[int]:
-    """Where the lines of each of `count` steps begin, and where the last ones end, from each line's end and step."""
-    whole = np.concatenate(([0], ends))
-    found: list[int] = whole[np.searchsorted(steps, np.arange(count + 1))].tolist()
-    return found
 
 
 def _plain(value: Any) -> Any:

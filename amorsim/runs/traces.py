@@ -40,8 +40,9 @@ class Traces:
         self._rows = [int(np.count_nonzero(frame.replica == simulation.replicas[0])) for frame in frames]
         names = [name for frame, rows in zip(frames, self._rows, strict=True) for name in frame.names[:rows]]
         self._order = np.array([names.index(name) for name in simulation.names])
-        # Steps as they come, and how many: each step's poses, estimated poses and twists of one group after the other.
-        self._steps = np.empty((max(1, _NUMBERS // (9 * self._count)), 9 * self._count))
+        # Steps as they come, and how many: of each group poses, estimated poses and twists.
+        most = max(1, _NUMBERS // (9 * self._count))
+        self._tables = [np.empty((most, 3, rows, 3)) for rows in self._rows]
         self._waiting = 0
         self._take(frames)
         points, _ = self._sorted()
@@ -52,27 +53,25 @@ class Traces:
     def keep(self, frames: Sequence[Frame]) -> None:
         """Take the present step."""
         self._take(frames)
-        if self._waiting == len(self._steps):
+        if self._waiting == len(self._tables[0]):
             self._settle()
 
     def _take(self, frames: Sequence[Frame]) -> None:
-        parts: list[Array] = []
-        for frame, rows in zip(frames, self._rows, strict=True):
-            estimate = next(iter(frame.estimates.values()))
-            parts += (frame.true_pose[:rows], estimate.pose[:rows], frame.true_twist[:rows])
-        np.concatenate(parts, axis=None, out=self._steps[self._waiting])
+        for frame, rows, table in zip(frames, self._rows, self._tables, strict=True):
+            line = table[self._waiting]
+            line[0] = frame.true_pose[:rows]
+            line[1] = next(iter(frame.estimates.values())).pose[:rows]
+            line[2] = frame.true_twist[:rows]
         self._waiting += 1
 
     def _sorted(self) -> tuple[Array, Array]:
         """Of the steps that wait, points `(S, M, 4)` and speeds `(S, M)` [m/s], in the order of the robots' names."""
         points, speeds = [], []
-        first = 0
-        for rows in self._rows:
-            part = self._steps[: self._waiting, first : first + 9 * rows].reshape(self._waiting, 3, rows, 3)
+        for table in self._tables:
+            part = table[: self._waiting]
             points.append(np.concatenate((part[:, 0, :, :2], part[:, 1, :, :2]), axis=2))
             # Of the velocity, not of the places: somebody may have put the robot elsewhere.
             speeds.append(np.hypot(part[:, 2, :, 0], part[:, 2, :, 1]))
-            first += 9 * rows
         return np.concatenate(points, axis=1)[:, self._order], np.concatenate(speeds, axis=1)[:, self._order]
 
     def _settle(self) -> None:

@@ -37,6 +37,7 @@ from amorsim.simulation.moment import Moment
 from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
+from amorsim.simulation.showing import Showing
 from amorsim.simulation.truth import true_robot
 from amorsim.simulation.view import GroupView
 from amorsim.simulation.wheels import Wheels
@@ -178,6 +179,7 @@ class Group:
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
         self.wheels = Wheels(self)
+        self._showing = Showing(self)
 
     # ---------------------------------------------------------------------------------------------------- episodes
 
@@ -386,23 +388,7 @@ class Group:
 
     def frame(self) -> Frame:
         """The step as recorders get it."""
-        return Frame(
-            names=self.names,
-            replica=self.moment.replica,
-            tick=self.moment.tick[:, 0],
-            time=self.moment.time[:, 0],
-            true_pose=self.true_pose,
-            true_twist=self.true_twist,
-            joint_names=[joint.name for joint in self.drive.joints],
-            joint_rates=self.joint_rates,
-            estimates=self.estimates,
-            readings={name: (unit.true, unit.reading) for name, unit in self.sensors.items()},
-            channels=self.channels,
-            command=self.command,
-            robot=self.robot,
-            parts=tuple(part.name for part in self.drive.parts),
-            part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
-        )
+        return self._showing.frame()
 
     def states(self) -> Mapping[str, State]:
         """The states of all components, by where they are; the dicts themselves, not copies."""

@@ -34,19 +34,26 @@ class Batch:
         How often it was renewed.
     true, measured
         `(V * N,)`: of each unit the values of row 0 first.
+    places
+        Where in them each unit's are, by its name.
+    is_held
+        Whether this is what all of its units hold; not before they have read, nor where they were given other readings.
     """
 
-    __slots__ = ("always", "measured", "now", "rows", "size", "tick", "true", "turn")
+    __slots__ = ("always", "is_held", "measured", "now", "places", "rows", "size", "tick", "true", "turn")
 
     def __init__(self, rows: int, values: int) -> None:
         self.rows = rows
         self.size = rows * values
         self.turn = 0
         self.true = self.measured = np.empty(0)
+        self.places: dict[str, slice] = {}
+        self.is_held = False
 
     def renew(self, moment: Moment) -> None:
         """Make room for what is read now."""
         self.turn += 1
+        self.is_held = True
         self.true, self.measured = np.empty(self.size), np.empty(self.size)
         self.tick, self.now, self.always = moment.tick, moment.now, moment.always
 
@@ -102,6 +109,7 @@ class SensorUnit:
         self._held = held
         if self._batch is not None:
             self._turn = self._batch.turn
+            self._batch.is_held = False
 
     def _hold_nothing(self, rows: int) -> None:
         none, never = np.full((rows, self.size), np.nan), np.full((rows, 1), -1, dtype=np.int64)
@@ -122,6 +130,7 @@ class SensorUnit:
         """Take, from now on, what is read for it: values first..end-1 of a batch."""
         self.leave()
         self._batch, self.first, self._end, self._turn = batch, first, end, batch.turn
+        batch.places[self.name] = slice(first, end)
 
     def leave(self) -> None:
         """Read by itself from now on."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +82,7 @@ class _let_alone:  # noqa: N801 - reads as a clause
 def _arrays(things: Any, name: str = "frames") -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
     if isinstance(things, np.ndarray):
         yield name, things
-    elif isinstance(things, dict):
+    elif isinstance(things, Mapping):
         for key, value in things.items():
             yield from _arrays(value, f"{name}[{key!r}]")
     elif hasattr(things, "_fields"):

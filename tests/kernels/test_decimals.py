@@ -11,21 +11,26 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from amorsim.kernels.decimals import write_lines
-from amorsim.recorders.lines import EXACT, NAME, NOTHING, Names, as_lines
-
-NOBODY = Names([])
+from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
 
 
 def by_kernel(values: list[float], decimals: int) -> list[str] | None:
-    """The numbers one a line, by the kernel alone; None where it gives up."""
-    out = np.full(40 * len(values) + 1, 255, dtype=np.uint8)
-    ends = np.empty(len(values), dtype=np.int64)
-    nothing = np.zeros(1, dtype=np.uint8)
-    column = np.array(values, dtype=np.float64)[:, None]
-    if not write_lines(column, np.array([decimals]), NOBODY.bytes, NOBODY.ends, nothing, ends, out):
-        return None
-    assert (out[ends[-1] :] == 255).all()
-    return out[: ends[-1]].tobytes().decode().splitlines()
+    """The numbers, by the kernel alone: one a line, and all in one line; None where it gives up."""
+    count = len(values)
+    nothing, nobody = np.zeros(1, dtype=np.uint8), Columns([])
+    found = []
+    for lines, cells in ((count, 1), (1, count)):
+        out = np.full(40 * count + 1, 255, dtype=np.uint8)
+        ends = np.empty(lines, dtype=np.int64)
+        table = np.array(values, dtype=np.float64).reshape(lines, cells)
+        spans, words = np.array([Span(decimals, 0, 0, cells)]), np.empty(cells, dtype=np.uint64)
+        which = np.arange(lines)
+        if not write_lines(table, 1, which, spans, nobody.bytes, nobody.ends, nothing, words, ends, out):
+            return None
+        assert (out[ends[-1] :] == 255).all()
+        found.append(out[: ends[-1]].tobytes().decode().replace(",", "\n").splitlines())
+    assert found[0] == found[1]
+    return found[0]
 
 
 def bits(pattern: int) -> float:
@@ -74,7 +79,7 @@ def test_exact_halves_go_to_the_even_one() -> None:
 @pytest.mark.long
 def test_millions_of_numbers() -> None:
     rng = np.random.default_rng(0)
-    for scale in (1e-6, 1e-3, 1.0, 10.0, 1e4, 8e9):
+    for scale in (1e-6, 1e-3, 1.0, 10.0, 100.0, 600.0, 1e4, 8e9):
         values = (rng.normal(size=300_000) * scale).tolist()
         values = [value for value in values if abs(value) < 9.0e9]
         assert by_kernel(values, 6) == [f"{value:.6f}" for value in values]
@@ -83,50 +88,69 @@ def test_millions_of_numbers() -> None:
         assert by_kernel(halves, 6) == [f"{value:.6f}" for value in halves]
 
 
-def lines_by_python(values: np.ndarray, kinds: list[int], names: list[str]) -> str:
-    lines = []
-    for row in values.tolist():
+NAMES = ["rover", "", "räuber", "x"]
+ROWS = 4
+SPANS = [
+    Span(0, 0, 1),
+    Span(6, 4, 3, 3),
+    Span(NAME, 0, 1),
+    Span(6, 16, 1),
+    Span(EXACT, 20, 2, 2),
+    Span(NOTHING, cells=2),
+    Span(EXACT, 28, 1),
+    Span(9, 32, 1),
+    Span(MISSING, cells=2),
+    Span(6, 36, 9, 9),
+    Span(NOTHING),
+]
+WIDTH = 72
+
+
+def lines_by_python(table: np.ndarray, lines: list[int], spans: list[Span], rows: int) -> str:
+    made = []
+    for line in lines:
+        step, row = divmod(line, rows)
         cells = []
-        for value, kind in zip(row, kinds, strict=True):
-            if kind == NAME:
-                cells.append(names[int(value)])
-            elif kind == NOTHING:
-                cells.append("")
-            else:
-                cells.append(repr(value) if kind == EXACT else f"{value:.{kind}f}")
-        lines.append(",".join(cells) + "\n")
-    return "".join(lines)
+        for kind, first, per_row, count in spans:
+            for place in range(first + row * per_row, first + row * per_row + count):
+                if kind == NAME:
+                    cells.append(NAMES[place])
+                elif kind in (NOTHING, MISSING):
+                    cells.append("" if kind == NOTHING else "nan")
+                else:
+                    value = float(table[step, place])
+                    cells.append(repr(value) if kind == EXACT else f"{value:.{kind}f}")
+        made.append(",".join(cells) + "\n")
+    return "".join(made)
 
 
-KINDS = [0, 6, NAME, 6, EXACT, NOTHING, EXACT, 9, NOTHING]
+def printed(table: np.ndarray, lines: list[int], spans: list[Span], rows: int) -> str:
+    """By the printer; what it says of the lines' ends is looked at."""
+    found = []
+    for made in Printer().print(table, rows, np.array(lines, dtype=np.int64), Columns(spans, NAMES)):
+        data = bytes(made.data)
+        assert made.ends.tolist() == [i + 1 for i, c in enumerate(data) if c == ord("\n")]
+        found.append(data.decode())
+    return "".join(found)
 
 
 @settings(max_examples=200, deadline=None)
-@given(st.integers(0, 5), st.integers(0, 2**32), st.sampled_from([1.0, 1e5, 1e12, 1e300]))
-def test_lines_of_all_kinds_of_cells(rows: int, seed: int, scale: float) -> None:
+@given(st.integers(0, 5), st.integers(0, 2**32), st.sampled_from([1.0, 1e3, 1e5, 1e12, 1e300]))
+def test_lines_of_all_kinds_of_cells(steps: int, seed: int, scale: float) -> None:
     rng = np.random.default_rng(seed)
-    names = ["rover", "", "räuber", "x"]
-    values = rng.normal(size=(rows, len(KINDS))) * scale
-    values[:, 0] = rng.integers(0, 1000, rows)
-    values[:, 2] = rng.integers(0, len(names), rows)
-    values[rng.random(values.shape) < 0.1] = rng.choice([np.nan, np.inf, -np.inf, -0.0])
-    values[:, 2] = np.where(np.isfinite(values[:, 2]), values[:, 2], 0.0)
-    made = as_lines(values, KINDS, Names(names))
-    assert made.data.decode() == lines_by_python(values, KINDS, names)
-    assert [0, *made.ends.tolist()] == [i + 1 if i >= 0 else 0 for i in line_ends(made.data)]
-
-
-def line_ends(data: bytes) -> list[int]:
-    return [-1] + [i for i, c in enumerate(data) if c == ord("\n")]
+    table = rng.normal(size=(steps, WIDTH)) * scale
+    table[rng.random(table.shape) < 0.1] = rng.choice([np.nan, np.inf, -np.inf, -0.0])
+    lines = [line for line in range(steps * ROWS) if rng.random() < 0.8]
+    assert printed(table, lines, SPANS, ROWS) == lines_by_python(table, lines, SPANS, ROWS)
 
 
 def test_more_lines_than_are_made_at_once() -> None:
-    values = np.random.default_rng(1).random((3000, 100)) * 9.0
-    made = as_lines(values, [6] * 100, NOBODY)
-    assert made.data.decode() == lines_by_python(values, [6] * 100, [])
-    assert made.ends.tolist() == [i + 1 for i in line_ends(made.data)[1:]]
+    table = np.random.default_rng(1).random((3000, 100)) * 9.0
+    spans, lines = [Span(6, 0, 0, 100)], list(range(3000))
+    assert printed(table, lines, spans, 1) == lines_by_python(table, lines, spans, 1)
 
 
 def test_more_decimals_than_the_kernel_makes() -> None:
-    values = np.array([[0.1, 1e-8], [0.2, 3.0]])
-    assert as_lines(values, [15, 6], NOBODY).data == b"0.100000000000000,0.000000\n0.200000000000000,3.000000\n"
+    table = np.array([[0.1, 1e-8], [0.2, 3.0]])
+    made = printed(table, [0, 1], [Span(15, 0), Span(6, 1), Span(NAME, 2), Span(MISSING), Span(NOTHING)], 1)
+    assert made == "0.100000000000000,0.000000,räuber,nan,\n0.200000000000000,3.000000,räuber,nan,\n"

@@ -1,0 +1,85 @@
+"""A group's step as recorders get it, made in little time, for a run asks for it after every step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Bundle, Frame, Measurement
+
+if TYPE_CHECKING:
+    from amorsim.simulation.group import Group
+    from amorsim.simulation.sensing import Batch
+
+__all__ = ["Showing"]
+
+Array = npt.NDArray[np.float64]
+Shown = tuple[Array, Measurement]
+
+
+class Showing:
+    """Makes a group's frames; made anew with its parameters."""
+
+    def __init__(self, group: Group) -> None:
+        self._group = group
+        self._joint_names = [joint.name for joint in group.drive.joints]
+        self._parts = tuple(part.name for part in group.drive.parts)
+        self._no_parts = np.empty((group.rows, 0, 3))
+
+    def frame(self) -> Frame:
+        """The present step."""
+        group, batch = self._group, self._group.sensing.batch
+        moment = group.moment
+        bundle: Bundle | None = None
+        readings: Mapping[str, Shown]
+        if batch.is_held:
+            bundle = Bundle(batch.places, batch.true, batch.measured)
+            held = {unit.name: (unit.true, unit.reading) for unit in group.sensing.others}
+            readings = _Readings(tuple(group.sensors), held, bundle, batch)
+        else:
+            readings = {name: (unit.true, unit.reading) for name, unit in group.sensors.items()}
+        return Frame(
+            group.names,
+            moment.replica,
+            moment.tick[:, 0],
+            moment.time[:, 0],
+            group.true_pose,
+            group.true_twist,
+            self._joint_names,
+            group.joint_rates,
+            group.estimates,
+            readings,
+            group.channels,
+            group.command,
+            group.robot,
+            self._parts,
+            self._no_parts if group.parts is None else group.parts.per_robot,
+            bundle,
+        )
+
+
+class _Readings(Mapping[str, Shown]):
+    """Those of one step; what was read together is taken apart when somebody asks for it."""
+
+    __slots__ = ("_always", "_bundle", "_held", "_names", "_now", "_tick")
+
+    def __init__(self, names: tuple[str, ...], held: dict[str, Shown], bundle: Bundle, batch: Batch) -> None:
+        self._names, self._held, self._bundle = names, held, bundle
+        self._tick, self._now, self._always = batch.tick, batch.now, batch.always
+
+    def __getitem__(self, name: str) -> Shown:
+        if name in self._held:
+            return self._held[name]
+        place = self._bundle.places[name]
+        shape = len(self._tick), (place.stop - place.start) // len(self._tick)
+        true, measured = self._bundle.true[place].reshape(shape), self._bundle.measured[place].reshape(shape)
+        return true, Measurement(measured, self._tick, self._now, self._always)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
