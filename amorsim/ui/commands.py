@@ -165,9 +165,11 @@ class Commands:
 
     def _history(self, command: Table) -> Answer:
         robot = self.player.simulation.names.index(self._robot(command))
-        ticks, poses = self.player.paths.track(robot, self._whole(command, "max_points", 1000))
+        most = self._whole(command, "max_points", 1000)
+        ticks, poses = self.player.paths.track(robot, most)
         true, estimated = poses[:, :3].tolist(), poses[:, 3:].tolist()
-        return {"epoch": self.player.epoch, "ticks": ticks, "true": true, "estimated": estimated}
+        past = self.player.pasts.told(robot, most)
+        return {"epoch": self.player.epoch, "ticks": ticks, "true": true, "estimated": estimated, "past": past}
 
     def _events(self, command: Table) -> Answer:
         after = self._whole(command, "after", 0)

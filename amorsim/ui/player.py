@@ -20,6 +20,7 @@ from amorsim.ui.carried import Carried, Carrier
 from amorsim.ui.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
 from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.packing import Dynamic, FrameFlag, Selected
+from amorsim.ui.past import Pasts
 from amorsim.ui.protocol import EventLine
 from amorsim.ui.timeline import Paths, Snapshots
 
@@ -90,6 +91,7 @@ class Player:
         self.simulation = simulation
         self.paths = Paths(len(simulation.names))
         self.snapshots = Snapshots()
+        self.pasts = Pasts(simulation)
         self._newest = 0
         self._is_past = False
         self._present = self._before = self.poses_only = self.fault = None
@@ -99,6 +101,7 @@ class Player:
             is_taken = is_again and self._out.exists()
             self._recording = RunSession(simulation, next_folder(self._out) if is_taken else self._out)
         self._keep()
+        self.pasts.keep(simulation, self.watched, None)
 
     def _keep(self) -> None:
         simulation, tick = self.simulation, self._newest
@@ -147,7 +150,7 @@ class Player:
         self._expect_present()
         simulation = self.simulation
         if watched:
-            self._before = look_back(simulation, self.watched)
+            self._look_back()
         try:
             simulation.step()
         except Exception as error:
@@ -156,7 +159,12 @@ class Player:
         self._newest += 1
         self._write()
         self._keep()
+        if watched:
+            self.pasts.keep(simulation, self.watched, self._before)
         return True
+
+    def _look_back(self) -> None:
+        self._before = look_back(self.simulation, self.pasts.of_whom(self.watched))
 
     def _write(self) -> None:
         """Write the step down; what can no longer be written does not hold up the simulation."""
@@ -260,6 +268,7 @@ class Player:
             self._newest = tick
             self.paths.cut(tick)
             self.snapshots.cut(tick)
+            self.pasts.cut(tick)
             self._remarks = self._remarks_until(tick)
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
@@ -283,10 +292,13 @@ class Player:
             except AmorsimError as error:
                 since += f" ({error})"
                 self._begin(self._new())
+        self._look_back()
         for now in self.inputs.replay(self.simulation, tick):
             self._newest = now
             self._write()
             self._keep()
+            self.pasts.keep(self.simulation, self.watched, self._before)
+            self._look_back()
             self._notice(now)
         return since
 

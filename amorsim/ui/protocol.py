@@ -265,11 +265,25 @@ class State(TypedDict):
     holder: NotRequired[str]  # the window that has the controls
 
 
+class Past(TypedDict):
+    """What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
+
+    `values` is a line of float64, little endian and in base64, for each tick: true and estimated pose (3 each),
+    covariance (6), true and estimated twist (3 each), true and measured joint rates, true and measured values of all
+    sensors of which only the first are told (as many as a line of its table has columns, or 8), and the least true
+    and measured value of each sensor that has any.
+    """
+
+    ticks: list[int]
+    values: str
+
+
 class History(TypedDict):
-    """Where a robot was and believed to be, thinned to at most so many points."""
+    """Where a robot was and believed to be, and what else is known of its past, each of at most so many moments."""
 
     ok: bool
     epoch: int
     ticks: list[int]
     true: list[list[float]]  # x, y, heading
     estimated: list[list[float]]
+    past: Past

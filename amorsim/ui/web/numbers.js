@@ -2,6 +2,7 @@
 
 import { fixed, h, say, signed } from "./dom.js";
 import { Plot, Series } from "./plot.js";
+import { momentsOf } from "./past.js";
 import { KINDS, quantitiesOf } from "./quantities.js";
 
 export class Numbers {
@@ -69,18 +70,17 @@ export class Numbers {
     for (const series of this.series.values()) series.clear();
   }
 
-  /** Take what was recorded of the poses, after a reload or a step back in time. */
-  load(times, truth, estimated) {
-    const fake = { truePoses: [], estimatedPoses: [], covariances: [NaN, NaN, NaN, NaN, NaN, NaN], sensors: [] };
-    this.clear();
+  /** Take what was recorded, after a reload, a turn to another robot or a step back in time; `dt` in s. */
+  load(history, robot, dt) {
+    const moments = momentsOf(history, robot, dt);
+    const last = moments.at(-1)?.time ?? -1;
     for (const quantity of this.quantities) {
-      if (!["x", "y", "heading", "apart"].includes(quantity.key)) continue;
       const series = this.series.get(quantity.key);
-      times.forEach((time, n) => {
-        fake.truePoses = truth[n];
-        fake.estimatedPoses = estimated[n];
-        series.add(time, quantity.of(fake, 0));
-      });
+      // What has come since it was asked for stays.
+      const later = series.times.flatMap((time, n) => (time > last + 1e-9 ? [[time, series.values.map((column) => column[n])]] : []));
+      series.clear();
+      for (const moment of moments) series.add(moment.time, quantity.of(moment, 0));
+      for (const [time, values] of later) series.add(time, values);
     }
   }
 

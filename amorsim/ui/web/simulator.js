@@ -158,7 +158,7 @@ export class Simulator {
     if (!said.ok || epoch !== this.epoch || selected !== this.selected) return;
     this.stage.trueTrail.load(said.ticks, said.true);
     this.stage.estimatedTrail.load(said.ticks, said.estimated);
-    this.numbers.load(said.ticks.map((tick) => tick * this.scene.dt), said.true, said.estimated);
+    this.numbers.load(said, this.robot, this.scene.dt);
     this.stage.redraw();
   }
 
