@@ -182,9 +182,9 @@ class Session:
 
     # --------------------------------------------------------------------------------------------------------- windows
 
-    def open_window(self) -> str:
-        """Let a new window watch; returns the word by which it is known. The first has the controls."""
-        return self._controls.open()
+    def open_window(self, tab: str = "") -> str:
+        """Let a new window watch; returns the word by which it is known. The first has the controls (`Controls`)."""
+        return self._controls.open(tab)
 
     def close_window(self, window: str) -> None:
         """Let a window go; what it drove by hand stands."""

@@ -18,6 +18,7 @@ __all__ = ["FRAME_RATE", "Simulated", "Talk"]
 
 FRAME_RATE = 30.0  # [Hz]
 MOST_WAITING = 64  # commands of one window
+MOST_OF_TAB = 64  # letters
 # These ask only; the others are done in the order in which they came.
 READS = frozenset({"state", "scene", "parameters", "history", "events", "image"})
 
@@ -27,8 +28,8 @@ Table = dict[str, Any]
 class Simulated(Protocol):
     """What the server needs of a session; see `amorsim.ui.session.Session`."""
 
-    def open_window(self) -> str:
-        """A new window's name."""
+    def open_window(self, tab: str = "") -> str:
+        """A new window's name; `tab` is the same for the windows that one tab shows after one another."""
 
     def close_window(self, window: str) -> None:
         """A window has gone; what it drove by hand stops."""
@@ -55,7 +56,7 @@ class Talk:
     async def run(self) -> None:
         """Talk until the window goes."""
         await self.websocket.accept()
-        self.window = self.session.open_window()
+        self.window = self.session.open_window(self.websocket.query_params.get("tab", "")[:MOST_OF_TAB])
         tasks = [asyncio.create_task(work()) for work in (self._hear, self._show, self._obey)]
         try:
             await self._send({"window": self.window})

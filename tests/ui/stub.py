@@ -23,7 +23,7 @@ class StubSession:
         self._release = asyncio.Event()
         return self._release
 
-    def open_window(self) -> str:
+    def open_window(self, tab: str = "") -> str:
         name = f"window-{len(self.windows) + 1}"
         self.windows.add(name)
         return name

@@ -126,7 +126,7 @@ def test_plots_have_their_past_after_a_reload(window: Window) -> None:
     before = plotted(window)
     assert {"turn", "apart", "sensor.laser", "joint.left_wheel"} <= before.keys()
     window.page.reload()
-    window.until("newest?.tick === 24 && numbers.series.get('turn').times.length > 20")
+    window.until("newest?.tick === 24 && numbers.series.get('turn')?.times.length > 20")
     after = plotted(window)
     assert after.keys() == before.keys()
     for key, samples in before.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -21,6 +21,8 @@ from tests.ui.stub import StubSession
 
 class Line:
     """A WebSocket's two ends, as far as `Talk` uses them."""
+
+    query_params: ClassVar[dict[str, str]] = {}
 
     def __init__(self) -> None:
         self.heard: asyncio.Queue[str | None] = asyncio.Queue()

@@ -319,6 +319,25 @@ def test_a_second_window_watches_and_may_ask_for_the_controls(
     assert not window.ask(do="run")["ok"]
 
 
+def test_a_window_that_is_loaded_again_keeps_the_controls(
+    window: Window, served: Server, open_window: Callable[[Server], Window]
+) -> None:
+    watcher = open_window(served)
+    watcher.until("isMine === false")
+    window.page.reload()
+    late = open_window(served)
+    window.until("isMine")
+    for other in (watcher, late):
+        other.until(f"state.holder === '{window.see('window')}' && isMine === false")
+        assert "ask for the controls" in other.page.locator(".controls").inner_text()
+    # Given away, they are told of.
+    late.page.click(".controls")
+    window.page.wait_for_selector(".controls:visible")
+    window.page.click(".controls")
+    late.page.wait_for_selector(".hint:text('You have the controls now.')")
+    window.page.wait_for_selector(".hint:text('Another window has the controls now.')")
+
+
 class Elsewhere(http.server.BaseHTTPRequestHandler):
     """A page of another origin, on this very machine."""
 

@@ -286,7 +286,12 @@ export class Simulator {
 
   showControls() {
     const { holder, asking = [] } = this.state;
-    this.isMine = holder === this.window;
+    const isMine = holder === this.window;
+    if (this.isMine !== undefined && isMine !== this.isMine) {
+      if (isMine) this.hint("You have the controls now.");
+      else this.hint(holder ? "Another window has the controls now. You watch." : "You do not have the controls any more.");
+    }
+    this.isMine = isMine;
     this.root.classList.toggle("watching", !this.isMine);
     const { reset, run, step, speed, line, toEnd } = this.timebar;
     for (const one of [reset, run, step, speed, line, toEnd, this.driving.switch]) one.disabled = !this.isMine;

@@ -1,6 +1,16 @@
 // The one connection of a window: frames come as bytes, answers and news as text. A frame is acknowledged once it is
 // drawn, and the server sends none before: so a slow window gets fewer frames, always the newest.
 
+/** What tells this tab from others, also after its page is loaded again: the controls wait for it. */
+function ownTab() {
+  const fresh = () => Math.random().toString(36).slice(2);
+  try {
+    return (sessionStorage["amorsim.tab"] ??= fresh() + fresh());
+  } catch {
+    return ""; // nothing may be stored
+  }
+}
+
 export class Connection {
   /** @param on `{frame(buffer), news(message), open(), lost()}` */
   constructor(on) {
@@ -8,12 +18,13 @@ export class Connection {
     this.waiting = new Map();
     this.next = 1;
     this.delay = 300;
+    this.tab = ownTab();
     this.connect();
   }
 
   connect() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket`);
+    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket?tab=${this.tab}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.delay = 300;
