@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.digest import absorb_rows
 from amorsim.kernels.odometry import reckon_rows
+from amorsim.kernels.sensing import SIZES
 
-__all__ = ["conclude"]
+__all__ = ["RECKONING", "conclude"]
 
 Floats = NDArray[np.float64]
-# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
-Column = Any
+Ints = NDArray[np.int64]
+
+RECKONING = 6
+"""Numbers of a robot that reckons: the left and the right wheel's radius, the track, the variance of a wheel's travel,
+and the counts in a turn of each wheel."""
 
 
 @part
 def _conclude_rows(
-    first: int,
-    counts_per_revolution: Floats,
-    radius_left: Column,
-    radius_right: Column,
-    track: Column,
-    variance: Column,
+    at: int,
+    numbers: Floats,
     pose: Floats,
     covariance: Floats,
     before: Floats,
@@ -35,52 +33,46 @@ def _conclude_rows(
     true_pose: Floats,
     joints: Floats,
     command: Floats,
-    sizes: NDArray[np.int64],
+    ints: Ints,
     true: Floats,
     measured: Floats,
-    begin: int,
+    first: int,
     end: int,
-    one: Floats,
-    other: Floats,
-    jacobian: Floats,
-    both: NDArray[np.int64],
+    room: Floats,
+    both: Ints,
     fingerprint: NDArray[np.uint64],
 ) -> None:
     """What `conclude` does, with room to work in."""
     rows = pose.shape[0]
-    counts = measured[first : first + 2 * rows].reshape((rows, 2))
     reckon_rows(
-        counts,
-        counts_per_revolution,
-        radius_left,
-        radius_right,
-        track,
-        variance,
+        measured[at : at + 2 * rows].reshape((rows, 2)),
+        numbers[4:].reshape((rows, 2)),
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        numbers[3],
         pose,
         covariance,
         before,
         after,
-        begin,
+        first,
         end,
-        one,
-        other,
-        jacobian,
+        room[0:2],
+        room[2:4],
+        room[4:10].reshape((3, 2)),
         both,
         out,
         grown,
     )
     flat = grown.reshape((rows, 9))
-    absorb_rows(true_pose, joints, command, out, flat, sizes, true, measured, begin, end, fingerprint)
+    sizes = ints[ints[SIZES] : ints[SIZES + 1]]
+    absorb_rows(true_pose, joints, command, out, flat, sizes, true, measured, first, end, fingerprint)
 
 
 @kernel
 def conclude(
-    first: int,
-    counts_per_revolution: Floats,
-    radius_left: Column,
-    radius_right: Column,
-    track: Column,
-    variance: Column,
+    at: int,
+    numbers: Floats,
     pose: Floats,
     covariance: Floats,
     before: Floats,
@@ -90,25 +82,24 @@ def conclude(
     true_pose: Floats,
     joints: Floats,
     command: Floats,
-    sizes: NDArray[np.int64],
+    ints: Ints,
     true: Floats,
     measured: Floats,
-    begin: int,
+    first: int,
     end: int,
     fingerprint: NDArray[np.uint64],
 ) -> None:
-    """Reckon as `odometry.reckon_wheels`, by counts that begin at `measured[first]`, and absorb what the step gave.
+    """Reckon as `odometry.reckon_wheels`, by counts that begin at `measured[at]`, and absorb what the step gave.
 
-    That is true poses, joints, commands and the estimate, and of all devices what they truly and really read, as
-    `digest.absorb_together` takes them. Rows begin..end-1 are worked on.
+    That is true poses, joints, commands and the estimate, and of all devices of a plan (`ints`, see `sensing.lay`) what
+    they truly and really read, as `digest.absorb_together` takes them. `numbers` (RECKONING, N, 1) ends with the counts
+    of row 0. Rows first..end-1 are worked on.
     """
+    room = np.empty(10)
+    both = np.empty(2, dtype=np.int64)
     _conclude_rows(
-        first,
-        counts_per_revolution,
-        radius_left,
-        radius_right,
-        track,
-        variance,
+        at,
+        numbers,
         pose,
         covariance,
         before,
@@ -118,14 +109,12 @@ def conclude(
         true_pose,
         joints,
         command,
-        sizes,
+        ints,
         true,
         measured,
-        begin,
+        first,
         end,
-        np.empty(2),
-        np.empty(2),
-        np.empty((3, 2)),
-        np.empty(2, dtype=np.int64),
+        room,
+        both,
         fingerprint,
     )

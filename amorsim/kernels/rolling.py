@@ -1,8 +1,6 @@
-"""A step of robots on two driven wheels whom nothing is in the way: their wheels and their bodies in one call."""
+"""A step of robots on two driven wheels whom nothing is in the way: their wheels and their bodies."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +10,13 @@ from amorsim.kernels.odometry import drive_wheels, wheel_twists
 from amorsim.kernels.paths import ARC, go_free
 from amorsim.kernels.poses import mean_twists
 
-__all__ = ["roll_free"]
+__all__ = ["ROLLING", "roll_free"]
 
 Floats = npt.NDArray[np.float64]
-# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
-Column = Any
+
+ROLLING = 7
+"""Numbers of a robot that rolls: the greatest rate and acceleration of a wheel, and its lag, the left and the right
+wheel's radius, the track, and how far the body reaches."""
 
 
 @kernel
@@ -24,15 +24,9 @@ def roll_free(
     joints: Floats,
     rates: Floats,
     command: Floats,
-    rate_max: Column,
-    acceleration_max: Column,
-    lag: Column,
-    radius_left: Column,
-    radius_right: Column,
-    track: Column,
+    numbers: Floats,
     dt: float,
     start: Floats,
-    reach: Floats,
     room: Floats,
     wheels: Floats,
     end: Floats,
@@ -42,11 +36,11 @@ def roll_free(
 
     Parameters
     ----------
-    joints, rates, command, rate_max, acceleration_max, lag
+    joints, rates, command
         As `odometry.drive_wheels` takes them.
-    radius_left, radius_right, track
-        As `odometry.wheel_twists` takes them.
-    start, reach, room
+    numbers
+        (ROLLING, N, 1), as `drive_wheels`, `odometry.wheel_twists` and `paths.go_free` take them.
+    start, room
         As `paths.go_free` takes them.
     wheels
         (2, N, 2) gets the wheels' angles [rad] and rates [rad/s] a step later.
@@ -56,9 +50,9 @@ def roll_free(
     rows = start.shape[0]
     motion = np.empty((rows, 3))
     stop = np.empty(rows)
-    drive_wheels(joints, rates, command, rate_max, acceleration_max, lag, dt, wheels)
-    wheel_twists(joints, wheels[0], radius_left, radius_right, track, motion)
-    if not go_free(start, motion, ARC, reach, room, end, stop):
+    drive_wheels(joints, rates, command, numbers[0], numbers[1], numbers[2], dt, wheels)
+    wheel_twists(joints, wheels[0], numbers[3], numbers[4], numbers[5], motion)
+    if not go_free(start, motion, ARC, numbers[6].reshape(rows), room, end, stop):
         return False
     mean_twists(motion, stop, dt, twists)
     return True

@@ -1,14 +1,16 @@
 """A step of sensing for devices of the common kinds: where they look from, and what their noise makes of what they see.
 
-All devices of a group are done in one call each, and what they read lies in one array: device by device, and of each
+All devices of a group are done one after the other, and what they read lies in one array: device by device, and of each
 the values of row 0 first. The arithmetic is that of the components by themselves, in the same order, so the bits are
-the same (`amorsim.simulation.plan` tells which components have a twin here).
+the same (`amorsim.simulation.plan` tells which components have a twin here). Python enters through
+`amorsim.kernels.stepping.advance`.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +34,15 @@ __all__ = [
     "GAUSSIAN",
     "GYRO",
     "LASER",
+    "LIMITS",
     "NEAREST",
     "SCALE",
     "SECTORS",
+    "SIZES",
     "SONAR",
     "TABLE_COLUMNS",
+    "Plan",
+    "lay",
     "sense",
 ]
 
@@ -55,7 +61,61 @@ _KIND, _SIZE, _VALUES, _RING, _PLACES, _FIRST, _LAST, _BEAMS, _RAYS, _SECTORS = 
 TABLE_COLUMNS = 10
 SECTORS = int(4.0 * FINE)
 
+# Where in the head of a laid plan it says where each part of it begins, and after it that it ends.
+_TABLE, _ORDER, _STARTS, _CHAINS, _KEYS, SIZES = range(6)
+_MOUNTS, _NUMBERS, _RINGS, LIMITS, _HALF_ANGLES, _EDGES, _COSINES, _SINES, _PARAMETERS = range(7, 16)
+_HEAD = 17
+
 _TURN = 2.0 * math.pi
+
+
+class Plan(NamedTuple):
+    """What is known of a group's devices before they read."""
+
+    table: Ints
+    """(D, TABLE_COLUMNS), of the devices."""
+    order: Ints
+    """Of the finders' beams, as `starts`, `cosines` and `sines`: one device after another, a scanner's sorted as
+    `scans.sorted_beams` does."""
+    starts: Ints
+    """Of each scanner `SECTORS` and one."""
+    chains: Ints
+    """(C,): the kinds of the elements of all chains."""
+    keys: NDArray[np.uint64]
+    """(C, N): the keys of their draws."""
+    sizes: Ints
+    """(D,): how many values each device has."""
+    mounts: Floats
+    """(D, N, 3): where each sits on its body."""
+    numbers: Floats
+    """(D, N, m): counts in a turn of each joint of an encoder, and first the least range of a sonar."""
+    rings: Floats
+    """(E * N, 3): where the elements of rings sit on their mounts."""
+    limits: Floats
+    """(L * N,): the longest range seen from each place."""
+    half_angles: Floats
+    """(D,): of a sonar's cones."""
+    edges: Floats
+    """(D, 2): the cosine and sine of that."""
+    cosines: Floats
+    sines: Floats
+    parameters: Floats
+    """(C, N, 2): of the elements of all chains."""
+
+
+def lay(plan: Plan) -> tuple[Ints, Floats]:
+    """A plan in two arrays, which are handed over sooner than fifteen: its whole numbers, and the others.
+
+    A part of it is ``ints[ints[PART] : ints[PART + 1]]``, or the same of the others.
+    """
+    whole: list[Any] = [*plan[:_KEYS], plan.keys.view(np.int64), plan.sizes]
+    others: tuple[Any, ...] = plan[SIZES + 1 :]
+    ends = [
+        *itertools.accumulate((each.size for each in whole), initial=_HEAD),
+        *itertools.accumulate((each.size for each in others), initial=0),
+    ]
+    head = np.array(ends, dtype=np.int64)
+    return np.concatenate([head, *map(np.ravel, whole)]), np.concatenate([np.ravel(each) for each in others])
 
 
 @part
@@ -90,16 +150,8 @@ def _look_rows(
     origin_x: float,
     origin_y: float,
     yaw: float,
-    table: Ints,
-    mounts: Floats,
-    ring: Floats,
-    limits: Floats,
-    half_angles: Floats,
-    edges: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    order: Ints,
-    starts: Ints,
+    ints: Ints,
+    floats: Floats,
     body: Floats,
     first: int,
     end: int,
@@ -110,6 +162,16 @@ def _look_rows(
     """What `sense` does to see, with room to work in."""
     nearness, f, q, blocks, rings, found, following, ends, away, maybe, walls, spans = rooms
     rows = body.shape[0]
+    table = ints[ints[_TABLE] : ints[_TABLE + 1]].reshape((-1, TABLE_COLUMNS))
+    order = ints[ints[_ORDER] : ints[_ORDER + 1]]
+    starts = ints[ints[_STARTS] : ints[_STARTS + 1]]
+    mounts = floats[ints[_MOUNTS] : ints[_MOUNTS + 1]].reshape((-1, rows, 3))
+    ring = floats[ints[_RINGS] : ints[_RINGS + 1]].reshape((-1, 3))
+    limits = floats[ints[LIMITS] : ints[LIMITS + 1]]
+    half_angles = floats[ints[_HALF_ANGLES] : ints[_HALF_ANGLES + 1]]
+    edges = floats[ints[_EDGES] : ints[_EDGES + 1]].reshape((-1, 2))
+    cos_b = floats[ints[_COSINES] : ints[_COSINES + 1]]
+    sin_b = floats[ints[_SINES] : ints[_SINES + 1]]
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
     for d in range(table.shape[0]):
@@ -223,12 +285,8 @@ def _scatter(
 
 @part
 def _read_rows(
-    table: Ints,
-    chains: Ints,
-    parts: Floats,
-    keys: NDArray[np.uint64],
-    mounts: Floats,
-    numbers: Floats,
+    ints: Ints,
+    floats: Floats,
     counter: NDArray[np.uint32],
     body: Floats,
     twist: Floats,
@@ -242,18 +300,26 @@ def _read_rows(
 ) -> None:
     """What `sense` does to read, with room to work in."""
     rows = body.shape[0]
-    for d in range(table.shape[0]):
+    table = ints[ints[_TABLE] : ints[_TABLE + 1]].reshape((-1, TABLE_COLUMNS))
+    devices = table.shape[0]
+    chains = ints[ints[_CHAINS] : ints[_CHAINS + 1]]
+    keys = ints[ints[_KEYS] : ints[_KEYS + 1]].reshape((-1, rows))
+    mounts = floats[ints[_MOUNTS] : ints[_MOUNTS + 1]].reshape((-1, rows, 3))
+    numbers = floats[ints[_NUMBERS] : ints[_NUMBERS + 1]]
+    numbers_of = numbers.reshape((devices, rows, len(numbers) // max(1, devices * rows)))
+    parts = floats[ints[_PARAMETERS] : ints[_PARAMETERS + 1]].reshape((-1, rows, 2))
+    for d in range(devices):
         k = table[d, _SIZE]
         for i in range(first, end):
             at = table[d, _VALUES] * rows + i * k
-            _sense(table[d, _KIND], mounts[d, i], numbers[d, i], body[i], twist[i], joints[i], true[at : at + k])
+            _sense(table[d, _KIND], mounts[d, i], numbers_of[d, i], body[i], twist[i], joints[i], true[at : at + k])
             values = measured[at : at + k]
             for j in range(k):
                 values[j] = true[at + j]
             for c in range(table[d, _FIRST], table[d, _LAST]):
                 number = parts[c, i, 0]
                 if chains[c] == GAUSSIAN:
-                    _scatter(keys[c, i], counter, i, parts[c, i], values, drawn, drawn_bits)
+                    _scatter(np.uint64(keys[c, i]), counter, i, parts[c, i], values, drawn, drawn_bits)
                 elif chains[c] == BIAS:
                     for j in range(k):
                         values[j] = values[j] - (0.0 - number)
@@ -272,34 +338,13 @@ def _read_rows(
 def sense(
     looks: bool,
     reads: bool,
-    resolution: float,
-    cell_rows: int,
-    cell_cols: int,
-    super_cols: int,
-    supers: NDArray[np.int32],
-    tables: NDArray[np.int32],
-    pages: NDArray[np.uint64],
-    room: NDArray[np.uint16],
-    boxes: Floats,
-    blocks_first: Ints,
-    line_walls: Floats,
+    grid: Grid,
+    lines: Lines,
     origin_x: float,
     origin_y: float,
     yaw: float,
-    table: Ints,
-    mounts: Floats,
-    numbers: Floats,
-    ring: Floats,
-    limits: Floats,
-    half_angles: Floats,
-    edges: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
-    order: Ints,
-    starts: Ints,
-    chains: Ints,
-    parts: Floats,
-    keys: NDArray[np.uint64],
+    ints: Ints,
+    floats: Floats,
     counter: NDArray[np.uint32],
     body: Floats,
     twist: Floats,
@@ -314,29 +359,10 @@ def sense(
 
     Parameters
     ----------
-    resolution, ..., room
-        A `Grid`, by its fields: an array by itself is handed over sooner than one in a tuple.
-    boxes, blocks_first, line_walls
-        `Lines`, by their fields.
-    origin_x, origin_y, yaw
-        Where the grid lies in the world.
-    table
-        (D, TABLE_COLUMNS), of the devices.
-    mounts
-        (D, N, 3): where each sits on its body.
-    numbers
-        (D, N, m): counts in a turn of each joint of an encoder, and first the least range of a sonar.
-    ring
-        (E * N, 3): where the elements of rings sit on their mounts.
-    limits
-        (L * N,): the longest range seen from each place.
-    half_angles, edges
-        (D,) and (D, 2): of a sonar's cones, and its cosine and sine.
-    cos_b, sin_b, order, starts
-        Of the finders' beams, one device after another: of a scanner sorted as `scans.sort_beams` does, with
-        `SECTORS` and one `starts`.
-    chains, parts, keys
-        Elements of all chains: their kinds (C,), their parameters (C, N, 2), and the keys of their draws (C, N).
+    grid, lines, origin_x, origin_y, yaw
+        The map, and where its grid lies in the world.
+    ints, floats
+        A `Plan`, as `lay` lays it.
     counter
         (N, 3): replica, episode and tick of each row.
     body, twist, joints
@@ -346,64 +372,30 @@ def sense(
     true, measured
         (V * N,), get what the devices truly and really read.
     """
+    most_rays = 1
+    most_values = 0
+    for at in range(ints[_TABLE], ints[_TABLE + 1], TABLE_COLUMNS):
+        most_rays = max(most_rays, ints[at + _RAYS])
+        most_values = max(most_values, ints[at + _SIZE])
     if looks:
-        grid = Grid(resolution, cell_rows, cell_cols, super_cols, supers, tables, pages, room)
-        lines = Lines(boxes, blocks_first, line_walls)
-        most = line_walls.shape[1]
+        most = lines.walls.shape[1]
+        blocks = lines.boxes.shape[1]
         rooms = (
-            np.empty(max(1, table[:, _RAYS].max())),
+            np.empty(most_rays),
             np.empty(ROOM_F),
             np.empty(ROOM_Q, dtype=np.int64),
-            np.empty(boxes.shape[1], dtype=np.int64),
+            np.empty(blocks, dtype=np.int64),
             np.empty(ROOM_RINGS, dtype=np.int64),
             np.empty(most, dtype=np.int64),
             np.empty(most, dtype=np.int64),
             np.empty((5, most)),
-            np.empty(max(most, boxes.shape[1])),
+            np.empty(max(most, blocks)),
             np.empty(AT_ONCE, dtype=np.uint8),
             np.empty((MOST, 3)),
             np.empty((MOST, 3), dtype=np.int64),
         )
-        _look_rows(
-            grid,
-            lines,
-            origin_x,
-            origin_y,
-            yaw,
-            table,
-            mounts,
-            ring,
-            limits,
-            half_angles,
-            edges,
-            cos_b,
-            sin_b,
-            order,
-            starts,
-            body,
-            first,
-            end,
-            places,
-            true,
-            rooms,
-        )
+        _look_rows(grid, lines, origin_x, origin_y, yaw, ints, floats, body, first, end, places, true, rooms)
     if reads:
-        drawn = np.empty((3, (table[:, _SIZE].max() + 1) // 2))
-        _read_rows(
-            table,
-            chains,
-            parts,
-            keys,
-            mounts,
-            numbers,
-            counter,
-            body,
-            twist,
-            joints,
-            first,
-            end,
-            true,
-            measured,
-            drawn,
-            drawn.view(np.int64),
-        )
+        drawn = np.empty((3, (most_values + 1) // 2))
+        bits = drawn.view(np.int64)
+        _read_rows(ints, floats, counter, body, twist, joints, first, end, true, measured, drawn, bits)

@@ -1,4 +1,4 @@
-"""A step of sensing among other bodies: rows look about, meet bodies and read in one call, and may be shared."""
+"""The end of a step among other bodies in one call, that may be shared: to look about, meet bodies, read, conclude."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from amorsim.kernels.bodies import Bodies
 from amorsim.kernels.body_hash import BodyHash
 from amorsim.kernels.body_rays import cast_bodies
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.sensing import sense
+from amorsim.kernels.concluding import conclude
+from amorsim.kernels.grid import Grid
+from amorsim.kernels.lines import Lines
+from amorsim.kernels.rolling import ROLLING
+from amorsim.kernels.sensing import LIMITS, sense
 from amorsim.kernels.shares import take_rows
 
 __all__ = ["FINDER_COLUMNS", "sense_among"]
@@ -26,6 +30,7 @@ FINDER_COLUMNS = 6
 @kernel
 def sense_among(
     share: int,
+    concludes: bool,
     bodies: Bodies,
     body_pose: Floats,
     edge_rows: int,
@@ -43,36 +48,36 @@ def sense_among(
     supers: NDArray[np.int32],
     tables: NDArray[np.int32],
     pages: NDArray[np.uint64],
-    room: NDArray[np.uint16],
+    squares: NDArray[np.uint16],
     boxes: Floats,
     blocks_first: Ints,
     line_walls: Floats,
     origin_x: float,
     origin_y: float,
     yaw: float,
-    table: Ints,
-    mounts: Floats,
-    numbers: Floats,
-    ring: Floats,
-    limits: Floats,
-    half_angles: Floats,
-    edges: Floats,
-    sorted_cos: Floats,
-    sorted_sin: Floats,
-    order: Ints,
-    starts: Ints,
-    chains: Ints,
-    parts: Floats,
-    keys: NDArray[np.uint64],
+    ints: Ints,
+    floats: Floats,
+    places: Floats,
+    wheels: Floats,
+    encoder: int,
     counter: NDArray[np.uint32],
-    body: Floats,
+    pose: Floats,
     twist: Floats,
     joints: Floats,
-    places: Floats,
+    command: Floats,
+    believed: Floats,
+    covariance: Floats,
+    reckoned: Floats,
+    poses_out: Floats,
+    joints_out: Floats,
+    covariance_out: Floats,
     true: Floats,
     measured: Floats,
+    fingerprint: NDArray[np.uint64],
 ) -> None:
     """What `sensing.sense` does to look, `body_rays.cast_bodies` of all range finders, and `sense` to read.
+
+    And then, if it `concludes`, what `concluding.conclude` does.
 
     Parameters
     ----------
@@ -86,10 +91,13 @@ def sense_among(
         (L * N,): of each place that is looked from, the body that it is on, and the replica.
     cos_b, sin_b
         Of the finders' beams, one device after another, as `cast_bodies` takes them.
-    resolution, ..., measured
-        As `sense` takes them.
+    resolution, ..., fingerprint
+        As `stepping.advance` takes them.
     """
-    rows = body.shape[0]
+    rows = pose.shape[0]
+    grid = Grid(resolution, cell_rows, cell_cols, super_cols, supers, tables, pages, squares)
+    lines = Lines(boxes, blocks_first, line_walls)
+    limits = floats[ints[LIMITS] : ints[LIMITS + 1]]
     nobody_asks = np.empty((0, 0), dtype=np.int64)
     first, end = take_rows(share, rows, 0)
     while first < end:
@@ -122,36 +130,15 @@ def sense_among(
             sense(
                 phase == 0,
                 phase == 1,
-                resolution,
-                cell_rows,
-                cell_cols,
-                super_cols,
-                supers,
-                tables,
-                pages,
-                room,
-                boxes,
-                blocks_first,
-                line_walls,
+                grid,
+                lines,
                 origin_x,
                 origin_y,
                 yaw,
-                table,
-                mounts,
-                numbers,
-                ring,
-                limits,
-                half_angles,
-                edges,
-                sorted_cos,
-                sorted_sin,
-                order,
-                starts,
-                chains,
-                parts,
-                keys,
+                ints,
+                floats,
                 counter,
-                body,
+                pose,
                 twist,
                 joints,
                 first,
@@ -159,5 +146,25 @@ def sense_among(
                 places,
                 true,
                 measured,
+            )
+        if concludes:
+            conclude(
+                encoder,
+                wheels[ROLLING:],
+                believed,
+                covariance,
+                reckoned,
+                joints_out[2],
+                poses_out[2],
+                covariance_out,
+                pose,
+                joints,
+                command,
+                ints,
+                true,
+                measured,
+                first,
+                end,
+                fingerprint,
             )
         first, end = take_rows(share, rows, end)

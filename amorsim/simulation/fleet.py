@@ -44,8 +44,11 @@ class Fleet:
         `(R,)` of each replica.
     events
         What happened, in order.
-    rolls
-        Whether the robots have moved already in this step, as they actuated: nothing was in the way.
+    alone
+        The group of robots, where there are no others, no obstacles and no company.
+    is_whole, rolls
+        Whether the latest step was made in one call, and else whether the robots moved as they actuated: nothing was in
+        the way.
     touching
         The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
     contacts
@@ -99,7 +102,9 @@ class Fleet:
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()
-        self.rolls = False
+        is_alone = len(self.everything) == 1 and bool(self.groups) and not self.world.has_company
+        self.alone = self.groups[0] if is_alone else None
+        self.is_whole = self.rolls = False
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.place()

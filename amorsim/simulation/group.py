@@ -38,9 +38,9 @@ from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.showing import Showing
+from amorsim.simulation.together import Together
 from amorsim.simulation.truth import true_robot
 from amorsim.simulation.view import GroupView
-from amorsim.simulation.wheels import Wheels
 from amorsim.simulation.zones import Zones
 
 __all__ = ["Group", "group_key"]
@@ -178,8 +178,8 @@ class Group:
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
-        self.wheels = Wheels(self)
         self._showing = Showing(self)
+        self.together = Together(self)
 
     # ---------------------------------------------------------------------------------------------------- episodes
 
@@ -227,7 +227,9 @@ class Group:
             if self._counted is not self.active:  # it is replaced, never changed once somebody has asked
                 self._counted, self._are_active = self.active, bool(self.active.all())
             # A copy: it is the controller's, which may write into it again.
-            self.command = np.array(asked, dtype=np.float64) if self._are_active else np.where(self.active, asked, 0.0)
+            self.command = (
+                np.array(asked, dtype=np.float64, order="C") if self._are_active else np.where(self.active, asked, 0.0)
+            )
 
     def hand_over(self, row: int, to_hand: bool) -> None:
         """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""
@@ -345,12 +347,13 @@ class Group:
         view.joint_rates = self.joint_rates
 
     def sense(self) -> None:
-        """Read all sensors."""
-        self.sensing.sense(self.view, self.moment)
+        """Read all sensors, and conclude the step where that goes in the same call."""
+        self._is_recorded = self.together.sense()
+        for unit in self.sensing.others:
+            unit.sample(self.view, self.moment)
 
     def estimate_pose(self) -> None:
-        """Let every estimator make of the readings what it can."""
-        self._is_recorded = self.wheels.conclude()
+        """Let every estimator make of the readings what it can, unless that is done already."""
         if self._is_recorded:
             return
         elapsed = self.moment.elapsed

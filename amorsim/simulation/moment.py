@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Clock
-from amorsim.kernels.ticks import tell_time
 
 __all__ = ["Moment"]
 
@@ -37,11 +36,12 @@ class Moment:
 
     def advance(self) -> None:
         """Put every row to the next tick."""
-        before = self.tick
-        self.tick, self.time = np.empty_like(before), np.empty(before.shape)
-        tell_time(before, self.dt, self.counter, self.tick, self.time)
-        self.elapsed = self.step
-        self.clock = Clock(self.tick, self.time, self.dt)
+        self.set_tick(self.tick + 1)
+
+    def take(self, tick: npt.NDArray[np.int64], time: npt.NDArray[np.float64]) -> None:
+        """Take the next tick of every row, which a kernel has told, to `counter` too."""
+        self.tick, self.time, self.elapsed = tick, time, self.step
+        self.clock = Clock(tick, time, self.dt)
 
     def set_episode(self, episode: npt.NDArray[np.int64]) -> None:
         """Put every row to its episode `(N,)`."""

@@ -23,8 +23,25 @@ PHASES = ("control", "actuate", "move", "sense", "estimate", "record")
 
 def step(fleet: Fleet) -> None:
     """Make one step."""
-    for phase in PHASES:
-        _DOES[phase](fleet)
+    _DOES["control"](fleet)
+    fleet.is_whole = _goes_whole(fleet)
+    if not fleet.is_whole:
+        for phase in PHASES[1:]:
+            _DOES[phase](fleet)
+
+
+def _goes_whole(fleet: Fleet) -> bool:
+    """Make all other phases in one call, where the only group of robots can (`amorsim.simulation.together`)."""
+    group = fleet.alone
+    if group is None or not group.together.is_whole or not _has_room(fleet) or not group.together.step(fleet):
+        return False
+    fleet.touching = NOBODY
+    return True
+
+
+def _has_room(fleet: Fleet) -> bool:
+    """Whether nobody touches anything, and it is known how far everyone can go."""
+    return fleet.world.room_at is fleet.world.poses and not fleet.contacts
 
 
 def first_look(fleet: Fleet) -> None:
@@ -48,18 +65,16 @@ def _actuate(fleet: Fleet) -> None:
 
 
 def _roll(fleet: Fleet) -> bool:
-    """Let the wheels take the only group of robots on, who have no company and no wall near, where that can be told."""
-    world = fleet.world
-    if world.has_company or world.room_at is not world.poses or len(fleet.everything) != 1 or fleet.contacts:
-        return False
-    return fleet.groups[0].wheels.roll(world)
+    """Let the wheels take the only group of robots on, where no wall is near."""
+    group = fleet.alone
+    if group is None or group.together.is_whole or not group.together.rolls or not _has_room(fleet):
+        return False  # what goes whole would not have come here, had it had room
+    return group.together.roll(fleet)
 
 
 def _move(fleet: Fleet) -> None:
     if fleet.rolls:
         fleet.touching = NOBODY
-        fleet.world.poses = fleet.world.room_at = fleet.groups[0].true_pose
-        fleet.advance()
         return
     movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)

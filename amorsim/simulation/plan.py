@@ -3,13 +3,14 @@
 A sensor unit reads by itself (`SensorUnit.sample`): its class senses, each element of its chain is called, and the
 reading is delivered. At one row that is mostly calls. Where all of it is of classes that have a twin in
 `amorsim.kernels.sensing`, and the reading is taken at every step and arrives at once, the unit is taken into the plan:
-its parameters are laid into tables, and all such units of the group are placed, cast and read in a few calls. A
-subclass has no twin, for it may do anything; it goes the other road, and so does everything with a rate or a latency.
-Both give the same bits.
+its parameters are laid into tables, and all such units of the group are placed, cast and read in one call
+(`amorsim.simulation.together`). A subclass has no twin, for it may do anything; it goes the other road, and so does
+everything with a rate or a latency. Both give the same bits.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -18,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Noise, Sensor
+from amorsim.core.workers import Work
 from amorsim.kernels import digest, scans, sensing
-from amorsim.kernels.sensing_among import sense_among
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -30,7 +31,6 @@ from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
 from amorsim.simulation.bodies import World
-from amorsim.simulation.moment import Moment
 from amorsim.simulation.sensing import Batch, SensorUnit
 from amorsim.simulation.view import CONE_WORK, GroupView, cone_bearings, directions_of
 
@@ -68,8 +68,14 @@ class SensePlan:
     ----------
     others
         The units that read by themselves.
-    batch, sizes
-        What the units that are read together read last, and how many values each of them has.
+    batch
+        What the units that are read together read last.
+    reads, looks
+        Whether there are units that are read together, and range finders among them.
+    given
+        What a kernel must know to read them: the map, where it lies, and a plan as `sensing.lay` lays it.
+    places
+        Where range finders look from: written anew in each step, and shown to nobody.
     """
 
     def __init__(self, units: Sequence[SensorUnit], rows: int, world: World) -> None:
@@ -94,8 +100,8 @@ class SensePlan:
             )
         self._world = world
         self._rows = rows
-        self.sizes = np.array(sizes, dtype=np.int64)
-        self._values = sum(sizes)
+        self._sizes = np.array(sizes, dtype=np.int64)
+        values = sum(sizes)
         mounts = np.array([unit.mount for unit in held]).reshape(-1, rows, 3)
         most = max([1, *(unit.size for unit in held if type(unit.sensor) is Encoder)])
         numbers = np.zeros((len(held), rows, most))
@@ -113,8 +119,7 @@ class SensePlan:
             for column, value in enumerate(_link(element)[1:]):
                 parts[c, :, column] = np.asarray(value)[:, 0]
         keys = np.array([draws.keys for _, draws in links_of], dtype=np.uint64).reshape(-1, rows)
-        # Where range finders look from: written anew in each step, and shown to nobody.
-        self._places = np.empty((rows * sum(places), 3))
+        self.places = np.empty((rows * sum(places), 3))
         limits = np.concatenate([np.zeros(0), *(_limits(unit, n) for unit, n in zip(held, places, strict=True) if n)])
         finders = [_Finder(unit, table[d]) for d, unit in enumerate(held) if places[d]]
         beams = _Beams(finders)
@@ -124,26 +129,26 @@ class SensePlan:
         edges = np.array([[math.cos(angle), math.sin(angle)] for angle in half_angles]).reshape(-1, 2)
         self._finders = finders
         self._among: tuple[Any, ...] | None = None  # what the finders need to meet bodies
-        self._given = (
-            *world.map.grid,
-            *world.map.lines,
-            *world.map.origin,
-            table,
-            mounts,
-            numbers,
-            ring,
-            limits,
-            half_angles,
-            edges,
-            beams.cosines,
-            beams.sines,
-            beams.order,
-            beams.starts,
-            kinds,
-            parts,
-            keys,
+        plan = sensing.Plan(
+            table=table,
+            order=beams.order,
+            starts=beams.starts,
+            chains=kinds,
+            keys=keys,
+            sizes=self._sizes,
+            mounts=mounts,
+            numbers=numbers,
+            rings=ring,
+            limits=limits,
+            half_angles=half_angles,
+            edges=edges,
+            cosines=beams.cosines,
+            sines=beams.sines,
+            parameters=parts,
         )
-        self.batch = Batch(rows, self._values)
+        self.given = (*world.map.grid, *world.map.lines, *world.map.origin, *sensing.lay(plan), self.places)
+        self.reads, self.looks = bool(held), bool(finders)
+        self.batch = Batch(rows, values)
         ends = np.cumsum([0, *sizes]) * rows
         for unit, first, end in zip(held, ends[:-1].tolist(), ends[1:].tolist(), strict=True):
             unit.join(self.batch, first, end)
@@ -151,14 +156,7 @@ class SensePlan:
             unit.leave()
         rays = sum(finder.work for finder in finders)
         self._meet_work = sum(len(finder.table[0][0]) for finder in finders) // 2  # it is less work than to meet walls
-        self._look_work, self._read_work = rays, int(1.0 + _VALUE_WORK * self._values)
-
-    def sense(self, view: GroupView, moment: Moment) -> None:
-        """Read all units."""
-        if self._units:
-            self._sense(view, moment)
-        for unit in self.others:
-            unit.sample(view, moment)
+        self._look_work, self._read_work = rays, int(1.0 + _VALUE_WORK * values)
 
     def absorb(self, results: Sequence[Array], fingerprint: npt.NDArray[np.uint64]) -> None:
         """Mix results, and then what the units read last, into the fingerprints of the rows `(N, 2)`."""
@@ -166,35 +164,23 @@ class SensePlan:
             digest.absorb(results, fingerprint)
             results = (digest.NOTHING,) * _TOGETHER
         a, b, c, d, e = results
-        read = self.sizes, self.batch.true, self.batch.measured
-        self.share_read(lambda first, end: digest.absorb_together(a, b, c, d, e, *read, first, end, fingerprint))
+        read = self._sizes, self.batch.true, self.batch.measured
+        mix = functools.partial(digest.absorb_together, a, b, c, d, e, *read)
+        self._share(self._read_work, lambda first, end: mix(first, end, fingerprint))
 
-    def share_read(self, part: Callable[[int, int], None]) -> None:
-        """Share rows among threads for work on what was read, about as much as to read it."""
-        self._share(self._read_work, part)
+    def share(self, part: Callable[[int, int], None]) -> None:
+        """Share rows among threads for all the work of sensing where there is no company."""
+        self._share(self._look_work + self._read_work, part)
 
-    def _sense(self, view: GroupView, moment: Moment) -> None:
-        batch = self.batch
-        batch.renew(moment)
-        about = (moment.counter, view.body_pose, view.twist, view.joints)
-        into = (self._places, batch.true, batch.measured)
-        looks = bool(self._finders)
-        given: tuple[Any, ...] = (*self._given, *about)
-        sense: Any = sensing.sense
-        if not (looks and self._world.has_company):
-            self._share(
-                self._look_work + self._read_work,
-                lambda first, end: sense(looks, True, *given, first, end, *into),
-            )
-            return
-        among: Any = sense_among
-        given = (*self._world.met(), *self._company(view), *given, *into)
-        self._world.workers.share(
-            self._rows, self._look_work + self._meet_work + self._read_work, lambda share: among(share, *given)
-        )
+    def share_meeting(self, work: Work) -> None:
+        """Share rows among threads for all the work of sensing among others."""
+        self._world.workers.share(self._rows, self._look_work + self._meet_work + self._read_work, work)
 
-    def _company(self, view: GroupView) -> tuple[Any, ...]:
-        """What the finders need to meet bodies, as `sense_among` takes it."""
+    def company(self, view: GroupView) -> tuple[Any, ...]:
+        """What the finders need to meet bodies, as `sense_among` takes it, and what they meet."""
+        return *self._world.met(), *self._finders_among(view)
+
+    def _finders_among(self, view: GroupView) -> tuple[Any, ...]:
         if self._among is None:
             columns, begin = [], 0
             for finder in self._finders:
@@ -233,7 +219,7 @@ class _Finder:
 
 
 class _Beams:
-    """The beams of range finders, one after another, as `sensing.sense` takes them; `columns` are of its table."""
+    """The beams of range finders, one after another, as `sensing.Plan` has them; `columns` are of its table."""
 
     def __init__(self, finders: Sequence[_Finder]) -> None:
         cosines, sines = [np.zeros(0)], [np.zeros(0)]

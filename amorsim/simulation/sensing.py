@@ -32,6 +32,8 @@ class Batch:
     ----------
     turn
         How often it was renewed.
+    size
+        How many values there are.
     true, measured
         `(V * N,)`: of each unit the values of row 0 first.
     places
@@ -50,11 +52,11 @@ class Batch:
         self.places: dict[str, slice] = {}
         self.is_held = False
 
-    def renew(self, moment: Moment) -> None:
-        """Make room for what is read now."""
+    def take(self, true: Array, measured: Array, moment: Moment) -> None:
+        """Hold what is, or will be, read now."""
         self.turn += 1
         self.is_held = True
-        self.true, self.measured = np.empty(self.size), np.empty(self.size)
+        self.true, self.measured = true, measured
         self.tick, self.now, self.always = moment.tick, moment.now, moment.always
 
 

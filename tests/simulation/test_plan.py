@@ -150,18 +150,20 @@ def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: 
 def test_bits_do_not_tell_whether_phases_are_made_in_one_call(change: Any, replicas: int) -> None:
     made = scenario(1)
     together, alone = am.Simulation(made, replicas=replicas), am.Simulation(changed(made, change), replicas=replicas)
-    rolled = 0
+    whole = rolled = 0
     for step in range(300):
         if step == 200:  # before a wall, so that it runs into it
             together.set_pose("r0", (0.45, 2.0, np.pi), replica=0)
             alone.set_pose("r0", (0.45, 2.0, np.pi), replica=0)
         together.step()
         alone.step()
-        rolled += together._fleet.rolls
-        assert not alone._fleet.rolls or change is own_estimators
+        whole += together._fleet.is_whole
+        rolled += alone._fleet.rolls
         assert together._fleet.groups[0]._is_recorded
         assert not alone._fleet.groups[0]._is_recorded
-    assert 20 < rolled < 300  # near walls it is looked
+        assert not alone._fleet.is_whole
+    assert 20 < whole < 300  # near walls it is looked
+    assert rolled == (whole if change is own_estimators else 0)
     assert any(event.kind == "collision" for event in together.events)
     np.testing.assert_array_equal(together.true_pose, alone.true_pose)
     np.testing.assert_array_equal(together.covariance, alone.covariance)
