@@ -143,4 +143,4 @@ def test_a_robot_that_has_left_the_wall_takes_the_short_way_again() -> None:
     go(sim, -1.0, 0.0)
     assert not sim._fleet.contacts
     go(sim, -0.02, 0.0, 2)
-    assert sim._fleet.rolls
+    assert sim._fleet.is_whole
