@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["inside", "joined", "room_about", "roomiest"]
+__all__ = ["inside", "joined", "joined_to", "room_about", "roomiest"]
 
 
 def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
@@ -31,11 +31,15 @@ def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
 def joined(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """The free cells that some way over free cells joins to the roomiest place; none if nothing is free."""
     found = roomiest(free)
+    return np.zeros_like(free) if found is None else joined_to(free, found[0], found[1])
+
+
+def joined_to(free: NDArray[np.bool_], row: int, col: int) -> NDArray[np.bool_]:
+    """The free cells that some way over free cells, from side to side, joins to a free one."""
     padded = np.pad(free, 1)
     reached = np.zeros_like(padded)
-    if found is not None:
-        reached[found[0] + 1, found[1] + 1] = True
-        reached, _ = _spread(padded, reached, padded.size)
+    reached[row + 1, col + 1] = True
+    reached, _ = _spread(padded, reached, padded.size)
     return reached[1:-1, 1:-1]
 
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 import collections
 
 import numpy as np
+import numpy.typing as npt
+import shapely
 
 from amorsim.contracts import Controller, Motion
+from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
+from amorsim.core.ways import shut_off
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
+from amorsim.scenario.worlds import start_of
 
 __all__ = ["advice"]
+
+Bools = npt.NDArray[np.bool_]
 
 _MOST = 3  # places of one body that are remarked on
 _TURN = np.arange(32) * (np.pi / 16.0)
@@ -56,22 +63,40 @@ def _unreachable(scenario: Scenario) -> list[str]:
     """Places that robots and obstacles are told to go to, and that nobody gets to; of a series, once."""
     remarks = []
     asked: set[int] = set()
-    bodies: list[tuple[str, Controller | Motion | None]] = [
-        *((f"robots.{robot.name}.controller", robot.controller) for robot in scenario.robots),
-        *((f"obstacles.{obstacle.name}.motion", obstacle.motion) for obstacle in scenario.obstacles),
+    bodies: list[tuple[str, Controller | Motion | None, Robot | Obstacle]] = [
+        *((f"robots.{robot.name}.controller", robot.controller, robot) for robot in scenario.robots),
+        *((f"obstacles.{obstacle.name}.motion", obstacle.motion, obstacle) for obstacle in scenario.obstacles),
     ]
-    for path, component in bodies:
+    for path, component, body in bodies:
         places = [] if component is None or id(component) in asked else list(component.makes_for())
         asked.add(id(component))
         if not places:
             continue
-        lost = np.flatnonzero(scenario.map.occupied([(x, y) for _, x, y in places]))
-        told = [(*places[i], out_of_reach(scenario.map, *places[i][1:])) for i in lost.tolist()]
+        points = [(x, y) for _, x, y in places]
+        blocked = scenario.map.occupied(points)
+        lost = blocked | _shut_off(scenario.map, body, points, ~blocked)
+        told = [
+            (*places[i], out_of_reach(scenario.map, *points[i]) or "is walled off from where it starts")
+            for i in np.flatnonzero(lost).tolist()
+        ]
         for field, x, y, problem in told[:_MOST]:
             remarks.append(f"{path}.{field}: ({x:g}, {y:g}) m {problem}; it cannot get there")
         if len(told) > _MOST:
             remarks.append(f"{path}: so are {len(told) - _MOST} more of the {len(places)} places that it is told")
     return remarks
+
+
+def _shut_off(world: Map, body: Robot | Obstacle, points: list[tuple[float, float]], which: Bools) -> Bools:
+    """Which of some places walls shut off from where a body starts; of those marked, and where that is told."""
+    found = np.zeros_like(which)
+    pose = body.pose or (start_of(world, body) if isinstance(body, Robot) else None)
+    if body.start is not None or pose is None:
+        return found
+    outline, base = shapely.Polygon(body.shape.outline), shapely.Point(0.0, 0.0)
+    room = outline.exterior.distance(base) if outline.contains(base) else 0.0
+    asked = np.flatnonzero(which)
+    found[asked] = shut_off(world, room, (pose.x, pose.y), [points[i] for i in asked.tolist()])
+    return found
 
 
 def _alike(scenario: Scenario) -> list[str]:

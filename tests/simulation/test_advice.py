@@ -56,6 +56,47 @@ def test_places_where_nobody_gets_are_remarked_on(place, problem, tmp_path):
         assert remarks(robot(controller=controller)) == expected
 
 
+WALLS = [(0, 0, 10, 0), (10, 0, 10, 5), (10, 5, 0, 5), (0, 5, 0, 0)]
+
+
+def two_rooms(gap: float, resolution: float = 0.001):
+    """Two rooms of 5 m x 5 m, and a way of a width between them, slanted where the wall is a metre thick."""
+    low, high = 2.5 - gap / 2, 2.5 + gap / 2
+    halves = [(5, 0, 5, low), (5, high, 5, 5)] if gap else [(5, 0, 5, 5)]
+    return am.Map.from_segments([*WALLS, *halves], resolution=resolution)
+
+
+@pytest.mark.parametrize("resolution", [0.001, 0.05])
+@pytest.mark.parametrize(("gap", "is_shut"), [(0.0, True), (0.3, True), (0.6, False), (1.0, False)])
+@pytest.mark.parametrize("place", [(8.0, 2.0), (9.9, 4.9), (5.1, 4.0)])
+def test_places_behind_walls_are_remarked_on(gap, is_shut, place, resolution):
+    """Not those behind a gap through which the body may fit: a disc of 0.4 m."""
+    ways = ((1.0, 1.0), (2.0, 2.0), place)
+    driver = robot(shape=am.Shape.circle(0.2), controller=am.controllers.Pursuit(waypoints=ways))
+    found = advice(scenario(driver, map=two_rooms(gap, resolution)))
+    problem = (
+        f"robots.rover.controller.waypoints.2: ({place[0]:g}, {place[1]:g}) m is walled off from where it starts; "
+        "it cannot get there"
+    )
+    assert found == ([problem] if is_shut else [])
+
+
+def test_what_is_not_certain_is_not_remarked_on():
+    world = two_rooms(0.0)
+    for changes in (
+        {"pose": None, "start": am.RandomStart()},  # in which room is not known
+        {"pose": am.Pose(x=8.0, y=2.5)},
+        {"shape": am.Shape.rectangle(0.4, 0.4, x=1.0)},  # beside its base point, which walls may shut off
+    ):
+        far = am.controllers.Pursuit(waypoints=((6.0, 1.0), (8.0, 2.0)))
+        assert advice(scenario(robot(**({"controller": far} | changes)), map=world)) == []
+
+
+def test_the_bundled_scenarios_get_no_remark_on_ways():
+    for name in ("car-park", "crowd", "doors", "yard", "synchro-hall"):
+        assert [remark for remark in advice(am.load(name)) if "walled off" in remark] == []
+
+
 def test_of_many_places_and_of_a_crowd_little_is_said():
     walk = am.motions.Pedestrian(goals=tuple((9.0, float(i)) for i in range(10)))
     crowd = [am.Obstacle(name=f"p{i}", shape=am.Shape.circle(0.2), motion=walk) for i in range(5)]

@@ -1,0 +1,81 @@
+"""Which places walls shut off from one another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.map import Map
+from amorsim.core.room import joined_to
+
+__all__ = ["shut_off"]
+
+Bools = npt.NDArray[np.bool_]
+Place = tuple[float, float]
+
+MOST = 4096  # squares along a side that are looked at
+FINE = 1024  # and that are not looked at in vain
+SQUARES = 10.0  # in the room, where there are not too many
+
+
+def shut_off(world: Map, room: float, start: Place, places: Sequence[Place]) -> Bools:
+    """Which of some free places `(M,)` nobody gets to from a start who keeps all walls `room` [m] away; x, y [m].
+
+    Said only of what is certain: whoever goes there goes through squares that touch along their sides, and all
+    squares that are wholly within his room are free. False for all where such squares would be too many.
+    """
+    none: Bools = np.zeros(len(places), dtype=np.bool_)
+    # No corner of a square is farther from a place in it than its diagonal; cells themselves need no room.
+    most = room / math.sqrt(2.0) * (1.0 - 1e-9)
+    side = max(world.resolution, min(most, max(room / SQUARES, max(world.size) / FINE)))
+    if not len(places) or max(world.size) > MOST * side:
+        return none
+    free = _with_room(world.to_array(resolution=side) == 0, room / side)
+    squares = [_square(world, side, place) for place in (start, *places)]
+    row, col = np.floor(squares[0]).astype(int)
+    if not (0 <= row < free.shape[0] and 0 <= col < free.shape[1] and free[row, col]):
+        return none
+    reached = joined_to(free, int(row), int(col))
+    return np.array([not _near(free, reached, square) for square in squares[1:]], dtype=np.bool_)
+
+
+def _with_room(free: Bools, room: float) -> Bools:
+    """The free squares in which somebody may be who needs `room`, in sides of a square, about him."""
+    rows, _ = free.shape
+    left = free.copy()
+    for up in range(int(room) + 1):
+        # A square so far away is wholly within the room of whoever is anywhere in this one.
+        across = math.floor(math.sqrt(max(0.0, room**2 - (up + 1) ** 2)) - 1.0)
+        if across < 0:
+            break
+        blocked = np.pad(
+            np.cumsum(~np.pad(free, ((0, 0), (across, across)), constant_values=False), axis=1), ((0, 0), (1, 0))
+        )
+        clear = blocked[:, 2 * across + 1 :] == blocked[:, : -2 * across - 1]
+        left[up:] &= clear[: rows - up]
+        left[: rows - up] &= clear[up:]
+        left[: min(up, rows)] = False
+        left[max(0, rows - up) :] = False
+    return left
+
+
+def _square(world: Map, side: float, place: Place) -> npt.NDArray[np.float64]:
+    """Row and column of a place, in squares from the map's corner."""
+    origin_x, origin_y, yaw = world.origin
+    c, s = math.cos(yaw), math.sin(yaw)
+    dx, dy = place[0] - origin_x, place[1] - origin_y
+    return np.array([(c * dy - s * dx) / side, (c * dx + s * dy) / side])
+
+
+def _near(free: Bools, reached: Bools, square: npt.NDArray[np.float64]) -> bool:
+    """Whether any of the free squares nearest to a place, which may be close to a wall, is one that is reached."""
+    rows, cols = free.shape
+    row, col = np.floor(square).astype(int).tolist()
+    for ring in range(max(rows, cols)):
+        about = np.s_[max(0, row - ring) : row + ring + 1, max(0, col - ring) : col + ring + 1]
+        if free[about].any():
+            return bool(reached[about].any())
+    return False
