@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.shortest import put_shortest
 
-__all__ = ["EMPTY", "MISSING", "NAME", "SPAN", "TOKEN", "WIDEST", "write_lines"]
+__all__ = ["EMPTY", "EXACT", "MISSING", "NAME", "SPAN", "WIDEST", "write_lines"]
 
-NAME, TOKEN, EMPTY, MISSING = -1, -2, -3, -4
-"""What a column holds besides numbers: one of the names; the next of texts that are given; nothing; nan."""
+NAME, EXACT, EMPTY, MISSING = -1, -2, -3, -4
+"""What a column holds besides fixed decimals: one of the names; a number's shortest decimals; nothing; nan."""
 SPAN = 4
 """How many whole numbers tell a span of columns."""
 WIDEST = 32
@@ -162,7 +163,10 @@ def _put_numbers(
     here: Any = np.uint64(at)
     for c in range(np.uint64(count)):
         word: Any = words[c]
-        if word & _IS_OTHER:
+        if word & _IS_OTHER and table[np.uint64(step), np.uint64(first) + c] == np.inf:  # of beams that meet nothing
+            out[here], out[here + _ONE], out[here + _TWO] = 105, 110, 102
+            here += np.uint64(3)
+        elif word & _IS_OTHER:
             place: Any = np.int64(here)
             end = _put_number(table[np.uint64(step), np.uint64(first) + c], 6, out, place)
             if end < 0:
@@ -212,7 +216,7 @@ def write_lines(
     spans: NDArray[np.int64],
     names: NDArray[np.uint8],
     name_ends: NDArray[np.int64],
-    tokens: NDArray[np.uint8],
+    powers: NDArray[np.uint64],
     words: NDArray[np.uint64],
     ends: NDArray[np.int64],
     out: NDArray[np.uint8],
@@ -228,20 +232,19 @@ def write_lines(
     spans
         (m, `SPAN`): columns side by side that are alike. Where the numbers of row 0 begin, how much further those of
         the next one do, and how many there are; before that their kind: how many decimals they get, up to 13, or
-        `NAME`, `TOKEN`, `EMPTY`, `MISSING`. Names are counted in the same way, in place of numbers.
+        `NAME`, `EXACT`, `EMPTY`, `MISSING`. Names are counted in the same way, in place of numbers.
     names, name_ends
         The names' bytes one after the other, and where each ends.
-    tokens
-        The texts of all `TOKEN` cells in order, with a comma after each.
+    powers
+        As of `powers_of_ten`.
     words
         Room to work in: as many as the longest span.
     ends
         (n,), written: where each line ends.
     out
-        Room for all of it: `WIDEST` bytes a number, and what names and tokens take.
+        Room for all of it: `WIDEST` bytes a number, and what names take.
     """
     at = 0
-    token = 0
     for i in range(lines.shape[0]):
         step = lines[i] // rows
         row = lines[i] - step * rows
@@ -262,12 +265,8 @@ def write_lines(
                 elif kind == NAME:
                     name = first + c
                     at = _put_text(names, name_ends[name - 1] if name else 0, name_ends[name], out, at)
-                elif kind == TOKEN:
-                    begin = token
-                    while tokens[token] != 44:
-                        token += 1
-                    at = _put_text(tokens, begin, token, out, at)
-                    token += 1
+                elif kind == EXACT:
+                    at = put_shortest(table[step, first + c], powers, out, at)
                 elif kind == MISSING:
                     out[at], out[at + 1], out[at + 2] = 110, 97, 110
                     at += 3

@@ -8,15 +8,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.decimals import EMPTY, MISSING, NAME, SPAN, TOKEN, WIDEST, write_lines
+from amorsim.kernels.decimals import EMPTY, EXACT, MISSING, NAME, SPAN, WIDEST, write_lines
+from amorsim.kernels.shortest import powers_of_ten
 
 __all__ = ["EXACT", "MISSING", "NAME", "NOTHING", "Columns", "Lines", "Printer", "Span"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-EXACT = TOKEN
-"""A column of numbers that are written as the shortest decimals that read back the same."""
 NOTHING = EMPTY
 """A column whose cells stay empty."""
 _MOST_DECIMALS = 13
@@ -26,8 +25,8 @@ _CELLS_AT_ONCE = 1 << 15
 class Span(NamedTuple):
     """Columns side by side that are alike, of tables in each line of which are numbers of several rows.
 
-    `kind` is a number of decimals, `EXACT`, `NOTHING`, `MISSING` for nan, or `NAME`: then not numbers are counted, but
-    names.
+    `kind` is a number of decimals, `EXACT` for the shortest decimals that read back the same, `NOTHING`, `MISSING` for
+    nan, or `NAME`: then not numbers are counted, but names.
     """
 
     kind: int
@@ -48,16 +47,7 @@ class Columns:
         self.needs_python = any(span.kind > _MOST_DECIMALS for span in spans)
         told = sum(span.kind == NAME for span in spans) * max((len(name) for name in self.names), default=0)
         self.cells = sum(span.cells for span in spans)
-        self.width = self.cells * WIDEST + told  # bytes that a line takes at most, but for exact numbers
-        exact = [(span.first + c, span.per_row) for span in spans if span.kind == EXACT for c in range(span.cells)]
-        self._exact = np.array(exact, dtype=np.int64).reshape(-1, 2)
-
-    def tokens(self, table: Array, step: Ints, row: Ints) -> bytes:
-        """The exact numbers, line by line, a comma after each; Python writes them, in one call."""
-        if not len(self._exact):
-            return b","
-        values = table[step[:, None], self._exact[:, 0] + row[:, None] * self._exact[:, 1]]
-        return repr(values.ravel().tolist())[1:-1].replace(" ", "").encode() + b","
+        self.width = self.cells * WIDEST + told  # bytes that a line takes at most
 
 
 class Lines(NamedTuple):
@@ -85,32 +75,36 @@ class Printer:
             yield self._print(table, rows, lines[first : first + at_once], columns)
 
     def _print(self, table: Array, rows: int, lines: Ints, columns: Columns) -> Lines:
-        step, row = np.divmod(lines, rows)
-        if columns.needs_python:
-            return _slowly(table, step, row, columns)
-        tokens = columns.tokens(table, step, row)
-        room = len(lines) * columns.width + len(tokens)
+        room = len(lines) * columns.width
         if len(self._out) < room:
             self._out = np.empty(room, dtype=np.uint8)
         if len(self._words) < columns.longest:
             self._words = np.empty(columns.longest, dtype=np.uint64)
         ends = np.empty(len(lines), dtype=np.int64)
-        given = np.frombuffer(bytearray(tokens), dtype=np.uint8)
-        if not write_lines(
-            table, rows, lines, columns.spans, columns.bytes, columns.ends, given, self._words, ends, self._out
-        ):
-            return _slowly(table, step, row, columns)
-        return Lines(self._out.data[: ends[-1]], ends)
+        is_told = not columns.needs_python and write_lines(
+            table,
+            rows,
+            lines,
+            columns.spans,
+            columns.bytes,
+            columns.ends,
+            powers_of_ten(),
+            self._words,
+            ends,
+            self._out,
+        )
+        return Lines(self._out.data[: ends[-1]], ends) if is_told else _slowly(table, rows, lines, columns)
 
 
-def _slowly(table: Array, step: Ints, row: Ints, columns: Columns) -> Lines:
+def _slowly(table: Array, rows: int, lines: Ints, columns: Columns) -> Lines:
     """The same, cell by cell: for numbers of more digits than the kernel tells apart."""
     made = []
-    for s, r in zip(step.tolist(), row.tolist(), strict=True):
+    for line in lines.tolist():
+        step, row = divmod(line, rows)
         cells: list[bytes] = []
         for kind, first, per_row, count in columns.spans.tolist():
-            for place in range(first + r * per_row, first + r * per_row + count):
-                cells.append(columns.names[place] if kind == NAME else _cell(kind, table, s, place))
+            for place in range(first + row * per_row, first + row * per_row + count):
+                cells.append(columns.names[place] if kind == NAME else _cell(kind, table, step, place))
         made.append(b",".join(cells) + b"\n")
     return Lines(memoryview(b"".join(made)), np.cumsum([len(line) for line in made], dtype=np.int64))
 

@@ -163,7 +163,7 @@ class RunSession:
         simulation = self._simulation
         if self._summary is not None:
             raise RunError(f"{self.folder}: this run has been closed")
-        ticks = simulation.ticks
+        ticks = simulation._fleet.ticks
         # The first alone says it all in most runs, and a comparison of arrays takes longer.
         if ticks[0] != self.steps + 1 or (len(ticks) > 1 and (ticks != self.steps + 1).any()):
             raise RunError(

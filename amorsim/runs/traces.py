@@ -37,12 +37,12 @@ class Traces:
         self._distance = np.zeros(self._count)
         frames = simulation.frames()
         # The first replica's rows come first in every group.
-        self._rows = [int(np.count_nonzero(frame.replica == simulation.replicas[0])) for frame in frames]
-        names = [name for frame, rows in zip(frames, self._rows, strict=True) for name in frame.names[:rows]]
+        rows = [int(np.count_nonzero(frame.replica == simulation.replicas[0])) for frame in frames]
+        names = [name for frame, count in zip(frames, rows, strict=True) for name in frame.names[:count]]
         self._order = np.array([names.index(name) for name in simulation.names])
         # Steps as they come, and how many: of each group poses, estimated poses and twists.
         most = max(1, _NUMBERS // (9 * self._count))
-        self._tables = [np.empty((most, 3, rows, 3)) for rows in self._rows]
+        self._tables = [np.empty((most, 3, count, 3)) for count in rows]
         self._waiting = 0
         self._take(frames)
         points, _ = self._sorted()
@@ -57,11 +57,15 @@ class Traces:
             self._settle()
 
     def _take(self, frames: Sequence[Frame]) -> None:
-        for frame, rows, table in zip(frames, self._rows, self._tables, strict=True):
-            line = table[self._waiting]
-            line[0] = frame.true_pose[:rows]
-            line[1] = next(iter(frame.estimates.values())).pose[:rows]
-            line[2] = frame.true_twist[:rows]
+        for frame, table in zip(frames, self._tables, strict=True):
+            poses, twists = frame.true_pose, frame.true_twist
+            estimated = next(iter(frame.estimates.values())).pose
+            rows = table.shape[2]
+            if len(poses) > rows:  # of several replicas
+                poses, estimated, twists = poses[:rows], estimated[:rows], twists[:rows]
+            table[self._waiting, 0] = poses
+            table[self._waiting, 1] = estimated
+            table[self._waiting, 2] = twists
         self._waiting += 1
 
     def _sorted(self) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,12 +12,12 @@ from amorsim.contracts import Bundle, Frame, Measurement
 
 if TYPE_CHECKING:
     from amorsim.simulation.group import Group
-    from amorsim.simulation.sensing import Batch
 
 __all__ = ["Showing"]
 
 Array = npt.NDArray[np.float64]
 Shown = tuple[Array, Measurement]
+_NONE: dict[str, Shown] = {}
 
 
 class Showing:
@@ -37,8 +37,9 @@ class Showing:
         readings: Mapping[str, Shown]
         if batch.is_held:
             bundle = Bundle(batch.places, batch.true, batch.measured)
-            held = {unit.name: (unit.true, unit.reading) for unit in group.sensing.others}
-            readings = _Readings(tuple(group.sensors), held, bundle, batch)
+            others = group.sensing.others
+            held = {unit.name: (unit.true, unit.reading) for unit in others} if others else _NONE
+            readings = _Readings(group.sensors, held, bundle, (batch.tick, batch.now, batch.always))
         else:
             readings = {name: (unit.true, unit.reading) for name, unit in group.sensors.items()}
         return Frame(
@@ -64,19 +65,25 @@ class Showing:
 class _Readings(Mapping[str, Shown]):
     """Those of one step; what was read together is taken apart when somebody asks for it."""
 
-    __slots__ = ("_always", "_bundle", "_held", "_names", "_now", "_tick")
+    __slots__ = ("_bundle", "_held", "_names", "_when")
 
-    def __init__(self, names: tuple[str, ...], held: dict[str, Shown], bundle: Bundle, batch: Batch) -> None:
-        self._names, self._held, self._bundle = names, held, bundle
-        self._tick, self._now, self._always = batch.tick, batch.now, batch.always
+    def __init__(
+        self,
+        names: Collection[str],
+        held: dict[str, Shown],
+        bundle: Bundle,
+        when: tuple[npt.NDArray[np.int64], Array, npt.NDArray[np.bool_]],
+    ) -> None:
+        self._names, self._held, self._bundle, self._when = names, held, bundle, when
 
     def __getitem__(self, name: str) -> Shown:
         if name in self._held:
             return self._held[name]
         place = self._bundle.places[name]
-        shape = len(self._tick), (place.stop - place.start) // len(self._tick)
+        rows = len(self._when[0])
+        shape = rows, (place.stop - place.start) // rows
         true, measured = self._bundle.true[place].reshape(shape), self._bundle.measured[place].reshape(shape)
-        return true, Measurement(measured, self._tick, self._now, self._always)
+        return true, Measurement(measured, *self._when)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._names)

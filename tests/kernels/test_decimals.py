@@ -11,13 +11,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from amorsim.kernels.decimals import write_lines
+from amorsim.kernels.shortest import powers_of_ten
 from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
 
 
 def by_kernel(values: list[float], decimals: int) -> list[str] | None:
     """The numbers, by the kernel alone: one a line, and all in one line; None where it gives up."""
     count = len(values)
-    nothing, nobody = np.zeros(1, dtype=np.uint8), Columns([])
+    nobody = Columns([])
     found = []
     for lines, cells in ((count, 1), (1, count)):
         out = np.full(40 * count + 1, 255, dtype=np.uint8)
@@ -25,7 +26,7 @@ def by_kernel(values: list[float], decimals: int) -> list[str] | None:
         table = np.array(values, dtype=np.float64).reshape(lines, cells)
         spans, words = np.array([Span(decimals, 0, 0, cells)]), np.empty(cells, dtype=np.uint64)
         which = np.arange(lines)
-        if not write_lines(table, 1, which, spans, nobody.bytes, nobody.ends, nothing, words, ends, out):
+        if not write_lines(table, 1, which, spans, nobody.bytes, nobody.ends, powers_of_ten(), words, ends, out):
             return None
         assert (out[ends[-1] :] == 255).all()
         found.append(out[: ends[-1]].tobytes().decode().replace(",", "\n").splitlines())
