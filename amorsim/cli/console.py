@@ -21,8 +21,8 @@ def complain(text: str) -> None:
 
 def compile_once(quiet: bool = False) -> bool:
     """Say so and compile what nearly every command needs, if no process has done so yet; whether none had."""
+    from amorsim.kernels.ahead import compile_together
     from amorsim.kernels.cache import is_cold, mark_warm
-    from amorsim.simulation.warm import compile_together
 
     if not is_cold():
         return False

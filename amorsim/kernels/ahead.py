@@ -1,9 +1,10 @@
 """Compile ahead, in two processes, what nearly every run asks for: the list of it, and how they share it.
 
-A run asks for kernels one after the other, and a caller for its callees; two processes that follow it wait for each
-other half of the time. The list (`ahead.json`, written by ``tools/list_kernels.py`` from a run of the demo) has callees
-before callers and, where the order is free, that first after which the most is to be done. Each process takes from it
-the first function that nobody has taken and whose callees are there.
+On a machine of two cores this shortens the wait after installing. A run asks for kernels one after the other, and a
+caller for its callees; two processes that follow it wait for each other half of the time. The list (`ahead.json`,
+written by ``tools/list_kernels.py`` from a run of the demo) has callees before callers and, where the order is free,
+that first after which the most is to be done. Each process takes from it the first function that nobody has taken and
+whose callees are there.
 A list that has grown old costs time and nothing else: what it lacks is compiled when it is asked for.
 """
 
@@ -12,6 +13,10 @@ from __future__ import annotations
 import contextlib
 import importlib
 import json
+import os
+import subprocess
+import sys
+import threading
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,14 +25,16 @@ from typing import Any
 import attrs
 from numba.core import types as numba_types
 
-from amorsim.kernels.cache import cache_folder
+from amorsim.kernels.cache import cache_folder, take_turns
 from amorsim.kernels.claims import PAUSE
 
-__all__ = ["LIST", "Task", "compile_ahead", "describe", "read_list"]
+__all__ = ["LIST", "Task", "compile_ahead", "compile_together", "deadline", "describe", "main", "read_list"]
 
 LIST = Path(__file__).with_name("ahead.json")
 types: Any = numba_types  # its names are made when it is imported, so that type checkers know none of them
 _SCALARS = ("boolean", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float32", "float64")
+_LONGEST = 120.0  # [s]
+_beside: list[subprocess.Popen[bytes]] = []
 
 
 @attrs.frozen
@@ -102,6 +109,39 @@ def read_list(path: Path = LIST) -> list[Task]:
         )
         for row in rows
     ]
+
+
+def compile_together() -> None:
+    """Compile what is listed, in this process and another one that is started for it."""
+    if (os.cpu_count() or 1) > 1:
+        with contextlib.suppress(OSError):  # it only saves time
+            # Held, for nobody waits for it, and one that is let go while it runs is warned about.
+            _beside.append(
+                subprocess.Popen(
+                    [sys.executable, "-c", f"from {__name__} import main; main()"],
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                )
+            )
+    take_turns()
+    compile_ahead()
+
+
+def main() -> None:
+    """Compile what is listed, with whoever started this process."""
+    last = deadline()
+    take_turns()
+    compile_ahead()
+    last.cancel()
+
+
+def deadline() -> threading.Timer:
+    """Let this process end by itself after a while, for nobody waits for it; until it is cancelled."""
+    last = threading.Timer(_LONGEST, os._exit, (1,))
+    last.daemon = True
+    last.start()
+    return last
 
 
 def compile_ahead(tasks: Sequence[Task] | None = None) -> None:

@@ -25,7 +25,7 @@ from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 
 from amorsim.kernels.claims import PAUSE, Claims
-from amorsim.kernels.parts import KIND, rebuild_library, stand_in
+from amorsim.kernels.parts import KIND, rebuild_library
 
 __all__ = ["KernelCache", "PartCache", "cache_folder", "is_cold", "mark_warm", "sources_of", "stamp_file", "take_turns"]
 
@@ -167,7 +167,7 @@ class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc, un
             function()
         library, entry = self._load(context, code, described, environment)
         for one in environments:
-            self._tell(library, one)
+            library.codegen.set_env(one.env_name, one)
         return compiler.compile_result(
             target_context=context,
             typing_context=context.typing_context,
@@ -194,9 +194,6 @@ class _KernelCacheImpl(caching.CompileResultCacheImpl):  # type: ignore[misc, un
         library.codegen._engine._defined_symbols.add(described.llvm_cpython_wrapper_name)
         return library, context.get_executable(library, described, environment)
 
-    def _tell(self, library: Any, environment: Any) -> None:
-        library.codegen.set_env(environment.env_name, environment)
-
 
 class _PartCacheImpl(_KernelCacheImpl):
     """Keeps LLVM's code."""
@@ -209,10 +206,7 @@ class _PartCacheImpl(_KernelCacheImpl):
 
     def _load(self, context: Any, code: tuple[Any, ...], described: Any, environment: Any) -> tuple[Any, Any]:
         library = rebuild_library(context.codegen(), *code)
-        return library, stand_in(library, described, environment)
-
-    def _tell(self, library: Any, environment: Any) -> None:
-        pass  # there is no machine code to tell; whoever links this tells its own
+        return library, context.get_executable(library, described, environment)
 
 
 class KernelCache(caching.FunctionCache):  # type: ignore[misc, unused-ignore]

@@ -17,7 +17,7 @@ from numba.core import config
 from numba.core.registry import CPUDispatcher
 
 from amorsim.kernels.cache import KernelCache, PartCache, cache_folder
-from amorsim.kernels.parts import PartCompiler
+from amorsim.kernels.parts import KernelCompiler, PartCompiler
 
 __all__ = ["inlined", "kernel", "part"]
 
@@ -54,7 +54,7 @@ def _compiled(function: F, **options: Any) -> F:
     if config.DISABLE_JIT:
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "fastmath": False, **options}
-    dispatcher = _Kernel(function, targetoptions={**options, "no_cfunc_wrapper": True})
+    dispatcher = _Kernel(function, targetoptions={**options, "no_cfunc_wrapper": True}, pipeline_class=KernelCompiler)
     if cache_folder() is not None:
         dispatcher._cache = KernelCache(function)
     return cast(F, dispatcher)

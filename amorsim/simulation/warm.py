@@ -1,7 +1,7 @@
-"""Compiling in two processes at once: the first time all that nearly every run needs, and later what contact needs.
+"""Compiling what contact needs, in a process beside the one that runs.
 
-On a machine of two cores this shortens the wait after installing. The kernels' cache is where the two meet: each loads
-what the other has compiled already, and waits for what it is just compiling (`amorsim.kernels.claims`).
+The kernels' cache is where the two meet: each loads what the other has compiled already, and waits for what it is just
+compiling (`amorsim.kernels.claims`). What nearly every run needs has a list (`amorsim.kernels.ahead`).
 """
 
 from __future__ import annotations
@@ -14,33 +14,15 @@ import threading
 from pathlib import Path
 
 from amorsim.kernels import cache as compiling
-from amorsim.kernels.ahead import compile_ahead
+from amorsim.kernels.ahead import deadline
 from amorsim.kernels.cache import take_turns
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.read import loads
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["compile_contact_beside", "compile_together", "main", "meet"]
+__all__ = ["compile_contact_beside", "meet"]
 
-LONGEST = 120.0  # [s]
 _beside: list[subprocess.Popen[bytes]] = []
-
-
-def compile_together() -> None:
-    """Compile what nearly every run needs, in this process and another one that is started for it."""
-    if (os.cpu_count() or 1) > 1:
-        with contextlib.suppress(OSError):  # it only saves time
-            # Held, for nobody waits for it, and one that is let go while it runs is warned about.
-            _beside.append(
-                subprocess.Popen(
-                    [sys.executable, "-c", f"from {__name__} import main; main()"],
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                )
-            )
-    take_turns()
-    compile_ahead()
 
 
 def compile_contact_beside() -> None:
@@ -69,24 +51,9 @@ def _contact_stamp() -> Path | None:
     return None if stamp is None else stamp.with_name(f"contact-{stamp.name}")
 
 
-def _deadline() -> threading.Timer:
-    deadline = threading.Timer(LONGEST, os._exit, (1,))  # nobody waits for this process, so it must end by itself
-    deadline.daemon = True
-    deadline.start()
-    return deadline
-
-
-def main() -> None:
-    """Compile what is on the list, with whoever started this process."""
-    deadline = _deadline()
-    take_turns()
-    compile_ahead()
-    deadline.cancel()
-
-
 def meet() -> None:
     """Let a robot run into a wall and another one into it, and leave word that this is compiled."""
-    deadline = _deadline()
+    last = deadline()
     threading.Thread(target=_end_with_the_other, name="amorsim-end", daemon=True).start()
     take_turns()
     simulation = collide()
@@ -96,7 +63,7 @@ def meet() -> None:
             for stale in stamp.parent.glob("contact-*"):
                 stale.unlink(missing_ok=True)
             stamp.touch()
-    deadline.cancel()
+    last.cancel()
 
 
 def _end_with_the_other() -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from numba.core import types
 
+from amorsim.kernels import ahead
 from amorsim.kernels.ahead import LIST, Task, _type_of, compile_ahead, describe, read_list
 from amorsim.kernels.grid import Grid
 
@@ -100,3 +101,26 @@ def test_what_is_no_more_is_left_out() -> None:
             Task("amorsim.kernels.poses", "wrap", True, (number,) * 9),
         ]
     )
+
+
+def test_one_process_is_started_and_none_on_one_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[list[str]] = []
+    compiled: list[int] = []
+    monkeypatch.setattr(subprocess, "Popen", lambda command, **_: started.append(command))
+    monkeypatch.setattr(ahead, "take_turns", lambda: None)
+    monkeypatch.setattr(ahead, "compile_ahead", lambda: compiled.append(len(started)))
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    ahead.compile_together()
+    assert started == []
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    ahead.compile_together()
+    assert started == [[sys.executable, "-c", "from amorsim.kernels.ahead import main; main()"]]
+    assert compiled == [0, 1]  # in this process too, once the other is on its way
+
+
+def test_the_process_beside_compiles_what_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+    monkeypatch.setattr(ahead, "take_turns", lambda: done.append("turns"))
+    monkeypatch.setattr(ahead, "compile_ahead", lambda: done.append("ahead"))
+    ahead.main()
+    assert done == ["turns", "ahead"]

@@ -1,4 +1,4 @@
-"""Compiling in two processes: who is started, and what the contact that is compiled beside is made of."""
+"""Compiling beside a run: who is started, and what the contact that is compiled is made of."""
 
 from __future__ import annotations
 
@@ -9,29 +9,6 @@ from pathlib import Path
 import pytest
 
 from amorsim.simulation import warm
-
-
-def test_one_process_is_started_and_none_on_one_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    started: list[list[str]] = []
-    compiled: list[int] = []
-    monkeypatch.setattr(subprocess, "Popen", lambda command, **_: started.append(command))
-    monkeypatch.setattr(warm, "take_turns", lambda: None)
-    monkeypatch.setattr(warm, "compile_ahead", lambda: compiled.append(len(started)))
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
-    warm.compile_together()
-    assert started == []
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
-    warm.compile_together()
-    assert started == [[sys.executable, "-c", "from amorsim.simulation.warm import main; main()"]]
-    assert compiled == [0, 1]  # in this process too, once the other is on its way
-
-
-def test_the_process_beside_compiles_what_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
-    done: list[str] = []
-    monkeypatch.setattr(warm, "take_turns", lambda: done.append("turns"))
-    monkeypatch.setattr(warm, "compile_ahead", lambda: done.append("ahead"))
-    warm.main()
-    assert done == ["turns", "ahead"]
 
 
 def test_robots_meet_a_wall_and_each_other() -> None:
