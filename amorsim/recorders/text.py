@@ -71,6 +71,7 @@ class Text(Recorder):
     _channels: list[str] = attrs.field(factory=list, init=False)
     _sizes: dict[str, int] = attrs.field(factory=dict, init=False)
     _run: RunInfo | None = attrs.field(default=None, init=False)
+    _has_parts: bool = attrs.field(default=False, init=False)  # whether any robot has
     _decimals: int = attrs.field(default=6, init=False)  # of times
     _lock: Any = attrs.field(factory=threading.Lock, init=False)  # over the steps
 
@@ -88,7 +89,8 @@ class Text(Recorder):
         self._open("poses", "time,robot," + _POSE)
         self._open("velocities", ",".join(["time,robot", _TWIST, *rates]))
         self._open("commands", ",".join(["time,robot", *self._channels]))
-        self._open("events", _EVENT)
+        self._has_parts = any(frame.parts for frame in frames)
+        self._open("events", _EVENT + ",part,other_part" * self._has_parts)
         for name in _union(frame.estimates for frame in frames):
             self._open(f"estimates/{name}", f"time,robot,x,y,heading,{_COVARIANCE}")
         if run.with_sensors:
@@ -97,7 +99,7 @@ class Text(Recorder):
                 columns = [f"{kind}_{i}" for kind in ("true", "measured") for i in range(size)]
                 self._open(f"sensors/{name}", ",".join(["time,stamp,robot", *columns]))
                 self._sizes[name] = size
-        if any(frame.parts for frame in frames):
+        if self._has_parts:
             self._open("parts", "time,part,x,y,heading")
         with self._lock:
             self._groups = [self._group(frame, {}) for frame in frames]
@@ -339,6 +341,8 @@ class Text(Recorder):
         value = _quoted(json.dumps(event.value, default=_plain)) if event.path else ""
         time = f"{event.time:.{self._decimals}f}"
         cells = [time, event.name, event.kind, event.other, x, y, speed, event.path, value, event.tick]
+        if self._has_parts:
+            cells += [event.part, event.other_part]
         return replica + ",".join(map(str, cells)) + "\n"
 
     def close(self) -> None:

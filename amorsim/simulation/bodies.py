@@ -122,6 +122,12 @@ class World:
         """The name of a body, the same in every replica."""
         return self.names[body % self.count]
 
+    def whose(self, body: int) -> tuple[str, str]:
+        """The name of the robot or obstacle that a body is of, and of which part of it, or nothing for itself."""
+        name = self.name(body)
+        owner = self.name(int(self.owner[body]))
+        return owner, name[len(owner) + 1 :]
+
     def parts_of(self, bodies: Ints) -> Ints:
         """The parts `(N, p)` of robots' bodies `(N,)`, each of which has as many, in order."""
         if not self.has_parts:

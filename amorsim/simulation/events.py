@@ -12,7 +12,8 @@ class Event:
     """Something that happened to a robot or an obstacle.
 
     `kind` is ``"collision"`` (with `other`, the wall or a body's name; `point` in the world; `speed` [m/s] of the
-    body just before), ``"controller_ended"``, ``"pose_set"``, ``"handed_over"`` (to `value`), or
+    robot or obstacle just before; and `part` and `other_part`, where parts of robots met: `amorsim.Part`, empty for
+    the bodies themselves), ``"controller_ended"``, ``"pose_set"``, ``"handed_over"`` (to `value`), or
     ``"parameter_set"`` (with `path` and `value`).
     `tick` counts the steps that were whole before it; `time` [s] may lie between two of them.
     """
@@ -23,18 +24,20 @@ class Event:
     kind: str
     name: str
     other: str = ""
+    part: str = ""
+    other_part: str = ""
     point: tuple[float, float] | None = None
     speed: float | None = None
     path: str = ""
     value: object = None
 
     def __str__(self) -> str:
-        head = f"{self.time:.3f} s: {self.name}"
+        head = f"{self.time:.3f} s: {_of(self.name, self.part)}"
         if self.kind == "collision":
             assert self.point is not None
             assert self.speed is not None
             x, y = self.point
-            return f"{head} met {self.other} at ({x:.3f}, {y:.3f}) m, going {self.speed:.3f} m/s"
+            return f"{head} met {_of(self.other, self.other_part)} at ({x:.3f}, {y:.3f}) m, going {self.speed:.3f} m/s"
         if self.kind == "controller_ended":
             return f"{head}: its controller ended"
         if self.kind == "pose_set":
@@ -42,3 +45,7 @@ class Event:
         if self.kind == "handed_over":
             return f"{head} was handed over to {'a hand' if self.value == 'hand' else 'its controller'}"
         return f"{head}: {self.path} = {self.value}"
+
+
+def _of(name: str, part: str) -> str:
+    return f"{name}.{part}" if part else name

@@ -127,20 +127,24 @@ _DOES: Mapping[str, Callable[[Fleet], None]] = {
 
 def _log_contact(fleet: Fleet, contact: Contact) -> None:
     """An event for each body that met something, and one for each controller that ends by it."""
-    pair = tuple(int(fleet.world.owner[body]) if body != WALL else WALL for body in (contact.body, contact.other))
-    for body, other in (pair, pair[::-1]):
+    world = fleet.world
+    for body, other in ((contact.body, contact.other), (contact.other, contact.body)):
         if body == WALL:
             continue
-        index = int(fleet.world.replica_index[body])
+        name, part = world.whose(body)
+        other_name, other_part = ("wall", "") if other == WALL else world.whose(other)
+        index = int(world.replica_index[body])
         tick = int(fleet.ticks[index])
-        group, row = fleet.row_of(body)
+        group, row = fleet.row_of(int(world.owner[body]))
         event = Event(
             tick=tick,
             time=(tick + contact.fraction) * fleet.dt,
             replica=fleet.replicas[index],
             kind="collision",
-            name=fleet.world.name(body),
-            other="wall" if other == WALL else fleet.world.name(other),
+            name=name,
+            other=other_name,
+            part=part,
+            other_part=other_part,
             point=contact.point,
             speed=float(group.travel()[row, 0] / fleet.dt),
         )
@@ -149,5 +153,7 @@ def _log_contact(fleet: Fleet, contact: Contact) -> None:
             group.active = group.active.copy()
             group.active[row] = False
             if group.controller is not None:
-                ended = attrs.evolve(event, kind="controller_ended", other="", point=None, speed=None)
+                ended = attrs.evolve(
+                    event, kind="controller_ended", other="", part="", other_part="", point=None, speed=None
+                )
                 fleet.events.append(ended)

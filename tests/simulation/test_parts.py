@@ -42,7 +42,8 @@ def test_a_trailer_backed_into_a_wall_stops_the_tractor() -> None:
     assert found.parts["trailer"] == pytest.approx([0.41, 5.0, 0.0], abs=1e-9)
     assert 0.0 <= least_gap(sim) < 1e-9
     met = sim.events[0]
-    assert (met.kind, met.name, met.other) == ("collision", "rig", "wall")
+    assert (met.kind, met.name, met.part, met.other, met.other_part) == ("collision", "rig", "trailer", "wall", "")
+    assert " s: rig.trailer met wall at (0.010, " in str(met)
     assert met.point == pytest.approx((0.01, 5.0), abs=0.26)
     assert met.speed == pytest.approx(0.5)
     assert len(sim.events) == 1  # it leans on, and collides once
@@ -141,10 +142,15 @@ def test_the_sweep_finds_the_contact_that_looking_along_the_path_finds(seed: int
 
 
 def test_two_rigs_stop_each_other_whatever_of_them_meets() -> None:
-    """One drives into the other's trailer, far from its tractor; both are told of it by their names."""
+    """One drives into the other's trailer, far from its tractor; both are told of it by their names and parts."""
     sim = am.Simulation(yard(rig("a", 5.0, 5.0), rig("b", 3.8, 3.5, math.pi / 2.0)))
     drive(sim, (5.0, 5.0), 60, name="b")
     assert {(event.name, event.other) for event in sim.events} == {("a", "b"), ("b", "a")}
+    assert {(event.name, event.part, event.other_part) for event in sim.events} == {
+        ("a", "trailer", ""),
+        ("b", "", "trailer"),
+    }
+    assert any("b met a.trailer at" in str(event) for event in sim.events)
     # The trailer's side is at 4.75, the tractor's front a quarter of a metre ahead of its base point.
     assert sim.robot("b").true_pose[1] == pytest.approx(4.5, abs=1e-9)
     assert 0.0 <= least_gap(sim) < 1e-9
