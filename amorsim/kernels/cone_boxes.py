@@ -1,8 +1,7 @@
-"""A cone's nearest return from walls that are boxes of cells, all occupied: told by quotients, with no ray cast.
+"""What a cone hears of a wall that is a box of cells, all occupied: told by quotients, with no ray cast.
 
-A ray enters such a box by the side that it meets, at the quotient that defines a distance (`amorsim.kernels.rays`).
-Along a side the distance grows from the ray nearest to square on to either hand, so of all rays of a cone one or two
-are asked.
+A ray enters such a box by a side that it meets, at the quotient that defines a distance (`amorsim.kernels.rays`).
+Along a side the distance grows to either hand of where it is nearest, so the rays about that place are asked.
 """
 
 from __future__ import annotations
@@ -13,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import part
-from amorsim.kernels.cone_cells import SAFETY
 from amorsim.kernels.rays import direction
 
-__all__ = ["bearing_of", "enter_box", "rays_between"]
+__all__ = ["NEXT", "bearing_of", "enter_box"]
 
 Floats = NDArray[np.float64]
 
-_NEXT = 0.05  # [rays] within which a wall that ends beside a ray counts as met; so rough are bearings
+NEXT = 0.05  # [rays] within which what is beside a ray counts as met; so rough are bearings
 
 
 @part
@@ -44,94 +42,26 @@ def bearing_of(x: float, y: float) -> float:
 
 
 @part
-def rays_between(
-    x0: float, y0: float, x1: float, y1: float, half_angle: float, step: float, rays: int
-) -> tuple[int, int]:
-    """First and last ray of a cone from one direction anticlockwise to another; the last before the first if none."""
-    low = bearing_of(x0, y0)
-    high = bearing_of(x1, y1)
-    if high < low:
-        if high >= -half_angle - step:
-            low -= 2.0 * math.pi
-        else:
-            high += 2.0 * math.pi
-    first = max(math.ceil((low + half_angle) / step - _NEXT), 0.0)
-    last = min(math.floor((high + half_angle) / step + _NEXT), rays - 1.0)
-    return int(first), int(last)
-
-
-@part
-def _into(low: float, high: float, cell: int, resolution: float, start: float, component: float) -> tuple[float, float]:
+def _between(
+    low: float, high: float, cell: int, resolution: float, start: float, component: float
+) -> tuple[float, float]:
     """Where a ray from a cell of an axis comes between two grid lines, and where it leaves for good.
 
     -inf where it is there, and inf where it never gets there.
     """
-    line = low if component > 0.0 else high
-    into = (line * resolution - start) / component
-    if low <= cell < high:
-        into = -np.inf
-    elif component == 0.0 or (component > 0.0) != (cell < low):
-        into = np.inf
-    line = high if component > 0.0 else low
-    out = (line * resolution - start) / component if component != 0.0 else np.inf
-    return into, out
-
-
-@part
-def _least_by_side(
-    across: bool,
-    col0: float,
-    row0: float,
-    col1: float,
-    row1: float,
-    col: int,
-    row: int,
-    resolution: float,
-    x: float,
-    y: float,
-    cos_h: float,
-    sin_h: float,
-    cos_b: Floats,
-    sin_b: Floats,
-    first: int,
-    last: int,
-    square: float,
-    least: float,
-) -> float:
-    """The less of `least` and the distance at which any of rays first..last enters a box by the side along one axis.
-
-    `square` is the number of the ray that would meet the side squarely, `across` whether that side is a grid line of x.
-    """
-    k = first
-    way = 1
-    if square >= last:
-        k = last
-        way = -1
-    elif square > first:
-        k = math.floor(square)
-    while first <= k <= last:
-        dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
-        into_x, out_x = _into(col0, col1, col, resolution, x, dx)
-        into_y, out_y = _into(row0, row1, row, resolution, y, dy)
-        # It gets in if neither axis leaves before the other is in; where both happen at once, x is first.
-        if into_x <= out_y and into_y < out_x:
-            into = max(into_x, into_y)
-            if into < least:
-                least = into
-            by_side = into_x >= into_y if across else into_y >= into_x
-            # The next one is nearer only where this one is just short of square.
-            if by_side and (k >= square or way < 0):
-                break
-        k += way
-    return least
+    up = component > 0.0
+    into = ((low if up else high) * resolution - start) / component
+    out = ((high if up else low) * resolution - start) / component
+    never = (component == 0.0) | (up != (cell < low))
+    into = np.inf if never else into
+    into = -np.inf if (low <= cell) & (cell < high) else into
+    return into, (np.inf if component == 0.0 else out)
 
 
 @part
 def enter_box(
-    col0: float,
-    row0: float,
-    col1: float,
-    row1: float,
+    walls: Floats,
+    m: int,
     col: int,
     row: int,
     resolution: float,
@@ -139,78 +69,25 @@ def enter_box(
     y: float,
     cos_h: float,
     sin_h: float,
-    half_angle: float,
-    step: float,
-    square: float,
     cos_b: Floats,
     sin_b: Floats,
+    about: float,
     least: float,
 ) -> float:
-    """The less of `least` and the distance at which any ray of a cone enters a box of occupied cells.
+    """The less of `least` and the distance at which one of the rays next to number `about` enters the box of wall `m`.
 
-    Parameters
-    ----------
-    col0, row0, col1, row1
-        The grid lines that bound the box.
-    col, row
-        The free cell of the cone's point (x, y).
-    square
-        Number of the ray along the map's x axis, in a turn about the middle of the cone.
+    The cone's point (x, y) is in the free cell (row, col).
     """
-    rays = cos_b.shape[1]
-    x0 = col0 * resolution - x
-    x1 = col1 * resolution - x
-    y0 = row0 * resolution - y
-    y1 = row1 * resolution - y
-    quarter = 0.5 * math.pi / step
-    middle = 0.5 * (rays - 1)
-    for across in (True, False):
-        if across:
-            before = col < col0
-            beyond = col >= col1
-            near = x0 if before else x1
-            turns = 0.0 if before else 2.0
-            right_x, right_y, left_x, left_y = near, (y0 if before else y1), near, (y1 if before else y0)
-        else:
-            before = row < row0
-            beyond = row >= row1
-            near = y0 if before else y1
-            turns = 1.0 if before else 3.0
-            right_x, right_y, left_x, left_y = (x1 if before else x0), near, (x0 if before else x1), near
-        if not (before or beyond) or abs(near) > least * (1.0 + SAFETY):
-            continue
-        first, last = rays_between(
-            cos_h * right_x + sin_h * right_y,
-            cos_h * right_y - sin_h * right_x,
-            cos_h * left_x + sin_h * left_y,
-            cos_h * left_y - sin_h * left_x,
-            half_angle,
-            step,
-            rays,
-        )
-        if first > last:
-            continue
-        to = square + turns * quarter
-        if to - middle > 2.0 * quarter:
-            to -= 4.0 * quarter
-        least = _least_by_side(
-            across,
-            col0,
-            row0,
-            col1,
-            row1,
-            col,
-            row,
-            resolution,
-            x,
-            y,
-            cos_h,
-            sin_h,
-            cos_b,
-            sin_b,
-            first,
-            last,
-            to,
-            least,
-        )
+    last = cos_b.shape[1] - 1
+    first = math.floor(about - NEXT)
+    # Mostly two, but three where roundings may have put it beyond the second.
+    for j in range(2 if about + NEXT < first + 1.0 else 3):
+        k = min(max(first + j, 0), last)
+        dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
+        into_x, out_x = _between(walls[6, m], walls[8, m], col, resolution, x, dx)
+        into_y, out_y = _between(walls[7, m], walls[9, m], row, resolution, y, dy)
+        # It gets in if neither axis leaves before the other is in; where both happen at once, x is first.
+        into = max(into_x, into_y)
+        gets_in = (into_x <= out_y) & (into_y < out_x) & (into < least)
+        least = into if gets_in else least
     return least

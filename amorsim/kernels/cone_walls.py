@@ -14,58 +14,117 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import part
-from amorsim.kernels.cone_boxes import bearing_of, enter_box, rays_between
+from amorsim.kernels.cone_boxes import NEXT, bearing_of, enter_box
 from amorsim.kernels.cone_cells import SAFETY
 from amorsim.kernels.grid import ONE, Grid, word_at
-from amorsim.kernels.lines import FACE, INSIDE, PASSED, Lines, side_of
+from amorsim.kernels.lines import INSIDE, PASSED, Lines, side_of
 from amorsim.kernels.rays import direction, march, rounding
 
-__all__ = ["AT_ONCE", "MOST", "hear_walls"]
+__all__ = ["ROOM", "hear_walls"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-MOST = 64  # walls that a cone may hear
 AT_ONCE = 32  # walls that are looked at together
+# Where what is told of them starts in one array, first of their sides, then of their ends: the squares of distances,
+# and the places that are so near, from the cone's point.
+_SQUARE, _X, _Y = (i * 2 * AT_ONCE for i in range(3))
+ROOM = 6 * AT_ONCE
+_NOWHERE, _FARTHEST = 0x7FF0000000000000, 0x7FFFFFFFFFFFFFFF  # the bits of inf, and the greatest of all
+_TINY = 1e-300
 _TOUCH = 1e-3  # [cells]
 _STEPS = 12  # cells that a ray walks before it jumps
 
 
 @part
-def _look_along(
-    ends: Floats,
-    start: int,
-    stop: int,
+def _bound(
+    about: Floats,
+    first: int,
+    end: int,
     x: float,
     y: float,
-    left_x: float,
-    left_y: float,
     right_x: float,
     right_y: float,
-    maybe: NDArray[np.uint8],
+    left_x: float,
+    left_y: float,
+    f: Floats,
 ) -> None:
-    """Write whether walls start..stop-1 may be in a cone: not wholly beyond one of its edges.
+    """Write how near walls first..end-1 come within a cone, their sides and their ends each by themselves.
 
-    `ends` is of `lines.walls_about`; (left_x, left_y) and (right_x, right_y) are square to the edges, outward.
+    `about` is of `lines.walls_about`; (right_x, right_y) and (left_x, left_y) are the edges of the cone. Into `f` go
+    squares of distances, and the places that are so near, as they are laid out above. All are bounds: what a wall
+    occupies is in its rectangle. Cases are chosen, not branched to, so that the loop goes several wide.
     """
-    for i in range(start, stop):
-        x0 = ends[0, i] - x
-        y0 = ends[1, i] - y
-        x1 = ends[2, i] - x
-        y1 = ends[3, i] - y
-        left = min(left_x * x0 + left_y * y0, left_x * x1 + left_y * y1)
-        right = min(right_x * x0 + right_y * y0, right_x * x1 + right_y * y1)
-        maybe[i - start] = max(left, right) <= ends[4, i]
+    for i in range(np.uint64(first), np.uint64(end)):
+        j = i - np.uint64(first)
+        tx = about[2, i]
+        ty = about[3, i]
+        to_x = about[0, i] - x
+        to_y = about[1, i] - y
+        across = ty * to_x - tx * to_y
+        along = tx * to_x + ty * to_y
+        is_left = across < 0.0
+        margin = about[5, i]
+        near = abs(across) - margin
+        far = abs(across) + margin
+        start = along - margin
+        stop = along + about[4, i] + margin
+        # The edges along the wall and across it, toward it; which of them is on the right as seen that way.
+        right_t = tx * right_x + ty * right_y
+        left_t = tx * left_x + ty * left_y
+        right_n = ty * right_x - tx * right_y
+        left_n = ty * left_x - tx * left_y
+        a_t = right_t if is_left else left_t
+        b_t = left_t if is_left else right_t
+        a_n = -right_n if is_left else left_n
+        b_n = -left_n if is_left else right_n
+        nx = -ty if is_left else ty
+        ny = tx if is_left else -tx
+        # An edge along the wall, or square to it, sets no bound, or leaves nothing; it must not give nan.
+        a_t += _TINY
+        b_t += _TINY
+        a_n += _TINY
+        b_n += _TINY
+        # Of the side, from `start` to `stop` along the wall, what is left of one edge and right of the other.
+        a = near * (a_t / a_n)
+        b = near * (b_t / b_n)
+        low = max(start, max(-np.inf if a_n > 0.0 else a, b if b_n > 0.0 else -np.inf))
+        high = min(stop, min(a if a_n > 0.0 else np.inf, np.inf if b_n > 0.0 else b))
+        low -= SAFETY * (abs(low) + far)
+        high += SAFETY * (abs(high) + far)
+        place = low if low > 0.0 else (high if high < 0.0 else 0.0)
+        seen = (near > 0.0) & (low <= high)
+        f[j + np.uint64(_SQUARE)] = near * near + place * place if seen else np.inf
+        f[j + np.uint64(_X)] = tx * place + nx * near
+        f[j + np.uint64(_Y)] = ty * place + ny * near
+        # The same of the end that faces here.
+        at = start if start > 0.0 else (stop if stop < 0.0 else 0.0)
+        a = at * (a_n / a_t)
+        b = at * (b_n / b_t)
+        low = max(near, max(a if a_t > 0.0 else -np.inf, -np.inf if b_t > 0.0 else b))
+        high = min(far, min(np.inf if a_t > 0.0 else a, b if b_t > 0.0 else np.inf))
+        low -= SAFETY * (abs(low) + abs(at))
+        high += SAFETY * (abs(high) + abs(at))
+        place = low if low > 0.0 else (high if high < 0.0 else 0.0)
+        seen = (at != 0.0) & (low <= high)
+        inside = (near <= 0.0) & (at == 0.0)
+        f[j + np.uint64(_SQUARE + AT_ONCE)] = 0.0 if inside else (at * at + place * place if seen else np.inf)
+        f[j + np.uint64(_X + AT_ONCE)] = tx * at + nx * place
+        f[j + np.uint64(_Y + AT_ONCE)] = ty * at + ny * place
 
 
 @part
-def _crosses(a: float, b: float, near: float, start: float, stop: float, margin: float, dx: float, dy: float) -> bool:
-    """Whether a ray goes through a wall's rectangle from one long side to the other, so that it must meet the wall."""
-    # How far along the wall it gets for each metre across; the wall itself ends short of its rectangle.
-    slope = (a * dy - b * dx) / (a * dx + b * dy)
-    first = near * slope
-    last = (near + 2.0 * margin) * slope
-    return bool(min(first, last) > start + 3.0 * margin and max(first, last) < stop - 3.0 * margin)
+def _next(bits: Integers, before: int) -> int:
+    """The key of the side or end in `f`, whose bits these are, that comes nearest after the one of key `before`.
+
+    The bits of numbers that are not negative are in the order of the numbers. The last of a square's make room for
+    which it is, so no two keys are the same.
+    """
+    least = np.int64(_FARTHEST)
+    for j in range(2 * AT_ONCE):
+        key = (bits[j + _SQUARE] & ~np.int64(2 * AT_ONCE - 1)) | j
+        least = min(least, key if key > before else np.int64(_FARTHEST))
+    return least
 
 
 @part
@@ -130,6 +189,80 @@ def _cast_from(
 
 
 @part
+def _rays_between(
+    x0: float, y0: float, x1: float, y1: float, half_angle: float, step: float, rays: int
+) -> tuple[int, int]:
+    """First and last ray of a cone from one direction anticlockwise to another; the last before the first if none."""
+    low = bearing_of(x0, y0)
+    high = bearing_of(x1, y1)
+    if high < low:
+        if high >= -half_angle - step:
+            low -= 2.0 * math.pi
+        else:
+            high += 2.0 * math.pi
+    first = max(math.ceil((low + half_angle) / step - NEXT), 0.0)
+    last = min(math.floor((high + half_angle) / step + NEXT), rays - 1.0)
+    return int(first), int(last)
+
+
+@part
+def _cast_about(
+    grid: Grid,
+    walls: Floats,
+    m: int,
+    x: float,
+    y: float,
+    col: int,
+    row: int,
+    cos_h: float,
+    sin_h: float,
+    half_angle: float,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: float,
+    least: float,
+    casts: int,
+) -> tuple[float, int]:
+    """The less of `least` and the distance along the rays that wall `m` bounds nearer; and how many more may be cast.
+
+    Less than none where that was not enough, or where the point may be within what the wall occupies.
+    """
+    what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, least * (1.0 + SAFETY))
+    if what == PASSED:
+        return least, casts
+    if what == INSIDE:
+        return least, -1
+    rays = cos_b.shape[1]
+    step = 2.0 * half_angle / (rays - 1)
+    first, last = _rays_between(x0, y0, x1, y1, half_angle, step, rays)
+    if first > last:
+        return least, casts
+    # The nearness of the line is a sine over the rays, and less than half of its turn is here.
+    best = first
+    if a * sin_b[0, first] < b * cos_b[0, first]:
+        best = last
+        if a * sin_b[0, last] > b * cos_b[0, last]:
+            best = min(max(int(np.rint((bearing_of(a, b) + half_angle) / step)), first), last)
+    nearness = a * cos_b[0, best] + b * sin_b[0, best]
+    if nearness * least * (1.0 + SAFETY) < 1.0:
+        return least, casts
+    free = (1.0 - SAFETY) / nearness
+    # From the nearest ray outward to either side, as far as the bound stays below what was found.
+    for way in (-1, 1):
+        k = best + (way + 1) // 2
+        while first <= k <= last:
+            if (a * cos_b[0, k] + b * sin_b[0, k]) * least * (1.0 + SAFETY) < 1.0:
+                break
+            if casts == 0:
+                return least, -1
+            casts -= 1
+            dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
+            least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
+            k += way
+    return least, casts
+
+
+@part
 def hear_walls(
     grid: Grid,
     lines: Lines,
@@ -145,126 +278,59 @@ def hear_walls(
     sin_b: Floats,
     range_max: float,
     found: Integers,
-    ends: Floats,
+    about: Floats,
     away: Floats,
     count: int,
     aside: float,
     casts: int,
-    maybe: NDArray[np.uint8],
-    walls: Floats,
-    spans: Integers,
+    f: Floats,
+    bits: Integers,
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
 
-    The first `count` of `found`, `ends` and `away` are of `lines.walls_about`, told from `aside` [m] of here.
-    More than so many `casts` are not made: then they cannot tell, either.
-    `walls` (most, 3) and `spans` (most, 3) are room for what of them may be heard: the line that bounds rays, and how
-    near it comes; first and last ray, and the one to which it is nearest.
+    The first `count` of `found`, `about` and `away` are of `lines.walls_about`, told from `aside` [m] of here.
+    More than so many `casts` are not made: then they cannot tell, either. `f` (`ROOM`,), which is also `bits`, is room
+    to work in.
     """
-    rays = cos_b.shape[1]
-    step = 2.0 * half_angle / (rays - 1)
-    # Nothing farther than this is heard: out of range, or behind a wall that fills the way.
-    most = range_max * (1.0 + SAFETY)
-    held = 0
+    walls = lines.walls
+    step = 2.0 * half_angle / (cos_b.shape[1] - 1)
     # The first distance that is out of range.
     least = np.nextafter(range_max, np.inf)
-    square = (bearing_of(cos_h, -sin_h) + half_angle) / step
-    # Square to the edges, outward.
-    left_x = -sin_h * edge[0] - cos_h * edge[1]
-    left_y = cos_h * edge[0] - sin_h * edge[1]
-    right_x = sin_h * edge[0] - cos_h * edge[1]
-    right_y = -cos_h * edge[0] - sin_h * edge[1]
+    right_x = cos_h * edge[0] + sin_h * edge[1]
+    right_y = sin_h * edge[0] - cos_h * edge[1]
+    left_x = cos_h * edge[0] - sin_h * edge[1]
+    left_y = sin_h * edge[0] + cos_h * edge[1]
+    cast = -1
     for chunk in range(0, count, AT_ONCE):
-        if away[chunk] - aside > most:
+        if away[chunk] - aside > least:
             break
-        following = min(count, chunk + AT_ONCE)
-        _look_along(ends, chunk, following, x, y, left_x, left_y, right_x, right_y, maybe)
-        for i in range(chunk, following):
-            if not maybe[i - chunk]:
-                continue
-            if away[i] - aside > most:
+        looked = min(count - chunk, AT_ONCE)
+        _bound(about, chunk, chunk + looked, x, y, right_x, right_y, left_x, left_y, f)
+        for j in range(looked, AT_ONCE):
+            f[_SQUARE + j] = np.inf
+            f[_SQUARE + AT_ONCE + j] = np.inf
+        key = np.int64(-1)
+        while True:
+            key = _next(bits, key)
+            which = int(key & (2 * AT_ONCE - 1))
+            # Nothing is left, or nothing that could be nearer.
+            if key >= _NOWHERE or f[_SQUARE + which] > least * least * (1.0 + SAFETY):
                 break
-            m = found[i]
-            if lines.walls[6, m] < lines.walls[8, m]:
-                if _touches(lines.walls, m, grid.resolution, x, y):
+            m = found[chunk + (which & (AT_ONCE - 1))]
+            if walls[6, m] < walls[8, m]:
+                if _touches(walls, m, grid.resolution, x, y):
                     return False, 0.0
-                least = enter_box(
-                    lines.walls[6, m],
-                    lines.walls[7, m],
-                    lines.walls[8, m],
-                    lines.walls[9, m],
-                    col,
-                    row,
-                    grid.resolution,
-                    x,
-                    y,
-                    cos_h,
-                    sin_h,
-                    half_angle,
-                    step,
-                    square,
-                    cos_b,
-                    sin_b,
-                    least,
-                )
-                most = min(most, least * (1.0 + SAFETY))
+                ahead = cos_h * f[_X + which] + sin_h * f[_Y + which]
+                aleft = cos_h * f[_Y + which] - sin_h * f[_X + which]
+                number = (bearing_of(ahead, aleft) + half_angle) / step
+                least = enter_box(walls, m, col, row, grid.resolution, x, y, cos_h, sin_h, cos_b, sin_b, number, least)
                 continue
-            what, a, b, x0, y0, x1, y1, near, start, stop = side_of(lines.walls, m, x, y, cos_h, sin_h, most)
-            if what == PASSED:
+            if m == cast:
                 continue
-            if what == INSIDE:
+            cast = m
+            least, casts = _cast_about(
+                grid, walls, m, x, y, col, row, cos_h, sin_h, half_angle, cos_b, sin_b, range_max, least, casts
+            )
+            if casts < 0:
                 return False, 0.0
-            beside = max(start, -stop, 0.0)
-            if near > 0.0 and near * near + beside * beside > most * most:
-                continue
-            first, last = rays_between(x0, y0, x1, y1, half_angle, step, rays)
-            if first > last:
-                continue
-            # The nearness of the line is a sine over the rays, and less than half of its turn is here.
-            best = first
-            if a * sin_b[0, first] < b * cos_b[0, first]:
-                best = last
-                if a * sin_b[0, last] > b * cos_b[0, last]:
-                    best = min(max(int(np.rint((bearing_of(a, b) + half_angle) / step)), first), last)
-            dx = cos_b[0, best]
-            dy = sin_b[0, best]
-            nearness = a * dx + b * dy
-            if nearness * most < 1.0:
-                continue
-            if held == walls.shape[0]:
-                return False, 0.0
-            walls[held, 0] = a
-            walls[held, 1] = b
-            walls[held, 2] = nearness
-            spans[held, 0] = first
-            spans[held, 1] = last
-            spans[held, 2] = best
-            held += 1
-            margin = lines.walls[5, m]
-            if what == FACE and _crosses(a, b, near, start, stop, margin, dx, dy):
-                most = min(most, (1.0 + 2.0 * margin / near) / nearness * (1.0 + SAFETY))
-    for _ in range(held):
-        nearest = 0
-        for i in range(1, held):
-            if walls[i, 2] > walls[nearest, 2]:
-                nearest = i
-        a = walls[nearest, 0]
-        b = walls[nearest, 1]
-        nearness = walls[nearest, 2]
-        if nearness * least * (1.0 + SAFETY) < 1.0:
-            break
-        free = (1.0 - SAFETY) / nearness
-        # From the nearest ray outward to either side, as far as the bound stays below what was found.
-        for way in (-1, 1):
-            k = spans[nearest, 2] + (way + 1) // 2
-            while spans[nearest, 0] <= k <= spans[nearest, 1]:
-                if (a * cos_b[0, k] + b * sin_b[0, k]) * least * (1.0 + SAFETY) < 1.0:
-                    break
-                if casts == 0:
-                    return False, 0.0
-                casts -= 1
-                dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
-                least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
-                k += way
-        walls[nearest, 2] = -np.inf
     return True, least + 0.0 if least <= range_max else np.inf

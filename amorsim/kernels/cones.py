@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.cone_cells import SAFETY, WIDEST, ask_cells
-from amorsim.kernels.cone_walls import AT_ONCE, MOST, hear_walls
+from amorsim.kernels.cone_walls import ROOM, hear_walls
 from amorsim.kernels.grid import Grid, is_occupied
 from amorsim.kernels.lines import RINGS, Lines, walls_about
 from amorsim.kernels.rays import cell_of, to_frame
@@ -46,18 +46,17 @@ def hear(
     edge: Floats,
     found: Integers,
     following: Integers,
-    ends: Floats,
+    about: Floats,
     away: Floats,
     rings: Integers,
-    maybe: NDArray[np.uint8],
-    walls: Floats,
-    spans: Integers,
+    f: Floats,
+    bits: Integers,
     out: Floats,
 ) -> None:
     """Write what `cast_cones` does, with room to work in.
 
-    Two as long as there are walls, (5, walls), one as long again, `RINGS` + 2, `AT_ONCE`, and twice (`MOST`, 3); `edge`
-    holds cosine and sine of half the cone's angle.
+    Two as long as there are walls, (6, walls), one as long again, `RINGS` + 2, and `cone_walls.ROOM`, twice the same
+    memory; `edge` holds cosine and sine of half the cone's angle.
     """
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
@@ -83,7 +82,7 @@ def hear(
             aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
             if not aside + reach <= here_reach:
                 here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
-                count = walls_about(lines, x, y, here_reach, found, ends, away, following, rings)
+                count = walls_about(lines, x, y, here_reach, found, about, away, following, rings)
             heard, least = hear_walls(
                 grid,
                 lines,
@@ -99,14 +98,13 @@ def hear(
                 sin_b,
                 reach,
                 found,
-                ends,
+                about,
                 away,
                 count,
                 aside * (1.0 + SAFETY),
                 casts,
-                maybe,
-                walls,
-                spans,
+                f,
+                bits,
             )
             if heard:
                 out[n] = least
@@ -137,12 +135,10 @@ def cast_cones(
     edge = np.array([math.cos(half_angle), math.sin(half_angle)])
     found = np.empty(lines.walls.shape[1], dtype=np.int64)
     following = np.empty(lines.walls.shape[1], dtype=np.int64)
-    ends = np.empty((5, lines.walls.shape[1]))
+    about = np.empty((6, lines.walls.shape[1]))
     away = np.empty(lines.walls.shape[1])
     rings = np.empty(RINGS + 2, dtype=np.int64)
-    maybe = np.empty(AT_ONCE, dtype=np.uint8)
-    walls = np.empty((MOST, 3))
-    spans = np.empty((MOST, 3), dtype=np.int64)
+    f = np.empty(ROOM)
     hear(
         grid,
         lines,
@@ -157,11 +153,10 @@ def cast_cones(
         edge,
         found,
         following,
-        ends,
+        about,
         away,
         rings,
-        maybe,
-        walls,
-        spans,
+        f,
+        f.view(np.int64),
         out,
     )

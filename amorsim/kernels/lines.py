@@ -129,7 +129,7 @@ def walls_about(
     y: float,
     reach: float,
     found: Integers,
-    ends: Floats,
+    about: Floats,
     away: Floats,
     following: Integers,
     heads: Integers,
@@ -138,8 +138,8 @@ def walls_about(
 
     Parameters
     ----------
-    ends
-        (5, M) gets x and y of both ends of each, and how far it reaches beyond them in any direction.
+    about
+        (6, M) gets of each what `Lines.walls` has of it first.
     away
         (M,) gets how far [m] each is at least; never less than the one before.
     following, heads
@@ -169,11 +169,8 @@ def walls_about(
         while m >= 0:
             found[count] = m
             away[count] = least
-            ends[0, count] = walls[0, m]
-            ends[1, count] = walls[1, m]
-            ends[2, count] = walls[0, m] + walls[2, m] * walls[4, m]
-            ends[3, count] = walls[1, m] + walls[3, m] * walls[4, m]
-            ends[4, count] = 1.4143 * walls[5, m]
+            for i in range(6):
+                about[i, count] = walls[i, m]
             count += 1
             m = following[m]
     return count

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.cone_walls import AT_ONCE, MOST
+from amorsim.kernels.cone_walls import ROOM
 from amorsim.kernels.cones import hear
 from amorsim.kernels.grid import Grid
 from amorsim.kernels.lines import Lines
@@ -160,7 +160,7 @@ def _look_rows(
     rooms: Any,
 ) -> None:
     """What `sense` does to see, with room to work in."""
-    nearness, f, q, blocks, rings, found, following, ends, away, maybe, walls, spans = rooms
+    nearness, f, q, blocks, rings, found, following, about, away, near, near_bits = rooms
     rows = body.shape[0]
     table = ints[ints[_TABLE] : ints[_TABLE + 1]].reshape((-1, TABLE_COLUMNS))
     order = ints[ints[_ORDER] : ints[_ORDER + 1]]
@@ -199,12 +199,11 @@ def _look_rows(
                     edges[d],
                     found,
                     following,
-                    ends,
+                    about,
                     away,
                     rings,
-                    maybe,
-                    walls,
-                    spans,
+                    near,
+                    near_bits,
                     true[out : out + size],
                 )
                 continue
@@ -380,6 +379,7 @@ def sense(
     if looks:
         most = lines.walls.shape[1]
         blocks = lines.boxes.shape[1]
+        near = np.empty(ROOM)
         rooms = (
             np.empty(most_rays),
             np.empty(ROOM_F),
@@ -388,11 +388,10 @@ def sense(
             np.empty(ROOM_RINGS, dtype=np.int64),
             np.empty(most, dtype=np.int64),
             np.empty(most, dtype=np.int64),
-            np.empty((5, most)),
+            np.empty((6, most)),
             np.empty(max(most, blocks)),
-            np.empty(AT_ONCE, dtype=np.uint8),
-            np.empty((MOST, 3)),
-            np.empty((MOST, 3), dtype=np.int64),
+            near,
+            near.view(np.int64),
         )
         _look_rows(grid, lines, origin_x, origin_y, yaw, ints, floats, body, first, end, places, true, rooms)
     if reads:
