@@ -114,13 +114,13 @@ def _bound(
 
 
 @part
-def _next(bits: Integers, before: int) -> int:
+def _next(bits: Integers, before: Any) -> Any:
     """The key of the side or end in `f`, whose bits these are, that comes nearest after the one of key `before`.
 
     The bits of numbers that are not negative are in the order of the numbers. The last of a square's make room for
     which it is, so no two keys are the same.
     """
-    least = np.int64(_FARTHEST)
+    least: Any = np.int64(_FARTHEST)
     for j in range(2 * AT_ONCE):
         key = (bits[j + _SQUARE] & ~np.int64(2 * AT_ONCE - 1)) | j
         least = min(least, key if key > before else np.int64(_FARTHEST))
@@ -309,7 +309,7 @@ def hear_walls(
         for j in range(looked, AT_ONCE):
             f[_SQUARE + j] = np.inf
             f[_SQUARE + AT_ONCE + j] = np.inf
-        key = np.int64(-1)
+        key: Any = np.int64(-1)
         while True:
             key = _next(bits, key)
             which = int(key & (2 * AT_ONCE - 1))
