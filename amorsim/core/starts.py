@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import MapError
+from amorsim.core.free_places import freest_place, roomy_places
 from amorsim.core.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape, pack
@@ -83,11 +84,11 @@ def freest_start(
     MapError
         If it fits in nowhere that was looked at.
     """
-    x, y = world.freest_place()
+    x, y = freest_place(world)
     together = [(shape, (0.0, 0.0, 0.0)), *others]
     if least_gaps(world, together, np.array([[x, y, 0.0]]))[0] >= 0.0:
         return x, y, 0.0
-    places = np.array(world.roomy_places(_PLACES))
+    places = np.array(roomy_places(world, _PLACES))
     headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS)
     headings[headings > math.pi] -= 2.0 * math.pi
     poses = np.column_stack((np.repeat(places, _HEADINGS, axis=0), np.tile(headings, len(places))))

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, MapError, ScenarioError
+from amorsim.core.free_places import free_places
 from amorsim.core.poses import compose
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
 from amorsim.simulation.bodies import World
@@ -202,7 +203,7 @@ class _Areas:
         self._side = 0.0
         if any(start is not None and start.box is None for start in starts):
             try:
-                self._places, self._side = world.map.free_places()
+                self._places, self._side = free_places(world.map)
             except MapError as error:
                 raise ScenarioError([Fault(file="", path="world.map", message=str(error))]) from None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from amorsim.core.errors import AmorsimError, ControllerError, RunError
 from amorsim.core.trouble import explain
 from amorsim.runs.folder import next_folder
 from amorsim.runs.session import RunSession
+from amorsim.simulation.events import Event
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.carried import Carried, Carrier
 from amorsim.ui.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
@@ -22,6 +23,7 @@ from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.packing import Dynamic, FrameFlag, Selected
 from amorsim.ui.past import Pasts
 from amorsim.ui.protocol import EventLine
+from amorsim.ui.story import Story
 from amorsim.ui.timeline import Paths, Snapshots
 
 __all__ = ["Fault", "Player"]
@@ -69,7 +71,7 @@ class Player:
         self.watched: tuple[int, ...] = (0,)  # robots of which frames tell all
         self.inputs = Inputs()
         self.fault: Fault | None = None
-        self._remarks: list[tuple[int, EventLine]] = []  # each with how many events there were before it
+        self._story = Story()
         self.poses_only: int | None = None  # the tick that is shown, where only poses are known of it
         self._notice = notice or (lambda _: None)
         self._present: Any = None  # the snapshot of the present, while the past is shown
@@ -95,7 +97,7 @@ class Player:
         self._newest = 0
         self._is_past = False
         self._present = self._before = self.poses_only = self.fault = None
-        self._remarks = []
+        self._story = Story()
         self.epoch += 1
         if self._out is not None:
             is_taken = is_again and self._out.exists()
@@ -269,7 +271,7 @@ class Player:
             self.paths.cut(tick)
             self.snapshots.cut(tick)
             self.pasts.cut(tick)
-            self._remarks = self._remarks_until(tick)
+            self._story.cut(tick, len(self.simulation.events))
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
         self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
@@ -280,9 +282,10 @@ class Player:
 
         From the start, or from a snapshot that another process has taken.
         """
-        remarks = self._remarks_until(tick)
+        story = self._story
+        story.cut(tick, len(self.simulation.events))
         self._begin(self._new())
-        self._remarks = remarks
+        self._story = story
         self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
         since = "from the start"
         if carried is not None and self._recording is None:
@@ -351,57 +354,26 @@ class Player:
 
     def remark(self, kind: str, text: str, *, robot: str = "", stack: str = "") -> None:
         """Keep a line that is no event of the simulation."""
-        tick = self.tick
-        line: EventLine = {
-            "number": 0,
-            "tick": tick,
-            "time": tick * self.simulation.dt,
-            "kind": kind,
-            "robot": robot,
-            "text": text,
-            "point": None,
-        }
-        if stack:
-            line["stack"] = stack
-        self._remarks.append((len(self._simulation_events), line))
+        time = self.tick * self.simulation.dt
+        self._story.add(len(self._simulation_events), self.tick, time, kind, text, robot=robot, stack=stack)
 
     @property
     def remarks(self) -> list[EventLine]:
         """What is no event of the simulation, in order."""
-        return [line for _, line in self._remarks]
-
-    def _remarks_until(self, tick: int) -> list[tuple[int, EventLine]]:
-        events = len(self.simulation.events)
-        return [(min(before, events), line) for before, line in self._remarks if line["tick"] <= tick]
+        return self._story.remarks
 
     @property
     def event_count(self) -> int:
         """How many lines `events` has."""
-        return len(self._simulation_events) + len(self._remarks)
+        return len(self._simulation_events) + len(self._story)
 
     @property
-    def _simulation_events(self) -> Any:
+    def _simulation_events(self) -> Sequence[Event]:
         return self.simulation.events if self._present is None else self._present[0].events
 
     def events(self) -> list[EventLine]:
         """All that happened up to the present, in the order in which it became known: what is new comes last."""
-        lines: list[EventLine] = [
-            {
-                "number": 0,
-                "tick": event.tick,
-                "time": event.time,
-                "kind": event.kind,
-                "robot": event.name,
-                "text": str(event).partition(": ")[2],
-                "point": None if event.point is None else list(event.point),
-            }
-            for event in self._simulation_events
-        ]
-        for before, remark in reversed(self._remarks):
-            lines.insert(before, remark)
-        for number, line in enumerate(lines, 1):
-            line["number"] = number
-        return lines
+        return self._story.told(self._simulation_events)
 
     def frames(self, *, version: int, number: int, speed: float, achieved: float, flags: int) -> list[Dynamic]:
         """The moment that is shown, for each robot that is watched."""

@@ -17,7 +17,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.runs.folder import next_folder
-from amorsim.ui.controls import Controls
+from amorsim.ui.controls import DRIVING, LOOKING, Controls
 from amorsim.ui.link import Link
 from amorsim.ui.looks import Looks
 from amorsim.ui.mailbox import Mailbox
@@ -25,20 +25,12 @@ from amorsim.ui.packing import Bundle
 from amorsim.ui.project import Saver, place_for
 from amorsim.ui.protocol import Scene
 from amorsim.ui.recipe import Recipe
+from amorsim.ui.story import line_of
 
-__all__ = ["LOOKING", "Session"]
+__all__ = ["Session"]
 
 Table = Mapping[str, Any]
 Answer = dict[str, Any]
-
-LOOKING = ("state", "scene", "parameters", "history", "events", "image", "folder")
-"""Commands that need no controls."""
-
-DRIVING = (
-    *("run", "pause", "step", "speed", "reset", "scrub", "continue"),
-    *("hand_over", "drive", "command", "stop", "set", "restore"),
-)
-"""Commands that only the window with the controls may give."""
 
 _OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "restore")  # which they name, or look at
 _OWN = ("restart", "save_run", "save_scenario")
@@ -322,16 +314,8 @@ class Session:
         hang = self._hang
         if hang is None:
             return {}
-        line = {
-            "number": 0,
-            "tick": hang["tick"],
-            "time": hang["tick"] * self.scene["dt"],
-            "kind": "hang",
-            "robot": hang["robot"],
-            "text": hang["text"],
-            "point": None,
-            "stack": hang["stack"],
-        }
+        tick = hang["tick"]
+        line = line_of(tick, tick * self.scene["dt"], "hang", hang["text"], hang["robot"]) | {"stack": hang["stack"]}
         return {"ok": True, "status": hang["status"], "fault": line}
 
     # ---------------------------------------------------------------------------------------------------------- frames
