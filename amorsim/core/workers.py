@@ -29,7 +29,7 @@ __all__ = ["ALONE", "Workers", "cores"]
 # 25 ns each.
 LEAST_WORK = 1_500
 # So much is taken at once at least.
-_GRAIN_WORK = 300
+_GRAIN_WORK = 200
 # How long [s] a thread looks for other work before it goes to sleep, and the caller for others to end before it lets
 # them have its core.
 _LOOKS = 400e-6

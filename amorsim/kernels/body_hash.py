@@ -111,15 +111,19 @@ def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, 
 
 
 @kernel
-def pairs_within(table: BodyHash, replica_first: Ints, poses: Floats, radius: Floats, out: Ints) -> int:
+def pairs_within(table: BodyHash, replica: Ints, which: Ints, poses: Floats, radius: Floats, out: Ints) -> int:
     """How many pairs of bodies of one replica have circles that meet, in no particular order.
+
+    Of two the wider one looks, so one that moves far makes nobody else look far; of two that are equal, the first.
 
     Parameters
     ----------
     table
         The bodies at `poses` (T, 3).
-    replica_first
-        As in `hash_bodies`.
+    replica
+        Which each is of, (T,).
+    which
+        Those who look, (Q,).
     radius
         Of each body's circle around its pose [m], (T,).
     out
@@ -127,24 +131,22 @@ def pairs_within(table: BodyHash, replica_first: Ints, poses: Floats, radius: Fl
     """
     count = poses.shape[0]
     found = 0
-    for r in range(replica_first.shape[0] - 1):
-        for i in range(replica_first[r], replica_first[r + 1]):
-            # The wider of two looks for the other, so one that moves far makes nobody else look far.
-            x = poses[i, 0]
-            y = poses[i, 1]
-            row0, rows = window(y, 2.0 * radius[i], table.side, table.rows)
-            col0, cols = window(x, 2.0 * radius[i], table.side, table.cols)
-            for run in range(2 * rows if col0 + cols > table.cols else rows):
-                start, stop = run_of_bodies(table, r, row0, rows, col0, cols, run)
-                for place in range(start, stop):
-                    j = table.body[place]
-                    if radius[j] > radius[i] or (radius[j] == radius[i] and j <= i):
-                        continue
-                    dx = x - table.disc[place, 0]
-                    dy = y - table.disc[place, 1]
-                    reach = radius[i] + radius[j]
-                    if dx * dx + dy * dy <= reach * reach:
-                        if found < out.shape[0]:
-                            out[found] = min(i, j) * count + max(i, j)
-                        found += 1
+    for i in which:
+        x = poses[i, 0]
+        y = poses[i, 1]
+        row0, rows = window(y, 2.0 * radius[i], table.side, table.rows)
+        col0, cols = window(x, 2.0 * radius[i], table.side, table.cols)
+        for run in range(2 * rows if col0 + cols > table.cols else rows):
+            start, stop = run_of_bodies(table, replica[i], row0, rows, col0, cols, run)
+            for place in range(start, stop):
+                j = table.body[place]
+                if radius[j] > radius[i] or (radius[j] == radius[i] and j <= i):
+                    continue
+                dx = x - table.disc[place, 0]
+                dy = y - table.disc[place, 1]
+                reach = radius[i] + radius[j]
+                if dx * dx + dy * dy <= reach * reach:
+                    if found < out.shape[0]:
+                        out[found] = min(i, j) * count + max(i, j)
+                    found += 1
     return found

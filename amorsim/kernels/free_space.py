@@ -12,9 +12,17 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.compile import part
 
-__all__ = ["choose_direction", "find_opening", "free_way", "nearest_distance", "nearest_side", "see_points"]
+__all__ = [
+    "choose_direction",
+    "directions_within",
+    "find_opening",
+    "free_way",
+    "nearest_distance",
+    "nearest_side",
+    "see_points",
+]
 
 Floats = npt.NDArray[np.float64]
 
@@ -177,9 +185,16 @@ def find_opening(points: Floats, view: Floats, half_width: float, side: float) -
     return longest, found
 
 
-@kernel
+@part
+def directions_within(view: Floats) -> int:
+    """How many bearings `choose_direction` weighs in a view (least, greatest bearing [rad])."""
+    return int((view[1] - view[0]) / _SPREAD) + 1
+
+
+@part
 def choose_direction(
     points: Floats,
+    weights: Floats,
     view: Floats,
     half_width: float,
     pose: Floats,
@@ -192,11 +207,11 @@ def choose_direction(
 
     Drawn among all directions within `view` (least, greatest bearing) by the cube of what they promise: room,
     and places that are not on the `trail` (places, 2) [m] of the last `visits`. With a `bar` above 0 none is
-    taken that promises less than so many times what straight ahead does.
+    taken that promises less than so many times what straight ahead does. `weights` is room to work in, a number for
+    each of `directions_within` the view.
     """
     least = view[0]
-    count = int((view[1] - least) / _SPREAD) + 1
-    weights = np.zeros(count)
+    count = directions_within(view)
     bar *= _worth(pose, trail, visits, 0.0, free_way(points, 0.0, half_width, 0.0))
     for spare in (_NARROW, 0.0):
         total = 0.0

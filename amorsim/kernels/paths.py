@@ -27,10 +27,12 @@ __all__ = [
     "STANDS",
     "Paths",
     "Scene",
+    "bound_of",
     "go_free",
     "pose_at",
     "poses_at",
     "set_out",
+    "set_out_alone",
 ]
 
 Floats = NDArray[np.float64]
@@ -110,7 +112,7 @@ def poses_at(paths: Paths, bodies: Ints, fraction: Floats, out: Floats) -> None:
 
 
 @kernel
-def _bound(ahead: float, left: float, turn: float, reach: float) -> float:
+def bound_of(ahead: float, left: float, turn: float, reach: float) -> float:
     """How far [m] any point of a body that reaches so far can come along an arc or a line."""
     travel = math.sqrt(ahead * ahead + left * left) + abs(turn) * reach
     return 0.0 if travel < LEAST else travel * (1.0 + 1e-9)
@@ -128,21 +130,27 @@ def _end(start: Floats, motion: Floats, form: int) -> tuple[float, float, float]
 
 
 @kernel
+def set_out_alone(paths: Paths, i: int, reach: float, end: Floats) -> None:
+    """What `set_out` does for one body."""
+    paths.stop[i] = 1.0
+    if paths.form[i] == STANDS:
+        paths.bound[i] = 0.0
+        for k in range(3):
+            end[k] = paths.start[i, k]
+        return
+    if paths.form[i] != OTHER:
+        paths.bound[i] = bound_of(paths.motion[i, 0], paths.motion[i, 1], paths.motion[i, 2], reach)
+    end[0], end[1], end[2] = _end(paths.start[i], paths.motion[i], paths.form[i])
+
+
+@kernel
 def set_out(paths: Paths, reach: Floats, end: Floats) -> None:
     """Write 1 to every `stop`, the `bound` of all paths but those of another form, which have theirs, and the ends.
 
     `reach` is the bodies' (T,) [m]; `end` gets the poses at the end of the step, (T, 3).
     """
     for i in range(reach.shape[0]):
-        paths.stop[i] = 1.0
-        if paths.form[i] == STANDS:
-            paths.bound[i] = 0.0
-            for k in range(3):
-                end[i, k] = paths.start[i, k]
-            continue
-        if paths.form[i] != OTHER:
-            paths.bound[i] = _bound(paths.motion[i, 0], paths.motion[i, 1], paths.motion[i, 2], reach[i])
-        end[i, 0], end[i, 1], end[i, 2] = _end(paths.start[i], paths.motion[i], paths.form[i])
+        set_out_alone(paths, i, reach[i], end[i])
 
 
 @kernel
@@ -161,7 +169,7 @@ def go_free(start: Floats, motion: Floats, form: int, reach: Floats, room: Float
         Get the poses at the end of the step (T, 3), and 1, (T,).
     """
     for i in range(reach.shape[0]):
-        bound = _bound(motion[i, 0], motion[i, 1], motion[i, 2], reach[i])
+        bound = bound_of(motion[i, 0], motion[i, 1], motion[i, 2], reach[i])
         if bound > 0.0 and not bound + SLACK < room[i]:
             return False
         stop[i] = bound

@@ -11,11 +11,13 @@ without it, and so is the next work, for a while.
 
 from __future__ import annotations
 
+import os
 import platform
 from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
+from numba.core import cgutils
 from numba.core import types as numba_types
 from numba.extending import intrinsic
 
@@ -65,6 +67,7 @@ PATIENCE = 32  # how often it looks before it gives up waiting
 ROW_BITS = 22
 _ROWS = (1 << ROW_BITS) - 1
 _WORD = ir.IntType(64)
+_LOOKS = 64  # after which others get the processor, if they wait for it
 # By machine: LLVM's name of the instruction, and its arguments.
 _PAUSES: dict[str, Any] = {
     "x86_64": ("llvm.x86.sse2.pause",),
@@ -113,12 +116,37 @@ def _pausing(_typing: Any) -> Any:
     return types.none(), code
 
 
-# The word at an address; to write one; to write one if it is the old one still, and whether it was; and to tell the
-# processor that somebody waits here, where it can be told.
+def _giving_way(_typing: Any) -> Any:
+    def code(context: Any, builder: Any, _signature: Any, _arguments: Any) -> Any:
+        if os.name == "posix":
+            told = ir.FunctionType(ir.IntType(32), [])
+            builder.call(cgutils.get_or_insert_function(builder.module, told, "sched_yield"), [])
+        return context.get_dummy_value()
+
+    return types.none(), code
+
+
+# The word at an address; to write one; to write one if it is the old one still, and whether it was; to tell the
+# processor that somebody waits here; and to let others have it, where that can be told.
 _load: Callable[[int], int] = intrinsic(_loading)
 _store: Callable[[int, int], None] = intrinsic(_storing)
 _exchange: Callable[[int, int, int], int] = intrinsic(_exchanging)
 _pause: Callable[[], None] = intrinsic(_pausing)
+_give_way: Callable[[], None] = intrinsic(_giving_way)
+
+
+@part
+def _wait(looked: int) -> int:
+    """Wait a moment between two looks; how often one has looked then.
+
+    Now and then whoever else waits for the processor gets it: it may be who is waited for.
+    """
+    looked += 1
+    if looked % _LOOKS == 0:
+        _give_way()
+    else:
+        _pause()
+    return looked
 
 
 @part
@@ -132,14 +160,12 @@ def _finish(share: int, base: int) -> None:
     if _load(share + NUMBER) == 0:
         for other in range(1, _load(base + THREADS)):
             while looked < patience and _load(base + RECORDS + other * LINE + BUSY) != 0:
-                _pause()
-                looked += 1
+                looked = _wait(looked)
         return
     _store(share + BUSY, 0)
     turn = _load(share + TURN)
     while looked < patience and -1 <= _load(base + RAISED) - turn <= 0:
-        _pause()
-        looked += 1
+        looked = _wait(looked)
 
 
 @part
@@ -168,7 +194,7 @@ def take_rows(share: int, rows: int, end: int) -> tuple[int, int]:
         high = ticket & _ROWS
         if ticket >> (2 * ROW_BITS) != turn or low == high:
             break
-        taken = max(_load(base + GRAIN), (high - low) // (2 * _load(base + THREADS)))
+        taken = max(_load(base + GRAIN), 3 * (high - low) // (4 * _load(base + THREADS)))
         taken = min(taken, high - low)
         first = low if number == 0 else high - taken
         left = ticket + (taken << ROW_BITS) if number == 0 else ticket - taken
@@ -191,7 +217,6 @@ def is_done(base: int) -> bool:
 @kernel
 def linger(base: int, times: int) -> None:
     """Look so many times at a word, as those do who wait: to find how long that takes."""
-    for _ in range(times):
-        if _load(base + RAISED) < 0:
-            return
-        _pause()
+    looked = 0
+    while looked < times and _load(base + RAISED) >= 0:
+        looked = _wait(looked)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.free_space import (
     choose_direction,
+    directions_within,
     find_opening,
     free_way,
     nearest_distance,
@@ -78,9 +79,10 @@ _SWAY_RATE = 3.0  # [rad/s] of phase
 _TIME_TO_STOP = 0.8  # [s] the way ahead is never driven faster than in this time
 
 
-@kernel
+@part
 def _choose(
     points: Floats,
+    weights: Floats,
     body: Floats,
     clearance: float,
     pose: Floats,
@@ -98,7 +100,7 @@ def _choose(
             return _BACK
         if free_way(points, 0.0, body[_HALF_WIDTH] + 0.2 * clearance, 0.0) > _STOP:
             return _CREEP
-    bearing = choose_direction(points, body[_VIEW:], swing, pose, trail, int(memory[_VISITS]), draws[0], bar)
+    bearing = choose_direction(points, weights, body[_VIEW:], swing, pose, trail, int(memory[_VISITS]), draws[0], bar)
     if math.isnan(bearing):
         if bar > 0.0:
             return _DRIVE
@@ -111,7 +113,7 @@ def _choose(
     return _TURN
 
 
-@kernel
+@part
 def _looks_in(points: Floats, body: Floats, clearance: float, draw: float, memory: Floats) -> bool:
     """Whether a door seems to have come abeam that the robot likes to take; the angle is then in the memory."""
     looks = False
@@ -124,9 +126,10 @@ def _looks_in(points: Floats, body: Floats, clearance: float, draw: float, memor
     return looks
 
 
-@kernel
+@part
 def _decide(
     points: Floats,
+    weights: Floats,
     age: float,
     pose: Floats,
     body: Floats,
@@ -160,14 +163,14 @@ def _decide(
     ahead -= min(memory[_TRACE], speed_max * age)  # driven since the scan
     if mode == _DRIVE:
         if ahead < _STOP:
-            return _choose(points, body, clearance, pose, trail, draws, 0.0, memory)
+            return _choose(points, weights, body, clearance, pose, trail, draws, 0.0, memory)
         if memory[_SINCE] > _WEIGH and memory[_WARY] > _AWAY:
             memory[_SINCE] = 0.0
             memory[_SIDE] = 0.0
             if _looks_in(points, body, clearance, draws[1], memory):
                 return _TURN
             if draws[1] < _RESTLESS:
-                return _choose(points, body, clearance, pose, trail, draws, _BETTER, memory)
+                return _choose(points, weights, body, clearance, pose, trail, draws, _BETTER, memory)
         return _DRIVE
     if memory[_SPEED] != 0.0 or memory[_RATE] != 0.0 or age > memory[_STILL] + 1e-9:
         return mode
@@ -176,12 +179,13 @@ def _decide(
         memory[_BESIDE] = math.inf  # what it sees first has not come abeam
         memory[_BESIDE + 1] = math.inf
         return _DRIVE
-    return _choose(points, body, clearance, pose, trail, draws, 0.0, memory)
+    return _choose(points, weights, body, clearance, pose, trail, draws, 0.0, memory)
 
 
-@kernel
+@part
 def _wander_row(
     points: Floats,
+    weights: Floats,
     age: float,
     pose: Floats,
     body: Floats,
@@ -204,7 +208,7 @@ def _wander_row(
         memory[_VISITS] += 1.0
 
     speed_max = min(speed, body[_SPEED_MAX])
-    mode = _decide(points, age, pose, body, clearance, speed_max, trail, draws, memory)
+    mode = _decide(points, weights, age, pose, body, clearance, speed_max, trail, draws, memory)
     memory[_MODE] = mode
     braking = body[_BRAKING]
     spin_braking = body[_SPIN_BRAKING]
@@ -245,6 +249,47 @@ def _wander_row(
     out[0] = v
     out[1] = 0.0
     out[2] = w
+
+
+@part
+def _wander_rows(
+    points: Floats,
+    weights: Floats,
+    ranges: Floats,
+    age: Floats,
+    pose: Floats,
+    beams: Floats,
+    half_angle: Column,
+    body: Floats,
+    speed: Column,
+    turn_rate: Column,
+    clearance: Column,
+    draws: Floats,
+    dt: float,
+    memory: Floats,
+    trail: Floats,
+    first: int,
+    end: int,
+    out: Floats,
+) -> None:
+    """What `wander` does for some rows, with room to work in."""
+    for i in range(first, end):
+        see_points(ranges[i], beams[i], half_angle[i, 0], points)
+        _wander_row(
+            points,
+            weights,
+            age[i, 0],
+            pose[i],
+            body[i],
+            speed[i, 0],
+            turn_rate[i, 0],
+            clearance[i, 0],
+            draws[i],
+            dt,
+            memory[i],
+            trail[i],
+            out[i],
+        )
 
 
 @kernel
@@ -289,24 +334,32 @@ def wander(
     share
         Of the rows, see `shares.take_rows`.
     """
-    points = np.empty((3, ranges.shape[1] * samples))
     rows = ranges.shape[0]
+    points = np.empty((3, ranges.shape[1] * samples))
+    most = 1
+    for i in range(rows):
+        most = max(most, directions_within(body[i, _VIEW:]))
+    weights = np.empty(most)
     first, end = take_rows(share, rows, 0)
     while first < end:
-        for i in range(first, end):
-            see_points(ranges[i], beams[i], half_angle[i, 0], points)
-            _wander_row(
-                points,
-                age[i, 0],
-                pose[i],
-                body[i],
-                speed[i, 0],
-                turn_rate[i, 0],
-                clearance[i, 0],
-                draws[i],
-                dt,
-                memory[i],
-                trail[i],
-                out[i],
-            )
+        _wander_rows(
+            points,
+            weights,
+            ranges,
+            age,
+            pose,
+            beams,
+            half_angle,
+            body,
+            speed,
+            turn_rate,
+            clearance,
+            draws,
+            dt,
+            memory,
+            trail,
+            first,
+            end,
+            out,
+        )
         first, end = take_rows(share, rows, end)

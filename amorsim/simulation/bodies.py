@@ -174,21 +174,23 @@ class World:
             self._hashed = poses
         return self._hash
 
-    def pairs_within(self, poses: Array, margin: Array) -> tuple[Ints, Ints]:
+    def pairs_within(self, poses: Array, margin: Array, which: Ints | None = None) -> tuple[Ints, Ints]:
         """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
 
-        Bodies of one owner are no pair.
+        Bodies of one owner are no pair. Of two the one with the wider circle looks for the other, if it is among
+        `which` `(Q,)`; without that all look.
         """
         if not self.has_company:
             none = np.empty(0, dtype=np.int64)
             return none, none
         radius = self.bodies.reach + margin
         table = self.by_place(poses)
-        found = np.empty(4 * len(poses) + 64, dtype=np.int64)
-        count = body_hash.pairs_within(table, self.first, poses, radius, found)
+        looking = self.everyone if which is None else which
+        found = np.empty(4 * len(looking) + 64, dtype=np.int64)
+        count = body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
         if count > len(found):
             found = np.empty(count, dtype=np.int64)
-            body_hash.pairs_within(table, self.first, poses, radius, found)
+            body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
         a, b = np.divmod(np.sort(found[:count]), len(poses))
         if self.has_parts:
             apart = self.owner[a] != self.owner[b]

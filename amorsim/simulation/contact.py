@@ -26,6 +26,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.meeting import FINEST, ROUNDING, TOUCH, WALL, resolve
 from amorsim.kernels.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
+from amorsim.kernels.setting_out import NEAR_BODY, NEAR_WALL, look_out
 from amorsim.simulation.bodies import World
 
 __all__ = ["WALL", "Contact", "Mover", "move"]
@@ -37,6 +38,8 @@ Ints = npt.NDArray[np.int64]
 SHORTEST = 2.5e-4  # [m]
 # So many steps ahead walls are looked for, so that those in the open need not look in every one.
 LOOK = 16.0
+# Rays that it costs as much as to set out and to look who is near.
+LOOK_WORK = 16
 
 
 class Mover(Protocol):
@@ -76,7 +79,8 @@ class Contact:
 class _Paths:
     """The paths of all bodies through the step, those of several movers as one.
 
-    Making it lets the bodies set out: `end` is where they go if they meet nothing, `near` who might meet a wall.
+    Making it lets the bodies set out: `end` is where they go if they meet nothing, `near` who might meet a wall, and
+    `close` who might meet another body that reaches no farther.
     """
 
     def __init__(self, world: World, movers: Sequence[Mover], told: Sequence[tuple[int, Array]]) -> None:
@@ -102,14 +106,22 @@ class _Paths:
         self.arrays = Paths(self.start, _floats(motion), form, self.bound, self.stop)
         self.scene = Scene(world.map.grid, *world.map.origin, world.bodies, world.edge_rows, self.arrays)
         self.end = np.empty((count, 3))
-        set_out(self.arrays, world.bodies.reach, self.end)
+        self.close = world.everyone[:0]
+        if world.has_company:
+            near, table = np.empty(count, dtype=np.uint8), world.by_place(self.start)
+            given = self.scene, world.replica_index, world.owner, table, self.end, near
+            world.workers.share(count, LOOK_WORK, lambda share: look_out(share, *given))
+            self.near = np.flatnonzero(near & NEAR_WALL)
+            self.close = np.flatnonzero(near & NEAR_BODY)
+        else:
+            set_out(self.arrays, world.bodies.reach, self.end)
+            self.near = self._look_around(world)
         if world.has_parts:
             self.end[world.parts] = self.at(world.parts, np.ones(len(world.parts)))
-        self.near = self._look_around(world)
 
     def _look_around(self, world: World) -> Ints:
-        """Who might meet a wall, in order; those without company look further, and keep what room they have."""
-        if world.has_company or world.has_parts:
+        """Who might meet a wall, in order; being without company they look further, and keep what room they have."""
+        if world.has_parts:
             moving = np.flatnonzero(self.bound > 0.0)
             reach = self.bound[moving] + SLACK
             gaps, _ = world.wall_gaps(moving, self.start[moving], reach)
@@ -180,7 +192,7 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
             world.room_at = end
             return end, stop, []
     paths = _Paths(world, movers, told)
-    if not world.has_company and not len(paths.near):
+    if not len(paths.near) and not len(paths.close):
         return paths.end, paths.stop, []
     a, b = _candidates(world, paths)
     if not len(a):
@@ -210,9 +222,9 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
 def _candidates(world: World, paths: _Paths) -> tuple[Ints, Ints]:
     """Whoever might meet a wall (b is `WALL`) or another body during the step, in order."""
     a, b = paths.near, np.full(len(paths.near), WALL, dtype=np.int64)
-    if not world.has_company:
+    if not len(paths.close):
         return a, b
-    of_pair, other = world.pairs_within(paths.start, paths.bound + SLACK)
+    of_pair, other = world.pairs_within(paths.start, paths.bound + SLACK, paths.close)
     if len(of_pair):
         reach = paths.bound[of_pair] + paths.bound[other]
         moves = reach > 0.0

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from amorsim.controllers.beams import with_directions
 from amorsim.kernels.free_space import (
     choose_direction,
+    directions_within,
     find_opening,
     free_way,
     nearest_distance,
@@ -19,6 +20,7 @@ from amorsim.kernels.free_space import (
 
 EMPTY_TRAIL = np.zeros((8, 2))
 HALF_CIRCLE = np.radians([-90.0, 90.0])
+WEIGHTS = np.empty(directions_within(HALF_CIRCLE))
 
 
 def scan(beams, ranges, half_angle=0.0, samples=1):
@@ -98,27 +100,27 @@ def test_another_cone_that_sees_past_it_rules_a_part_of_the_arc_out():
 def test_a_direction_with_room_is_chosen_and_none_without():
     points = box_scan(ahead=0.6, left=3.0, right=0.6, behind=1.0)
     for draw in np.linspace(0.01, 0.99, 25):
-        bearing = choose_direction(points, HALF_CIRCLE, 0.37, np.zeros(3), EMPTY_TRAIL, 0, draw, 0.0)
+        bearing = choose_direction(points, WEIGHTS, HALF_CIRCLE, 0.37, np.zeros(3), EMPTY_TRAIL, 0, draw, 0.0)
         assert free_way(points, bearing, 0.37, 0.0) > 0.4
         assert bearing > 0.0
     shut = box_scan(ahead=0.6, left=0.6, right=0.6, behind=0.6)
-    assert math.isnan(choose_direction(shut, HALF_CIRCLE, 0.37, np.zeros(3), EMPTY_TRAIL, 0, 0.5, 0.0))
+    assert math.isnan(choose_direction(shut, WEIGHTS, HALF_CIRCLE, 0.37, np.zeros(3), EMPTY_TRAIL, 0, 0.5, 0.0))
 
 
 def test_places_on_the_trail_count_little():
     points = box_scan(ahead=0.5, left=4.0, right=4.0, behind=1.0)
     trail = np.array([[0.0, 0.5 * i] for i in range(9)])  # all that lies to the left is known
     draws = (np.arange(400) + 0.5) / 400
-    turned = [choose_direction(points, HALF_CIRCLE, 0.37, np.zeros(3), trail, 9, d, 0.0) for d in draws]
+    turned = [choose_direction(points, WEIGHTS, HALF_CIRCLE, 0.37, np.zeros(3), trail, 9, d, 0.0) for d in draws]
     assert np.mean(np.array(turned) < 0.0) > 0.95
 
 
 def test_with_a_bar_only_what_promises_more_than_straight_ahead_is_taken():
     points = box_scan(ahead=4.0, left=4.0, right=4.0, behind=1.0)
-    chosen = choose_direction(points, HALF_CIRCLE, 0.37, np.zeros(3), EMPTY_TRAIL, 0, 0.5, 2.0)
+    chosen = choose_direction(points, WEIGHTS, HALF_CIRCLE, 0.37, np.zeros(3), EMPTY_TRAIL, 0, 0.5, 2.0)
     assert math.isnan(chosen)
     trail = np.array([[0.5 * i, 0.0] for i in range(9)])
-    chosen = choose_direction(points, HALF_CIRCLE, 0.37, np.zeros(3), trail, 9, 0.5, 2.0)
+    chosen = choose_direction(points, WEIGHTS, HALF_CIRCLE, 0.37, np.zeros(3), trail, 9, 0.5, 2.0)
     assert not math.isnan(chosen)
     assert abs(chosen) > math.radians(5.0)
 

@@ -26,9 +26,13 @@ def table_of(poses, reach, first, buckets, side):
     return table
 
 
+def replicas_of(first):
+    return np.repeat(np.arange(len(first) - 1), np.diff(first))
+
+
 def pairs_of(table, first, poses, radius, room=10_000):
     out = np.empty(room, dtype=np.int64)
-    count = pairs_within(table, first, poses, radius, out)
+    count = pairs_within(table, replicas_of(first), np.arange(len(poses)), poses, radius, out)
     assert count <= room
     found = sorted(divmod(key, len(poses)) for key in out[:count].tolist())
     assert len(set(found)) == len(found)
@@ -99,7 +103,7 @@ def test_pairs_beyond_the_room_for_them_are_counted_and_not_written():
     first = np.array([0, 10], dtype=np.int64)
     table = table_of(poses, radius, first, (2, 2), 1.0)
     out = np.full(20, -1, dtype=np.int64)
-    assert pairs_within(table, first, poses, radius, out[:7]) == 45
+    assert pairs_within(table, replicas_of(first), np.arange(10), poses, radius, out[:7]) == 45
     assert (out[:7] >= 0).all()
     assert (out[7:] == -1).all()
 
