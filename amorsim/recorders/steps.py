@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame
+from amorsim.contracts import Bundle, Frame
 from amorsim.kernels.keeping import keep_step
 from amorsim.recorders.lines import Span
 
@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 
 _NUMBERS = 1 << 17  # kept of one group before they are written
 _MOST_STEPS = 512
-_NOTHING = np.empty(0)
+_NO_BUNDLE = Bundle({}, np.empty(0), np.empty(0))
 
 
 class Steps:
@@ -113,16 +113,21 @@ class RobotSteps(Steps):
         """Keep a step, as it is now; whether there is no room for another."""
         estimates = iter(frame.estimates.values())
         pose, covariance = next(estimates)
+        rates, command, bundle = frame.joint_rates, frame.command, frame.bundle
+        if self.rows > 1:  # components' own, who may have laid several rows out in any way
+            rates, command = np.ascontiguousarray(rates), np.ascontiguousarray(command)
+            pose, covariance = np.ascontiguousarray(pose), np.ascontiguousarray(covariance)
+        _, true, measured = _NO_BUNDLE if bundle is None else bundle
         at = keep_step(
             frame.time,
             frame.true_pose,
             frame.true_twist,
-            # A component's own, who may have laid them out in any way.
-            np.ascontiguousarray(frame.joint_rates),
-            np.ascontiguousarray(frame.command),
-            np.ascontiguousarray(pose),
-            np.ascontiguousarray(covariance),
-            *((_NOTHING, _NOTHING) if frame.bundle is None else frame.bundle[1:]),
+            rates,
+            command,
+            pose,
+            covariance,
+            true,
+            measured,
             self.count,
             self.table,
         )

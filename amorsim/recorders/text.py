@@ -102,7 +102,9 @@ class Text(Recorder):
         if self._has_parts:
             self._open("parts", "time,part,x,y,heading")
         with self._lock:
-            self._groups = [self._group(frame, {}) for frame in frames]
+            for frame in frames:
+                steps = RobotSteps(frame)
+                self._groups.append(Group(steps, self._columns(steps), {}))
             self._parts = {
                 place: BodySteps(
                     [f"{name}.{part}" for name in frame.names for part in frame.parts],
@@ -126,11 +128,13 @@ class Text(Recorder):
             if self._todo:  # somebody broke in while they were written
                 self._write_steps()
             is_full = False
-            for place, frame in enumerate(frames):
-                if not self._groups[place].steps.fits(frame):
+            for group, frame in zip(self._groups, frames, strict=True):
+                if not group.steps.fits(frame):  # before any takes this step, for they take turns in the files
                     self._write_steps()
-                    self._groups[place] = self._group(frame, self._groups[place].previous)
-                is_full |= self._groups[place].steps.add(frame)
+                    group.steps = RobotSteps(frame)
+                    group.columns = self._columns(group.steps)
+            for group, frame in zip(self._groups, frames, strict=True):
+                is_full |= group.steps.add(frame)
             for place, steps in self._parts.items():
                 time = np.repeat(frames[place].time, len(frames[place].parts))
                 is_full |= steps.add(time, frames[place].part_pose)
@@ -225,10 +229,6 @@ class Text(Recorder):
         self._files.write(name, b"".join(data[at[i] : at[i + 1]] for i in range(count) for data, at in whole))
 
     # ------------------------------------------------------------------------------------------------------ columns
-
-    def _group(self, frame: Frame, previous: dict[str, Array]) -> Group:
-        steps = RobotSteps(frame)
-        return Group(steps, self._columns(steps), previous)
 
     def _page_of(self, steps: BodySteps) -> Page:
         spans = [*self._lead(steps), steps.span(_OUTPUT, "true_pose")]

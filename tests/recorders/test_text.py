@@ -15,6 +15,7 @@ import pytest
 
 import amorsim as am
 from amorsim.contracts import RunInfo
+from amorsim.core.errors import RunError
 from amorsim.recorders.files import LONGEST_WAIT
 from amorsim.recorders.text import Text
 from tests import building
@@ -192,9 +193,13 @@ def test_every_byte_is_that_of_plain_formatting(tmp_path: Path, kinds: str, repl
     text.open(RunInfo(tmp_path, simulation.dt, simulation.replicas, with_sensors=True), simulation.frames())
     text.write_obstacles(simulation.obstacle_frames())
     plain = PlainText(simulation.frames(), simulation.obstacle_frames(), simulation.dt, replicas > 1)
+    assert any(frame.bundle is not None and frame.bundle.places for frame in simulation.frames())
     for step in range(250):
         simulation.step()
-        text.write(simulation.frames(), [])
+        frames = simulation.frames()
+        if 120 <= step < 140:  # as after a change of what is read together
+            frames = [frame._replace(bundle=None) for frame in frames]
+        text.write(frames, [])
         text.write_obstacles(simulation.obstacle_frames())
         plain.write(simulation.frames(), simulation.obstacle_frames())
         if step == 100:
@@ -202,8 +207,47 @@ def test_every_byte_is_that_of_plain_formatting(tmp_path: Path, kinds: str, repl
     text.close()
     assert len(plain.lines) >= 9
     for name, lines in plain.lines.items():
-        written = (tmp_path / f"{name}.csv").read_text(encoding="utf-8")
-        assert written.split("\n", 1)[1] == "\n".join(lines) + "\n", name
+        assert lines_in(tmp_path, name) == lines, name
+
+
+def lines_in(folder: Path, name: str) -> list[str]:
+    """The lines of a file, without the head."""
+    return (folder / f"{name}.csv").read_text(encoding="utf-8").splitlines()[1:]
+
+
+@pytest.mark.parametrize("kinds", ["one", "several"])
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RunError])
+def test_who_is_broken_off_loses_and_doubles_no_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kinds: str, error: type[BaseException]
+) -> None:
+    robot = building.robot(sensors=building.all_sensors(), controller=building.Roam())
+    simulation = am.Simulation(building.scenario(robot) if kinds == "one" else several_kinds())
+    text = Text()
+    text.open(RunInfo(tmp_path, simulation.dt, simulation.replicas, with_sensors=True), simulation.frames())
+    plain = PlainText(simulation.frames(), [], simulation.dt, False)
+    for _ in range(30):
+        simulation.step()
+        text.write(simulation.frames(), [])
+        plain.write(simulation.frames(), [])
+    write, asked = text._files.write, []
+
+    def break_off(name: str, lines: bytes) -> None:
+        asked.append(name)
+        if len(asked) == 4:
+            raise error
+        write(name, lines)
+
+    monkeypatch.setattr(text._files, "write", break_off)
+    with pytest.raises(error):
+        text._hand_over()
+    if error is KeyboardInterrupt:  # and whoever takes it goes on
+        simulation.step()
+        text.write(simulation.frames(), [])
+        plain.write(simulation.frames(), [])
+    text.close()
+    for name, lines in plain.lines.items():
+        is_lost = error is RunError and name == asked[3]
+        assert lines_in(tmp_path, name) == ([] if is_lost else lines), name
 
 
 def test_steps_that_wait_reach_the_files_in_time(tmp_path: Path) -> None:
