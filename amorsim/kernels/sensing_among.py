@@ -71,8 +71,7 @@ def sense_among(
     poses_out: Floats,
     joints_out: Floats,
     covariance_out: Floats,
-    true: Floats,
-    measured: Floats,
+    values: Floats,
     fingerprint: NDArray[np.uint64],
 ) -> None:
     """What `sensing.sense` does to look, `body_rays.cast_bodies` of all range finders, and `sense` to read.
@@ -97,6 +96,8 @@ def sense_among(
     rows = pose.shape[0]
     grid = Grid(resolution, cell_rows, cell_cols, super_cols, supers, tables, pages, squares)
     lines = Lines(boxes, blocks_first, line_walls)
+    true = values[0]
+    measured = values[1]
     limits = floats[ints[LIMITS] : ints[LIMITS + 1]]
     nobody_asks = np.empty((0, 0), dtype=np.int64)
     first, end = take_rows(share, rows, 0)

@@ -67,8 +67,7 @@ def advance(
     covariance_out: Floats,
     tick_out: Ints,
     time_out: Floats,
-    true: Floats,
-    measured: Floats,
+    values: Floats,
     fingerprint: NDArray[np.uint64],
 ) -> bool:
     """Make of a step what is asked for; False, and nothing is made, where it `rolls` and not all have room for that.
@@ -109,8 +108,8 @@ def advance(
         (N, 3, 3), gets the estimates'.
     tick_out, time_out
         (N, 1), get the tick and the time [s] of what rolls.
-    true, measured
-        As `sense` takes them.
+    values
+        (2, V * N), true and measured, as `sense` takes them.
     fingerprint
         (N, 2), as `conclude` takes it.
     """
@@ -149,8 +148,8 @@ def advance(
             first,
             end,
             places,
-            true,
-            measured,
+            values[0],
+            values[1],
         )
     if concludes:
         conclude(
@@ -166,8 +165,8 @@ def advance(
             joints,
             command,
             ints,
-            true,
-            measured,
+            values[0],
+            values[1],
             first,
             end,
             fingerprint,

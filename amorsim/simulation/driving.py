@@ -39,11 +39,10 @@ def command_of(group: Group, which: Rows | None) -> Array:
         command = controller.command(*asked, group.controller_draws)
     else:
         command = _ask_some(controller, *asked, group.controller_draws, which)
-    rows = group.rows if which is None else len(which)
-    expected = (rows, len(group.channels))
-    if group.devices and command.shape == (rows, len(group.drive.channels)):
+    expected = group.hand.shape if which is None else (len(which), len(group.channels))
+    if group.devices and command.shape == (expected[0], len(group.drive.channels)):
         missing = expected[1] - command.shape[1]
-        command = np.concatenate((command, np.zeros((rows, missing))), axis=1)
+        command = np.concatenate((command, np.zeros((expected[0], missing))), axis=1)
     if command.shape != expected or not _all_finite(command):
         names = group.names if which is None else [group.names[row] for row in which.tolist()]
         raise _bad_command(group, command, names)

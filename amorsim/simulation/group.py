@@ -45,6 +45,8 @@ from amorsim.simulation.zones import Zones
 
 __all__ = ["Group", "group_key"]
 
+_FLOAT = np.dtype(np.float64)
+
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Arrays = dict[str, npt.NDArray[Any]]
@@ -87,6 +89,7 @@ class Group:
     ) -> None:
         self.specified = list(robots)
         self.names = [robot.name for robot in robots]
+        self.rows = len(self.names)  # robots, over all replicas
         self.bodies = bodies
         self.dt = dt
         self.seed = seed
@@ -125,11 +128,6 @@ class Group:
         self.start()
         if first.drive.parts:
             self.parts = Parts(self, world)
-
-    @property
-    def rows(self) -> int:
-        """How many robots there are, over all replicas."""
-        return len(self.names)
 
     # ------------------------------------------------------------------------------------------------- parameters
 
@@ -227,9 +225,7 @@ class Group:
             if self._counted is not self.active:  # it is replaced, never changed once somebody has asked
                 self._counted, self._are_active = self.active, bool(self.active.all())
             # A copy: it is the controller's, which may write into it again.
-            self.command = (
-                np.array(asked, dtype=np.float64, order="C") if self._are_active else np.where(self.active, asked, 0.0)
-            )
+            self.command = np.array(asked, _FLOAT, order="C") if self._are_active else np.where(self.active, asked, 0.0)
 
     def hand_over(self, row: int, to_hand: bool) -> None:
         """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""

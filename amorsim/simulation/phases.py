@@ -33,15 +33,19 @@ def step(fleet: Fleet) -> None:
 def _goes_whole(fleet: Fleet) -> bool:
     """Make all other phases in one call, where the only group of robots can (`amorsim.simulation.together`)."""
     group = fleet.alone
-    if group is None or not group.together.is_whole or not _has_room(fleet) or not group.together.step(fleet):
+    if group is None or not group.together.is_whole or fleet.contacts:
+        return False
+    together = group.together
+    if not (
+        (_knows_room(fleet) and together.step(fleet)) or (together.look_ahead(fleet.world) and together.step(fleet))
+    ):
         return False
     fleet.touching = NOBODY
     return True
 
 
-def _has_room(fleet: Fleet) -> bool:
-    """Whether nobody touches anything, and it is known how far everyone can go."""
-    return fleet.world.room_at is fleet.world.poses and not fleet.contacts
+def _knows_room(fleet: Fleet) -> bool:
+    return fleet.world.room_at is fleet.world.poses
 
 
 def first_look(fleet: Fleet) -> None:
@@ -67,8 +71,10 @@ def _actuate(fleet: Fleet) -> None:
 def _roll(fleet: Fleet) -> bool:
     """Let the wheels take the only group of robots on, where no wall is near."""
     group = fleet.alone
-    if group is None or group.together.is_whole or not group.together.rolls or not _has_room(fleet):
+    if group is None or group.together.is_whole or not group.together.rolls:
         return False  # what goes whole would not have come here, had it had room
+    if fleet.contacts or not _knows_room(fleet):
+        return False
     return group.together.roll(fleet)
 
 

@@ -164,8 +164,8 @@ class SensePlan:
             digest.absorb(results, fingerprint)
             results = (digest.NOTHING,) * _TOGETHER
         a, b, c, d, e = results
-        read = self._sizes, self.batch.true, self.batch.measured
-        mix = functools.partial(digest.absorb_together, a, b, c, d, e, *read)
+        true, measured = self.batch.values
+        mix = functools.partial(digest.absorb_together, a, b, c, d, e, self._sizes, true, measured)
         self._share(self._read_work, lambda first, end: mix(first, end, fingerprint))
 
     def share(self, part: Callable[[int, int], None]) -> None:

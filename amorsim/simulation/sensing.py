@@ -32,31 +32,31 @@ class Batch:
     ----------
     turn
         How often it was renewed.
-    size
-        How many values there are.
-    true, measured
-        `(V * N,)`: of each unit the values of row 0 first.
+    shape
+        Of `values`.
+    values
+        `(2, V * N)`, true and measured: of each unit the values of row 0 first.
     places
         Where in them each unit's are, by its name.
     is_held
         Whether this is what all of its units hold; not before they have read, nor where they were given other readings.
     """
 
-    __slots__ = ("always", "is_held", "measured", "now", "places", "rows", "size", "tick", "true", "turn")
+    __slots__ = ("always", "is_held", "now", "places", "rows", "shape", "tick", "turn", "values")
 
     def __init__(self, rows: int, values: int) -> None:
         self.rows = rows
-        self.size = rows * values
+        self.shape = 2, rows * values
         self.turn = 0
-        self.true = self.measured = np.empty(0)
+        self.values = np.empty((2, 0))
         self.places: dict[str, slice] = {}
         self.is_held = False
 
-    def take(self, true: Array, measured: Array, moment: Moment) -> None:
+    def take(self, values: Array, moment: Moment) -> None:
         """Hold what is, or will be, read now."""
         self.turn += 1
         self.is_held = True
-        self.true, self.measured = true, measured
+        self.values = values
         self.tick, self.now, self.always = moment.tick, moment.now, moment.always
 
 
@@ -101,8 +101,8 @@ class SensorUnit:
         if batch is not None and batch.turn != self._turn:
             self._turn = batch.turn
             shape = (batch.rows, self.size)
-            true = batch.true[self.first : self._end].reshape(shape)
-            measured = batch.measured[self.first : self._end].reshape(shape)
+            true = batch.values[0, self.first : self._end].reshape(shape)
+            measured = batch.values[1, self.first : self._end].reshape(shape)
             tick = batch.tick
             self._held = Held(true, measured, tick, tick, Measurement(measured, tick, batch.now, batch.always))
         return self._held

@@ -36,7 +36,7 @@ class Showing:
         bundle: Bundle | None = None
         readings: Mapping[str, Shown]
         if batch.is_held:
-            bundle = Bundle(batch.places, batch.true, batch.measured)
+            bundle = Bundle(batch.places, *batch.values)
             others = group.sensing.others
             held = {unit.name: (unit.true, unit.reading) for unit in others} if others else _NONE
             readings = _Readings(group.sensors, held, bundle, (batch.tick, batch.now, batch.always))

@@ -8,6 +8,7 @@ by component, with the same bits.
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from amorsim.kernels import stepping
 from amorsim.kernels.sensing_among import sense_among
 from amorsim.sensors.encoder import Encoder
 from amorsim.simulation.bodies import World
+from amorsim.simulation.contact import LOOK
 
 if TYPE_CHECKING:
     from amorsim.simulation.fleet import Fleet
@@ -30,11 +32,14 @@ __all__ = ["Together"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_NO_NUMBERS = np.empty(0)
+_WHOLE = np.dtype(np.int64)
+# In the place of what a call neither reads nor writes.
+_NO_ROOM = np.empty(0)
 _NO_TICKS: Ints = np.empty(0, dtype=np.int64)
 _NO_NOW = np.empty((0, 1), dtype=np.int64), np.empty((0, 1))
 _NO_STATE: State = {"pose": np.empty((0, 3)), "covariance": np.empty((0, 3, 3)), "joints": np.empty((0, 2))}
-_NO_RESULTS = np.empty((3, 0, 3)), np.empty((3, 0, 2)), np.empty((0, 3, 3))
+_NO_POSES, _NO_JOINTS, _NO_COVARIANCES = np.empty((3, 0, 3)), np.empty((3, 0, 2)), np.empty((0, 3, 3))
+_NO_VALUES = np.empty((2, 0))
 
 
 class Together:
@@ -57,7 +62,9 @@ class Together:
         self._estimator, encoder = _tell_reckoning(group, wheels[stepping.ROLLING :])
         self.concludes = bool(self._estimator)
         self.is_whole = self.rolls and self.concludes and group.world.workers.threads == 1
-        self._known = (*plan.given, wheels, encoder, group.moment.counter)
+        self._known = (*plan.given, wheels, encoder, group.moment.counter, group.dt)
+        advance: Any = stepping.advance
+        self._whole = functools.partial(advance, True, plan.looks, True, True, 0, rows, *self._known)
         # Shapes of what a step leaves: true poses, twists, estimated poses; joints, their rates, and those reckoned by.
         self._poses, self._joints = (3, rows, 3), (3, rows, 2)
         self._covariances, self._column = (rows, 3, 3), (rows, 1)
@@ -68,112 +75,99 @@ class Together:
         For a group that is all there is, and of whom is known how far from walls it is.
         """
         group, batch = self._group, self._plan.batch
-        moment, state = group.moment, group.estimator_states[self._estimator]
-        results = np.empty(self._poses), np.empty(self._joints), np.empty(self._covariances)
-        now = np.empty(self._column, dtype=np.int64), np.empty(self._column)
-        read = np.empty(batch.size), np.empty(batch.size)
-        goes = (True, self._plan.looks, True, True, 0, self._rows)
-        if not self._advance(goes, fleet.world.room, fleet.ticks, state, results, now, read):
+        state = group.estimator_states[self._estimator]
+        poses, joints, covariances = np.empty(self._poses), np.empty(self._joints), np.empty(self._covariances)
+        tick, time, values = np.empty(self._column, _WHOLE), np.empty(self._column), np.empty(batch.shape)
+        room, about = fleet.world.room, self._about(state)
+        results = poses, joints, covariances, tick, time, values
+        if not self._whole(room, fleet.ticks, *about, *results, group.fingerprint):
             return False
-        self._roll(fleet.world, results, now)
-        batch.take(*read, moment)
-        self._conclude(state, results)
+        self._roll(fleet.world, poses, joints, tick, time)
+        batch.take(values, group.moment)
+        self._conclude(state, poses, joints, covariances)
         return True
+
+    def look_ahead(self, world: World) -> bool:
+        """See how far from walls a robot is, if it is one, so that it may step again; whether that is of use.
+
+        It is not where the robot stood, or was near a wall.
+        """
+        if self._rows > 1 or (world.room_at is world.poses and world.room[0] == 0.0):
+            return False
+        ahead, left, turn = np.abs(self._group.true_twist[0]).tolist()
+        last = (ahead + left + turn * float(world.bodies.reach[0])) * self._group.dt  # no point went farther
+        world.room, _ = world.wall_gaps(world.everyone, world.poses, np.array([LOOK * last]))
+        world.room_at = world.poses
+        return bool(world.room[0] > 2.0 * last)
 
     def roll(self, fleet: Fleet) -> bool:
         """Make of a step the moving alone, and else as `step`; for a group that rolls."""
-        results = np.empty(self._poses), np.empty(self._joints), _NO_RESULTS[2]
-        now = np.empty(self._column, dtype=np.int64), np.empty(self._column)
-        read = _NO_NUMBERS, _NO_NUMBERS
-        goes = (True, False, False, False, 0, 0)
-        if not self._advance(goes, fleet.world.room, fleet.ticks, _NO_STATE, results, now, read):
+        group = self._group
+        poses, joints = np.empty(self._poses), np.empty(self._joints)
+        tick, time = np.empty(self._column, _WHOLE), np.empty(self._column)
+        about, results = self._about(_NO_STATE), (poses, joints, _NO_COVARIANCES, tick, time, _NO_VALUES)
+        advance: Any = stepping.advance
+        goes = True, False, False, False, 0, 0
+        if not advance(*goes, *self._known, fleet.world.room, fleet.ticks, *about, *results, group.fingerprint):
             return False
-        self._roll(fleet.world, results, now)
+        self._roll(fleet.world, poses, joints, tick, time)
         return True
 
     def sense(self) -> bool:
         """Sense where the group is now, and whether that concluded the step, where that goes by this road."""
-        plan, group = self._plan, self._group
+        plan, group, concludes = self._plan, self._group, self.concludes
         if not plan.reads:
             return False
-        state, results = _NO_STATE, _NO_RESULTS
-        if self.concludes:
+        state, results = _NO_STATE, (_NO_POSES, _NO_JOINTS, _NO_COVARIANCES)
+        if concludes:
             state = group.estimator_states[self._estimator]
             results = np.empty(self._poses), np.empty(self._joints), np.empty(self._covariances)
         batch = plan.batch
-        batch.take(np.empty(batch.size), np.empty(batch.size), group.moment)
-
+        batch.take(np.empty(batch.shape), group.moment)
+        about, values = self._about(state), batch.values
         if plan.looks and group.world.has_company:
             among: Any = sense_among
-            about = group.true_pose, group.true_twist, group.joints, group.command, *_of(state)
-            given = *self._known, *about, *results, batch.true, batch.measured, group.fingerprint
-            company = plan.company(group.view)
-            plan.share_meeting(lambda share: among(share, self.concludes, *company, *given))
+            # But for the tick and the rates of joints, which those that do not roll need not know.
+            known = *self._known[:-1], *about[1:4], *about[5:]
+            given = *plan.company(group.view), *known, *results
+            plan.share_meeting(lambda share: among(share, concludes, *given, values, group.fingerprint))
         else:
-            read, looks, concludes = (batch.true, batch.measured), plan.looks, self.concludes
+            advance: Any = stepping.advance
+            told = *self._known, _NO_ROOM, _NO_TICKS, *about, *results, *_NO_NOW, values, group.fingerprint
+            plan.share(lambda first, end: advance(False, plan.looks, True, concludes, first, end, *told))
+        if concludes:
+            self._conclude(state, *results)
+        return concludes
 
-            def part(first: int, end: int) -> None:
-                goes = (False, looks, True, concludes, first, end)
-                self._advance(goes, _NO_NUMBERS, _NO_TICKS, state, results, _NO_NOW, read)
-
-            plan.share(part)
-        if self.concludes:
-            self._conclude(state, results)
-        return self.concludes
-
-    def _advance(
-        self,
-        goes: tuple[Any, ...],
-        room: Array,
-        ticks: Ints,
-        state: State,
-        results: tuple[Array, Array, Array],
-        now: tuple[Ints, Array],
-        read: tuple[Array, Array],
-    ) -> bool:
-        """Call the kernel; what is asked for, and where that goes."""
+    def _about(self, state: State) -> tuple[Any, ...]:
+        """What a call must know of how things are: `tick` to `reckoned`, as kernels take them."""
         group = self._group
-        advance: Any = stepping.advance
-        made = advance(
-            *goes,
-            *self._known,
-            group.dt,
-            room,
-            ticks,
+        return (
             group.moment.tick,
             group.true_pose,
             group.true_twist,
             group.joints,
             group.joint_rates,
             group.command,
-            *_of(state),
-            *results,
-            *now,
-            *read,
-            group.fingerprint,
+            state["pose"],
+            state["covariance"],
+            state["joints"],
         )
-        return bool(made)
 
-    def _roll(self, world: World, results: tuple[Array, Array, Array], now: tuple[Ints, Array]) -> None:
+    def _roll(self, world: World, poses: Array, joints: Array, tick: Ints, time: Array) -> None:
         """Take what a call made of those that rolled."""
-        group, (poses, joints, _) = self._group, results
+        group = self._group
         group.true_pose, group.true_twist = poses[0], poses[1]
         group.joints, group.joint_rates = joints[0], joints[1]
         world.poses = world.room_at = group.true_pose
-        group.moment.take(*now)
+        group.moment.take(tick, time)
         group.streams.rewind()
 
-    def _conclude(self, state: State, results: tuple[Array, Array, Array]) -> None:
+    def _conclude(self, state: State, poses: Array, joints: Array, covariances: Array) -> None:
         """Take what a call made of estimates."""
-        poses, joints, covariances = results
         pose = poses[2]
         state["pose"], state["covariance"], state["joints"] = pose, covariances, joints[2]
         self._group.estimates[self._estimator] = Estimate(pose, covariances)
-
-
-def _of(state: State) -> tuple[Array, Array, Array]:
-    """The state of dead reckoning, as kernels take it."""
-    return state["pose"], state["covariance"], state["joints"]
 
 
 def _tell_rolling(group: Group, numbers: Array) -> bool:

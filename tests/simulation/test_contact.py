@@ -17,6 +17,7 @@ from amorsim.contracts import Draws, Drive, Motion, State, View
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.simulation import contact
+from amorsim.simulation.bodies import World
 from tests import building
 
 
@@ -278,8 +279,8 @@ def test_a_crowd_in_one_replica_is_a_crowd_alone() -> None:
 def test_a_robot_in_the_open_that_looks_at_no_wall_still_meets_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
     """Walls are looked at again before what is known of the room around has been used up, and after a jump."""
     looks = []
-    set_out = contact.set_out
-    monkeypatch.setattr(contact, "set_out", lambda *given: looks.append(1) or set_out(*given))
+    gaps = World.wall_gaps
+    monkeypatch.setattr(World, "wall_gaps", lambda *given: looks.append(1) or gaps(*given))
     sim = am.Simulation(building.scenario(building.robot(pose=am.Pose(x=1.0, y=2.5), on_collision="continue"), dt=0.02))
     sim.robot("rover").drive(forward=0.5)
     sim.run(8.0)

@@ -163,11 +163,38 @@ def test_bits_do_not_tell_whether_phases_are_made_in_one_call(change: Any, repli
         assert not alone._fleet.groups[0]._is_recorded
         assert not alone._fleet.is_whole
     assert 20 < whole < 300  # near walls it is looked
-    assert rolled == (whole if change is own_estimators else 0)
+    assert 20 < rolled <= whole if change is own_estimators else rolled == 0
     assert any(event.kind == "collision" for event in together.events)
     np.testing.assert_array_equal(together.true_pose, alone.true_pose)
     np.testing.assert_array_equal(together.covariance, alone.covariance)
     assert together.digest() == alone.digest()
+
+
+def test_a_step_goes_whole_at_once_after_a_restore() -> None:
+    made = scenario(1)
+    together, alone = am.Simulation(made), am.Simulation(changed(made, own_drive))
+    for sim in (together, alone):
+        sim.run(1.0)
+        start = sim.snapshot()
+        sim.run(1.0)
+        digest = sim.digest()
+        sim.restore(start)
+        sim.step()
+        assert sim._fleet.is_whole == (sim is together)
+        sim.run(0.9)
+        assert sim.digest() == digest
+    assert together.digest() == alone.digest()
+
+
+def test_who_leans_on_a_wall_does_not_look_ahead() -> None:
+    sim = am.Simulation(scenario(1))
+    sim.set_pose("r0", (0.45, 2.0, np.pi))
+    sim.hand_over("r0")
+    sim.robot("r0").drive(0.3)
+    sim.run(6.0)
+    assert sim.touching[0]
+    assert not sim._fleet.is_whole
+    assert not sim._fleet.groups[0].together.look_ahead(sim._fleet.world)
 
 
 @pytest.mark.parametrize(
