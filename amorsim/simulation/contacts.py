@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 import numpy as np
 import numpy.typing as npt
 
@@ -19,16 +17,26 @@ Array = npt.NDArray[np.float64]
 PARTED = 1e-3  # [m]
 
 
-def still_near(world: World, pairs: Collection[tuple[int, int]], poses: Array) -> frozenset[tuple[int, int]]:
-    """Those of the pairs of bodies (`WALL` for a wall) that have not parted, with all bodies at `poses` `(T, 3)`."""
-    near: set[tuple[int, int]] = set()
+def still_near(world: World, pairs: frozenset[tuple[int, int]], before: Array) -> frozenset[tuple[int, int]]:
+    """Those of the pairs of bodies (`WALL` for a wall) that have not parted.
+
+    All bodies have come from their poses `before` `(T, 3)`, at which they had not, to where they are in their world.
+    """
+    poses = world.poses
+    if not pairs or poses is before:
+        return pairs
+    gone = (poses != before).any(axis=1)
+    moved = [pair for pair in pairs if gone[pair[0]] or (pair[1] != WALL and gone[pair[1]])]
+    if not moved:
+        return pairs
+    near = set(pairs.difference(moved))
     # By the gaps that contact itself goes by: these have the same bits for any number of rows.
-    walls = [pair for pair in pairs if pair[1] == WALL]
+    walls = [pair for pair in moved if pair[1] == WALL]
     if walls:
         a = np.array([pair[0] for pair in walls], dtype=np.int64)
         gaps, _ = world.wall_gaps(a, poses[a], np.full(len(a), 2.0 * PARTED))
         near.update(pair for pair, gap in zip(walls, gaps.tolist(), strict=True) if gap <= PARTED)
-    bodies = [pair for pair in pairs if pair[1] != WALL]
+    bodies = [pair for pair in moved if pair[1] != WALL]
     if bodies:
         a, b = np.array(bodies, dtype=np.int64).T.copy()
         gaps = world.body_gaps(a, poses[a], b, poses[b], np.full(len(a), 2.0 * PARTED))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import attrs
+import numpy as np
+import numpy.typing as npt
 
 from amorsim.simulation.contact import WALL, Contact, Mover, move
 from amorsim.simulation.contacts import still_near
@@ -12,6 +14,8 @@ from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
+
+Array = npt.NDArray[np.float64]
 
 NOBODY: frozenset[tuple[int, int]] = frozenset()
 
@@ -32,20 +36,27 @@ def step(fleet: Fleet) -> None:
 
 def _goes_whole(fleet: Fleet) -> bool:
     """Make all other phases in one call, where the only group of robots can (`amorsim.simulation.together`)."""
-    group = fleet.alone
-    if group is None or not group.together.is_whole or fleet.contacts:
+    group, before = fleet.alone, fleet.world.poses
+    if group is None or not group.together.is_whole:
         return False
     together = group.together
     if not (
         (_knows_room(fleet) and together.step(fleet)) or (together.look_ahead(fleet.world) and together.step(fleet))
     ):
         return False
-    fleet.touching = NOBODY
+    _touch(fleet, NOBODY, before)
     return True
 
 
 def _knows_room(fleet: Fleet) -> bool:
     return fleet.world.room_at is fleet.world.poses
+
+
+def _touch(fleet: Fleet, touching: frozenset[tuple[int, int]], before: Array) -> None:
+    """Take who touched in the step that has led all bodies from their poses `before` to where they are."""
+    fleet.touching = touching
+    if touching or fleet.contacts:
+        fleet.contacts = touching | still_near(fleet.world, fleet.contacts - touching, before)
 
 
 def first_look(fleet: Fleet) -> None:
@@ -70,17 +81,17 @@ def _actuate(fleet: Fleet) -> None:
 
 def _roll(fleet: Fleet) -> bool:
     """Let the wheels take the only group of robots on, where no wall is near."""
-    group = fleet.alone
+    group, before = fleet.alone, fleet.world.poses
     if group is None or group.together.is_whole or not group.together.rolls:
         return False  # what goes whole would not have come here, had it had room
-    if fleet.contacts or not _knows_room(fleet):
+    if not _knows_room(fleet) or not group.together.roll(fleet):
         return False
-    return group.together.roll(fleet)
+    _touch(fleet, NOBODY, before)
+    return True
 
 
 def _move(fleet: Fleet) -> None:
     if fleet.rolls:
-        fleet.touching = NOBODY
         return
     movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
@@ -88,10 +99,8 @@ def _move(fleet: Fleet) -> None:
         # A contact that goes on is no further collision.
         if (contact.body, contact.other) not in fleet.contacts:
             _log_contact(fleet, contact)
-    fleet.touching = frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY
-    if fleet.contacts or contacts:
-        fleet.contacts = fleet.touching | still_near(fleet.world, fleet.contacts - fleet.touching, poses)
-    fleet.world.poses = poses
+    before, fleet.world.poses = fleet.world.poses, poses
+    _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY, before)
     if len(movers) == 1 and len(movers[0].bodies) == len(poses):
         movers[0].arrive(poses, stop)
     else:
