@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.grid import ALL, NONE, ONE, Grid, square_ahead, word_mask
 
-__all__ = ["Draft", "finish", "grid_from_array", "grow", "mark_run", "new_draft"]
+__all__ = ["Draft", "finish", "grid_from_array", "grow", "mark_box", "new_draft"]
 
 FREE = np.int32(-(2**31))
 """An entry that is free, its room not measured yet."""
@@ -75,24 +75,41 @@ def page_slot(draft: Draft, page_row: int, page_col: int) -> int:
 
 
 @kernel
-def mark_run(draft: Draft, row: int, col0: int, col1: int) -> bool:
-    """Occupy cells col0..col1 of a row, as far as they are in the map; False if the draft must grow first."""
-    if row < 0 or row >= draft.rows:
-        return True
-    col = max(col0, 0)
+def mark_box(draft: Draft, row0: int, row1: int, col0: int, col1: int) -> bool:
+    """Occupy cells of rows row0..row1 and columns col0..col1, as far as they are in the map; False if the draft must
+    grow first.
+    """
+    first = max(col0, 0)
     end = min(col1, draft.cols - 1)
-    while col <= end:
-        page = page_slot(draft, row >> 6, col >> 6)
-        if page < 0:
-            return False
-        last = min(end, col | 63)
-        while page > 0 and col <= last:  # page 0 is shared and has every bit set already
+    row = max(row0, 0)
+    end_row = min(row1, draft.rows - 1)
+    while row <= end_row:
+        last_row = min(end_row, row | 63)
+        col = first
+        while col <= end:
+            page = page_slot(draft, row >> 6, col >> 6)
+            if page < 0:
+                return False
+            last = min(end, col | 63)
+            if page > 0:  # page 0 is shared and has every bit set already
+                _mark_words(draft.pages, page, row, last_row, col, last)
+            col = last + 1
+        row = last_row + 1
+    return True
+
+
+@kernel
+def _mark_words(pages: NDArray[np.uint64], page: int, row: int, last_row: int, first: int, last: int) -> None:
+    """Occupy cells of a page: rows row..last_row and columns first..last of the map, that are all in it."""
+    while row <= last_row:
+        stop_row = min(last_row, row | 7)
+        col = first
+        while col <= last:
             stop = min(last, col | 7)
             word = ((row >> 3) & 7) * 8 + ((col >> 3) & 7)
-            draft.pages[page, word] |= word_mask(row & 7, col & 7, row & 7, stop & 7)
+            pages[page, word] |= word_mask(row & 7, col & 7, stop_row & 7, stop & 7)
             col = stop + 1
-        col = last + 1
-    return True
+        row = stop_row + 1
 
 
 @kernel
@@ -213,25 +230,26 @@ def _measure_table(grid: Grid, super_row: int, super_col: int, quadrant: int) ->
 
 
 @kernel
-def _measure_page(grid: Grid, page_row: int, page_col: int, page: int, quadrant: int) -> None:
-    """Write the room of the empty words of one page; the pages ahead have theirs."""
-    step_row = 1 if quadrant & 2 == 0 else -1
-    step_col = 1 if quadrant & 1 == 0 else -1
-    for i in range(8):
-        row = 7 - i if step_row > 0 else i
-        for j in range(8):
-            col = 7 - j if step_col > 0 else j
-            place = row * 8 + col
-            if grid.pages[page, place] != NONE:
-                continue
-            if i == 0 or j == 0:
-                side: Any = _ring(grid, page_row * 8 + row, page_col * 8 + col, 0, quadrant)
-            else:
-                side = 15
-                for ahead in (place + step_col, place + step_row * 8, place + step_row * 8 + step_col):
-                    side = min(side, (np.int64(grid.room[page, ahead]) >> (4 * quadrant)) & 15)
-                side += 1
-            grid.room[page, place] |= np.uint16(min(side, MOST_WORDS) << (4 * quadrant))
+def _measure_page(grid: Grid, page_row: int, page_col: int, page: int, quadrant: int, sides: NDArray[np.int64]) -> None:
+    """Write the room of the empty words of one page; the pages ahead have theirs.
+
+    `sides` (9, 9) is to work in: what is known at the words next to the page, ahead of it, and then at its own.
+    """
+    # Both counted against the quadrant, from the words ahead.
+    row, step_row = (page_row * 8 + 8, -1) if quadrant & 2 == 0 else (page_row * 8 - 1, 1)
+    col, step_col = (page_col * 8 + 8, -1) if quadrant & 1 == 0 else (page_col * 8 - 1, 1)
+    for k in range(9):
+        sides[0, k] = _words_ahead(grid, row, col + step_col * k, quadrant)
+    for k in range(1, 9):
+        sides[k, 0] = _words_ahead(grid, row + step_row * k, col, quadrant)
+    for i in range(1, 9):
+        for j in range(1, 9):
+            place = ((row + step_row * i) & 7) * 8 + ((col + step_col * j) & 7)
+            side = 0
+            if grid.pages[page, place] == NONE:
+                side = min(min(sides[i - 1, j], sides[i, j - 1], sides[i - 1, j - 1]) + 1, MOST_WORDS)
+                grid.room[page, place] |= np.uint16(side << (4 * quadrant))
+            sides[i, j] = side
 
 
 @kernel
@@ -243,6 +261,7 @@ def _measure(grid: Grid) -> None:
     three neighbours ahead: a square one longer than the least of theirs.
     """
     super_rows = grid.supers.shape[0] // grid.super_cols
+    sides = np.empty((9, 9), dtype=np.int64)
     for level in range(3):
         for quadrant in range(4):
             for i in range(super_rows):
@@ -263,7 +282,7 @@ def _measure(grid: Grid) -> None:
                             col = 63 - (p & 63) if quadrant & 1 == 0 else p & 63
                             page = grid.tables[table, row * 64 + col]
                             if page > 0:
-                                _measure_page(grid, super_row * 64 + row, super_col * 64 + col, page, quadrant)
+                                _measure_page(grid, super_row * 64 + row, super_col * 64 + col, page, quadrant, sides)
 
 
 def finish(draft: Draft, resolution: float) -> Grid:

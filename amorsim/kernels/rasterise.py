@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.draft import Draft, finish, grow, mark_run, new_draft
+from amorsim.kernels.draft import Draft, finish, grow, mark_box, new_draft
 from amorsim.kernels.grid import Grid
 
 __all__ = ["MOST_CELLS", "SNAP", "grid_from_segments", "mark_segments", "snapped"]
@@ -91,13 +91,8 @@ def _mark_segment(draft: Draft, x0: float, y0: float, x1: float, y1: float) -> b
     # left of it.
     first: int = max(math.ceil(y0) - 1, 0)
     last: int = min(math.floor(y1), draft.rows - 1)
-    if y0 == y1:
-        col0 = math.ceil(min(x0, x1)) - 1
-        col1 = math.floor(max(x0, x1))
-        done = True
-        for row in range(first, last + 1):
-            done = done and mark_run(draft, row, col0, col1)
-        return done
+    if y0 == y1 or x0 == x1:  # as most walls go, and all their cells at once
+        return mark_box(draft, first, last, math.ceil(min(x0, x1)) - 1, math.floor(max(x0, x1)))
     # Floor and ceiling of x where the segment comes into the row, by its lower line or by its own lower end.
     if first > y0:
         low_floor, low_ceil = _crossing(x0, y0, x1, y1, np.float64(first))
@@ -111,7 +106,7 @@ def _mark_segment(draft: Draft, x0: float, y0: float, x1: float, y1: float) -> b
             high_floor, high_ceil = _crossing(x0, y0, x1, y1, np.float64(top))
         else:
             high_floor, high_ceil = math.floor(x1), math.ceil(x1)
-        if not mark_run(draft, row, min(low_ceil, high_ceil) - 1, max(low_floor, high_floor)):
+        if not mark_box(draft, row, row, min(low_ceil, high_ceil) - 1, max(low_floor, high_floor)):
             return False
         low_floor, low_ceil = high_floor, high_ceil
     return True
