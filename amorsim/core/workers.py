@@ -4,8 +4,7 @@ Kernels release Python's global lock and write each row by itself, so rows can b
 bits that one thread gives, whoever takes which (`amorsim.kernels.shares`). No kernel is compiled a second time for it,
 and no thread is shared between simulations, so there is nothing to lock.
 
-A thread that has done its rows looks for other work for a while before it goes to sleep: to wake one took 60 to 150 us
-on a virtual machine, to be seen by one that looks takes less than one.
+A thread that has done its rows looks for other work for a while before it goes to sleep, for to be woken takes long.
 """
 
 from __future__ import annotations
@@ -25,8 +24,7 @@ from amorsim.kernels.shares import ALONE
 
 __all__ = ["ALONE", "Workers", "cores"]
 
-# Work that is smaller is not parted: a tenth of it is what sharing costs. In rays, or what costs about as much: some
-# 25 ns each.
+# Work that is smaller is not parted. In rays, or what costs about as much: some 25 ns each.
 LEAST_WORK = 1_500
 # So much is taken at once at least.
 _GRAIN_WORK = 200
