@@ -65,7 +65,7 @@ def main() -> None:
         # One line a warning, without the place in our code that a user cannot do anything about.
         warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
         try:
-            app()
+            app(prog_name="amorsim")  # however it was called: python -m amorsim, or a test
         except AmorsimError as error:
             complain(in_words(error))
             sys.exit(2)

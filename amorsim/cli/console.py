@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+from amorsim.kernels import COMPILING
+
 __all__ = ["compile_once", "complain", "say"]
 
 
@@ -27,7 +29,7 @@ def compile_once(quiet: bool = False) -> bool:
     if not is_cold():
         return False
     if not quiet:
-        say("compiling the kernels, once after installing (some ten seconds) ...")
+        say(COMPILING)
     compile_together()
     mark_warm()
     return True

@@ -164,6 +164,9 @@ def check_value(expected: Parameter, value: Any) -> None:
         raise ParameterError(expected.name, problem)
 
 
+_ELEMENT = " (element "
+
+
 def _problem(expected: Parameter, kind: Any, value: Any) -> str:
     if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
         options = [option for option in typing.get_args(kind) if option is not types.NoneType]
@@ -179,8 +182,12 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
             items = (items[0],) * len(value)
         if len(items) != len(value):
             return f"{_wrong(expected, value)}: it has {len(value)} elements, not {len(items)}"
-        problems = [_problem(expected, item, element) for item, element in zip(items, value, strict=True)]
-        return next((f"{problem} (element {i})" for i, problem in enumerate(problems) if problem), "")
+        for place, (item, element) in enumerate(zip(items, value, strict=True)):
+            if problem := _problem(expected, item, element):
+                # One place, however deep: element 0.1 is number 1 of number 0.
+                head, _, inner = problem.rpartition(_ELEMENT)
+                return f"{head}{_ELEMENT}{place}.{inner}" if head else f"{problem}{_ELEMENT}{place})"
+        return ""
     if kind is float:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
         # An int too large for a float is as good as infinite.

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.kernels import COMPILING
 from amorsim.runs.folder import next_folder
 from amorsim.ui.controls import DRIVING, LOOKING, Controls
 from amorsim.ui.link import Link
@@ -40,7 +41,6 @@ BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
 LONGEST_INTERRUPT = 1.0  # [s] that a controller gets to be broken off
 LONGEST_ANSWER = 600.0  # [s]
 LONGEST_START = 300.0  # [s], compiling included
-COMPILING = "compiling kernels, once after installing (some ten seconds) ..."
 
 
 class Session:

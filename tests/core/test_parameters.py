@@ -84,3 +84,14 @@ def test_a_word_or_something_measured_is_expected_in_these_words() -> None:
     assert describe(Start)["random"].expectation == "'anywhere' or a list of 2, each a number [m]"
     with pytest.raises(ParameterError, match=r"expected 'anywhere' or a list of 2, each a number \[m\], got True"):
         Start(random=True)
+
+
+def test_an_element_of_an_element_is_told_once() -> None:
+    @attrs.frozen(kw_only=True)
+    class Way:
+        places: tuple[tuple[float, float], ...] = parameter(unit="m")
+
+    with pytest.raises(ParameterError, match=r"got nan \(element 2\.1\)$"):
+        Way(places=((0.0, 1.0), (0.0, 1.0), (0.0, math.nan)))
+    with pytest.raises(ParameterError, match=r"it has 1 elements, not 2 \(element 1\)$"):
+        Way(places=((0.0, 1.0), (0.0,)))  # type: ignore[arg-type]

@@ -10,8 +10,8 @@ from pathlib import Path
 import numba
 import pytest
 
+from amorsim.kernels import COMPILING
 from amorsim.ui.child import is_compiling
-from amorsim.ui.session import COMPILING
 from tests.ui.sessions import Make
 from tests.ui.test_session import done, frame, state, until
 
