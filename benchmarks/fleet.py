@@ -36,12 +36,21 @@ class _Setting:
     steps: int
     with_pioneer: bool = False
     peers: bool = True
+    published: bool = True  # whether figures of peers that are not here are told beside it
 
 
 def _settings(quick: bool) -> list[_Setting]:
     found = [
         _Setting(name="one Pioneer, line room", world=worlds.line_room, robots=1, steps=60, with_pioneer=True),
         _Setting(name="one Pioneer, office", world=worlds.office, robots=1, steps=60, with_pioneer=True),
+        _Setting(
+            name="one Pioneer, furnished office",
+            world=worlds.furnished_office,
+            robots=1,
+            steps=60,
+            with_pioneer=True,
+            published=False,
+        ),
         _Setting(name="10 discs, office", world=worlds.office, robots=10, steps=30),
     ]
     if not quick:
@@ -90,7 +99,7 @@ def measure(
                 times = f"{spread.median:.2f} ({spread.low:.2f} to {spread.high:.2f})"
                 grown = f"a robot-step costs {times} x that of ten robots"
                 made[0] = attrs.evolve(made[0], note=f"{made[0].note}; {grown}")
-        elif "office" in setting.name and plain_rates:
+        elif "office" in setting.name and setting.published and plain_rates:
             made += _published(setting, ours, plain_rates)
         rows += made
     rows += [_threads(robots, rounds, say) for robots in ((100,) if quick else (100, 1000))]

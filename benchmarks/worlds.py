@@ -12,7 +12,18 @@ import numpy.typing as npt
 
 import amorsim as am
 
-__all__ = ["World", "bitmap_room", "city", "city_walls", "line_room", "office", "places", "room_walls", "write_wld"]
+__all__ = [
+    "World",
+    "bitmap_room",
+    "city",
+    "city_walls",
+    "furnished_office",
+    "line_room",
+    "office",
+    "places",
+    "room_walls",
+    "write_wld",
+]
 
 Array = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
@@ -95,6 +106,34 @@ def office(side: float = 50.0) -> World:
                 cells[low + y : low + y + 20, left + x : left + x + 12] = 1
     return World(
         name=f"office of {side:.3g} m, 5 cm",
+        map=am.Map.from_array(cells, resolution=OFFICE_CELL),
+        walls=_borders(cells, OFFICE_CELL),
+    )
+
+
+@functools.cache
+def furnished_office(side: float = 50.0) -> World:
+    """The office with walls of 15 cm, and in the middle of each room two desks and six round stools about them."""
+    bare = office(side).cells
+    cells = bare.copy()
+    cells[1:] |= bare[:-1]
+    cells[:-1] |= bare[1:]
+    thick = cells.copy()
+    cells[:, 1:] |= thick[:, :-1]
+    cells[:, :-1] |= thick[:, 1:]
+    n, room = len(cells), round(_ROOM / OFFICE_CELL)
+    up, across = np.ogrid[-4:5, -4:5]
+    stool = up * up + across * across <= 18
+    draw = np.random.default_rng(20261123)
+    for low in range(0, n, room):
+        for left in range(0, n, room):
+            for desk in (0, 1):
+                y, x = low + 28 + 28 * desk + draw.integers(0, 4), left + 30 + draw.integers(0, 8)
+                cells[y : y + 16, x : x + 32] = 1
+                for y0, x0 in ((y - 6, x + 6), (y + 22, x + 24), (y + 8, x - 6 + 44 * desk)):
+                    cells[y0 - 4 : y0 + 5, x0 - 4 : x0 + 5] |= stool
+    return World(
+        name=f"furnished office of {side:.3g} m, 5 cm",
         map=am.Map.from_array(cells, resolution=OFFICE_CELL),
         walls=_borders(cells, OFFICE_CELL),
     )

@@ -106,14 +106,14 @@ def test_there_are_no_more_threads_than_processors() -> None:
 
 @pytest.mark.parametrize("bad", ["the caller", "another"])
 def test_an_error_in_any_thread_is_raised_and_the_next_work_is_done(bad: str) -> None:
-    crew, others = workers(2), threading.Event()
+    crew, both, met = workers(2), threading.Barrier(2, timeout=30), set[str]()
 
     def work(first: int, end: int) -> None:
         is_other = threading.current_thread() is not threading.main_thread()
-        if is_other:
-            others.set()
-        else:
-            assert others.wait(30)
+        name = threading.current_thread().name
+        if name not in met:
+            met.add(name)
+            both.wait()  # else one might take all rows before the other has begun
         if is_other == (bad == "another"):
             raise ValueError(bad)
 
