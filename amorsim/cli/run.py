@@ -52,7 +52,7 @@ def command(
         int | None, typer.Option(metavar="N", help="How many replicas to simulate, each with draws of its own.")
     ] = None,
     threads: Annotated[
-        int, typer.Option(metavar="N", help="How many threads share the work; pays from some tens of robots up.")
+        int, typer.Option(metavar="N", help="How many threads share the work; pays from about a hundred robots up.")
     ] = 1,
     replica: Annotated[
         list[int] | None,

@@ -45,7 +45,7 @@ class Simulation:
     replicas
         How many replicas, or their numbers. Replica 37 of many has the same bits as replica 37 alone.
     threads
-        How many threads share the rows of long work, from some tens of robots up; the bits are the same with any.
+        How many threads share the rows of long work, from about a hundred robots up; the bits are the same with any.
 
     Raises
     ------

@@ -128,6 +128,19 @@ def test_walls_are_believed() -> None:
     assert (both(attrs.evolve(map_, lines=wrong), poses, 0.26, 5.0)[0] != expected).mean() > 0.5
 
 
+def test_boxes_are_believed() -> None:
+    # A box where no wall is, in front of those that are: what is told of it comes of its lines, not of cells or rays.
+    map_ = Map.from_segments([[0, 0, 6, 0], [6, 0, 6, 4], [6, 4, 0, 4], [0, 4, 0, 0]], resolution=0.01)
+    pose = np.array([[2.0, 2.0, 0.0]])
+    least, expected = both(map_, pose, 0.26, 5.0)
+    np.testing.assert_array_equal(least, expected)
+    walls = map_.lines.walls.copy()
+    (east,) = np.flatnonzero((walls[6] < walls[8]) & (walls[6] > 500) & (walls[6] < map_.shape[1]))
+    walls[6, east] -= 100.0
+    wrong = attrs.evolve(map_, lines=map_.lines._replace(walls=walls))
+    assert both(wrong, pose, 0.26, 5.0)[0] == pytest.approx(expected - 1.0)
+
+
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -math.pi / 2, math.pi / 4])
 @pytest.mark.parametrize("start", [(0.5, 0.5), (1.0, 1.0), (0.3, 1.0), (0.001, 0.001), (1.999, 0.25)])
 def test_along_axes_borders_and_corners(heading: float, start: tuple[float, float]) -> None:
