@@ -7,12 +7,13 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from numba.core import types
 
 from amorsim.kernels import ahead
-from amorsim.kernels.ahead import LIST, Task, _type_of, compile_ahead, describe, read_list
+from amorsim.kernels.ahead import LIST, Task, compile_ahead, describe, in_order, read_list, type_of
 from amorsim.kernels.grid import Grid
 
 DEMO = """
@@ -44,11 +45,11 @@ class Listener(event.Listener):
     def on_end(self, event):
         pass
 event.register("numba:compile", Listener())
-from amorsim.kernels.ahead import compile_ahead, read_list
+from amorsim.kernels.ahead import compile_ahead, in_order, read_list
 from amorsim.kernels.cache import take_turns
 take_turns()
 tasks = read_list()
-few = [task for task in tasks if not task.callees and task.is_part][:6]
+few = [task for task, _, callees in in_order(tasks) if not callees and task.is_part][:6]
 compile_ahead(few)
 assert all(task.dispatcher()._cache.holds(task.signature) for task in few)
 """
@@ -58,14 +59,30 @@ def test_types_are_read_as_they_were_described() -> None:
     array = types.Array(types.float64, 2, "C")
     named = types.BaseTuple.from_types([types.float64] + [types.int64] * 3 + [array] * 4, Grid)
     for each in (array, array.copy(readonly=True), named, types.boolean, types.uint64, types.UniTuple(types.int64, 3)):
-        assert _type_of(json.loads(json.dumps(describe(each)))) == each
+        assert type_of(json.loads(json.dumps(describe(each))), {}) == each
+    tuples: dict[str, list[Any]] = {}
+    other = types.BaseTuple.from_types([types.float64] * 8, Grid)
+    told = json.loads(json.dumps([describe(each, tuples) for each in (named, other, named)]))
+    assert told[0] == told[2] == ["named", "amorsim.kernels.grid:Grid"]
+    assert [type_of(each, tuples) for each in told] == [named, other, named]
     with pytest.raises(ValueError, match="no name"):
         describe(types.literal(3))
 
 
 def test_callees_come_first() -> None:
-    for place, task in enumerate(read_list()):
-        assert all(callee < place for callee in task.callees)
+    ordered = in_order(read_list())
+    for place, (_, _, callees) in enumerate(ordered):
+        assert all(callee < place for callee in callees)
+    names = {task.name: {ordered[callee][0].name for callee in callees} for task, _, callees in ordered}
+    assert names["displaced"] == {"wrap"}
+    assert names["wrap"] == set()
+    assert ordered[0][0].name in names["march"]
+
+
+def test_it_is_in_the_alphabets_order_without_a_line_twice() -> None:
+    """What merging two changes of it may leave."""
+    lines = LIST.read_text(encoding="utf-8").splitlines()
+    assert lines == sorted(set(lines)), "write the list anew: python tools/list_kernels.py"
 
 
 def test_the_list_is_what_the_demo_asks_for(tmp_path: Path) -> None:
@@ -74,8 +91,11 @@ def test_the_list_is_what_the_demo_asks_for(tmp_path: Path) -> None:
         [sys.executable, "-c", DEMO, str(tmp_path / "run")], check=True, stdout=subprocess.PIPE, text=True
     ).stdout
     asked = {json.dumps(each) for each in json.loads(told.splitlines()[-1])}
-    rows = json.loads(LIST.read_text(encoding="utf-8"))
-    listed = {json.dumps([row["module"], row["name"], row["types"]]) for row in rows if not row["part"]}
+    listed = {
+        json.dumps([task.module, task.name, [describe(each) for each in task.signature]])
+        for task in read_list()
+        if not task.is_part
+    }
     assert len(asked ^ listed) <= 4, "write the list anew: python tools/list_kernels.py"
 
 
