@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import say
-from amorsim.cli.study import claim_folder, free_folder, read_study, table, write_text
+from amorsim.cli.study import claim_folder, read_study, table, write_text
 from amorsim.core.errors import AmorsimError
 
 if TYPE_CHECKING:
@@ -65,7 +65,9 @@ def command(
     ] = None,
 ) -> None:
     """Find the errors of a gyro, a compass or a range sensor on a test bench, with their 95 % intervals."""
-    free_folder(out)
+    from amorsim.runs.folder import check_free
+
+    check_free(out)
     if element is not None and what is not What.range:
         raise AmorsimError("--element is for --what range: a gyro and a compass have one value")
     read = read_study(scenario, changes, seed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 
 from amorsim.kernels import COMPILING
 
@@ -21,13 +22,18 @@ def complain(text: str) -> None:
     sys.stderr.flush()
 
 
-def compile_once(quiet: bool = False) -> bool:
-    """Say so and compile what nearly every command needs, if no process has done so yet; whether none had."""
+def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
+    """Say so and compile what nearly every command needs, if no process has done so yet; whether none had.
+
+    `look` raises what is wrong with what was asked for, as far as that can be told before, and is called only then:
+    where nothing is to be compiled, what follows tells it as soon.
+    """
     from amorsim.kernels.ahead import compile_together
     from amorsim.kernels.cache import is_cold, mark_warm
 
     if not is_cold():
         return False
+    look()
     if not quiet:
         say(COMPILING)
     compile_together()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import say
-from amorsim.cli.study import claim_folder, draw, free_folder, read_study, significant, table, write_text
+from amorsim.cli.study import claim_folder, draw, read_study, significant, table, write_text
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
@@ -47,9 +47,10 @@ def command(
     Of a sensor, each entry of the robot's errors that touches it and each element of its noise is one.
     All draw the same alone as in company, so that their shares add up.
     """
+    from amorsim.runs.folder import check_free
     from amorsim.studies.attribution import attribute_errors
 
-    free_folder(out)
+    check_free(out)
     read = read_study(scenario, changes, seed)
     if sensor is not None:
         _explain_readings(read, sensor, robot, replicas, out)

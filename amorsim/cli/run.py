@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import attrs
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
@@ -19,7 +18,6 @@ from amorsim.cli.console import compile_once, complain, say
 if TYPE_CHECKING:
     from amorsim.runs.film import Film
     from amorsim.runs.session import RunSummary
-    from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
 __all__ = ["command"]
@@ -91,7 +89,8 @@ def command(
     picture of the paths. Ctrl-C ends the run with its files whole.
     """
     from amorsim.core.errors import AmorsimError
-    from amorsim.runs.asked import look_up, make_simulation, read_scenario
+    from amorsim.runs.asked import look_up, make_simulation, read_scenario, with_options
+    from amorsim.runs.folder import check_free
     from amorsim.runs.run import run as run_scenario
 
     if replicas is not None and replica:
@@ -100,10 +99,16 @@ def command(
         raise AmorsimError(f"--replicas: expected a whole number > 0, got {replicas}")
     if quiet:
         warnings.simplefilter("ignore")
-    look_up(scenario)  # before the long wait of whoever has just installed
-    compile_once(quiet)
-    read = read_scenario(scenario, resolution=resolution, changes=changes or [])
-    read = _with_options(read, seed, duration)
+    check_free(out)
+    if gif is not None:
+        from amorsim.runs.film import Film, check_film
+
+        with _in_options():
+            check_film(gif, gif_size, gif_rate, gif_speed)
+    compile_once(
+        lambda: look_up(scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration), quiet
+    )
+    read = with_options(read_scenario(scenario, resolution=resolution, changes=changes or []), seed, duration)
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
     simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:
@@ -111,7 +116,8 @@ def command(
             complain(f"{read.map.name}: {warning}")
     film = None
     if gif is not None:
-        film = _film(simulation, gif, gif_size, gif_rate, gif_speed)
+        with _in_options():
+            film = Film(simulation, gif, read.duration, size=gif_size, rate=gif_rate, speed=gif_speed)
     with _progress(quiet) as progress:
         on_step = progress if film is None else functools.partial(_filmed, film, progress)
         summary = run_scenario(simulation.scenario, out, progress=on_step, simulation=simulation)
@@ -125,13 +131,14 @@ def command(
         raise typer.Exit(130)
 
 
-def _film(simulation: Simulation, path: Path, size: int, rate: float, speed: float | None) -> Film:
+@contextlib.contextmanager
+def _in_options() -> Iterator[None]:
+    """Says what is wrong with a film in words of the options."""
     from amorsim.core.errors import AmorsimError
     from amorsim.core.parameters import ParameterError
-    from amorsim.runs.film import Film
 
     try:
-        return Film(simulation, path, simulation.scenario.duration, size=size, rate=rate, speed=speed)
+        yield
     except ParameterError as error:
         raise AmorsimError(f"--{error.name}: {error.problem}") from None
 
@@ -140,20 +147,6 @@ def _filmed(film: Film, progress: Progress | None, share: float) -> None:
     film.keep()
     if progress is not None:
         progress(share)
-
-
-def _with_options(scenario: Scenario, seed: int | None, duration: float | None) -> Scenario:
-    from amorsim.core.errors import AmorsimError
-    from amorsim.core.parameters import ParameterError
-
-    try:
-        if seed is not None:
-            scenario = attrs.evolve(scenario, seed=seed)
-        if duration is not None:
-            scenario = attrs.evolve(scenario, duration=duration)
-    except ParameterError as error:
-        raise AmorsimError(f"--{error.name}: {error.problem}") from None
-    return scenario
 
 
 @contextlib.contextmanager

@@ -7,47 +7,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import attrs
-
 from amorsim.cli.console import compile_once, complain
-from amorsim.core.errors import AmorsimError, RunError
+from amorsim.core.errors import RunError
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
 
-__all__ = ["claim_folder", "draw", "free_folder", "read_study", "significant", "table", "write_text"]
+__all__ = ["claim_folder", "draw", "read_study", "significant", "table", "write_text"]
 
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
     """The scenario that a user means, with another seed if one is given."""
-    from amorsim.core.parameters import ParameterError
-    from amorsim.runs.asked import look_up, read_scenario
+    from amorsim.runs.asked import look_up, read_scenario, with_options
 
-    look_up(name)
-    compile_once()
-    scenario = read_scenario(name, changes=changes or [])
-    if seed is None:
-        return scenario
-    try:
-        return attrs.evolve(scenario, seed=seed)
-    except ParameterError as error:
-        raise AmorsimError(f"--seed: {error.problem}") from None
-
-
-def free_folder(out: Path | None) -> None:
-    """Complain of a folder that holds something, before anything is computed for it.
-
-    Raises
-    ------
-    RunError
-        If there are files in it, or it is a file itself.
-    """
-    if out is None or not out.exists():
-        return
-    if not out.is_dir():
-        raise RunError(f"{out}: is a file; name a folder, new or empty")
-    if any(out.iterdir()):
-        raise RunError(f"{out}: the folder holds files already; name another one, or one that is not there")
+    compile_once(lambda: look_up(name, changes=changes or (), seed=seed))
+    return with_options(read_scenario(name, changes=changes or []), seed)
 
 
 def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from amorsim.cli.console import say
-from amorsim.cli.study import claim_folder, draw, free_folder, read_study, table, write_text
+from amorsim.cli.study import claim_folder, draw, read_study, table, write_text
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
@@ -52,9 +52,10 @@ def command(
     This is UMBmark (Borenstein and Feng 1996): the robot drives by its odometry, and where it really ends less where
     it believes to be tells how unequal its wheels are (Ed) and how wrong its track is (Eb).
     """
+    from amorsim.runs.folder import check_free
     from amorsim.studies.umbmark import umbmark
 
-    free_folder(out)
+    check_free(out)
     read = read_study(scenario, changes, seed)
     found = umbmark(read, robot=robot, side=side, speed=speed, runs=runs, in_its_world=in_its_world)
     say(_report(found))

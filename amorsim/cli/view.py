@@ -65,11 +65,14 @@ def command(
         raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
 
     from amorsim.runs.asked import look_up
+    from amorsim.runs.folder import check_free
     from amorsim.ui.recipe import Recipe
 
-    look_up(scenario)
-    cold = compile_once()
+    check_free(out)
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
+    cold = compile_once(
+        lambda: look_up(scenario, resolution=resolution, changes=recipe.changes, seed=seed, duration=duration)
+    )
     # What no run has needed yet (a camera's kernels ...) is compiled later: that is told when it takes long.
     notice = None if cold else say
     show(recipe, out=out, host=host, port=port, browser=open_, say=say, complain=complain, notice=notice)

@@ -5,7 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import attrs
+
 from amorsim.core.errors import AmorsimError
+from amorsim.core.parameters import ParameterError, check_value, describe
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -13,19 +16,61 @@ if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
-__all__ = ["look_up", "make_simulation", "read_scenario"]
+__all__ = ["look_up", "make_simulation", "read_scenario", "with_options"]
 
 
-def look_up(name: str) -> None:
-    """Raise what `read_scenario` would if there is nothing of that name; quickly, for nothing is compiled for it."""
+def look_up(
+    name: str,
+    *,
+    resolution: float | None = None,
+    changes: Sequence[str] = (),
+    seed: int | None = None,
+    duration: float | None = None,
+) -> None:
+    """Raise what `read_scenario` and `with_options` would of what was asked for, but for what the maps hold.
+
+    Nothing is compiled for it: who has just installed hears of a slip of the pen before the long wait, not after it.
+    """
     from amorsim.plugins.manager import default_registry
     from amorsim.scenario.maps import find_loader
-    from amorsim.scenario.read import find_document
+    from amorsim.scenario.read import check_words
 
-    if _is_map(name):
+    options = _options(name, resolution)
+    for key, value in (("seed", seed), ("duration", duration)):
+        if value is not None:
+            _check_option(key, value)
+    if options is not None:
         find_loader(Path(name), None, default_registry())
-    else:
-        find_document(name, default_registry())
+    check_words(name, changes, of_map=options)
+
+
+def with_options(scenario: Scenario, seed: int | None, duration: float | None = None) -> Scenario:
+    """The scenario with the seed and the duration that a user gave in place of its own; None for those of its own."""
+    given: dict[str, Any] = {"seed": seed, "duration": duration}
+    given = {name: value for name, value in given.items() if value is not None}
+    for name, value in given.items():
+        _check_option(name, value)
+    return attrs.evolve(scenario, **given)
+
+
+def _check_option(name: str, value: float) -> None:
+    from amorsim.scenario.spec import Scenario
+
+    try:
+        check_value(describe(Scenario)[name], value)
+    except ParameterError as error:
+        raise AmorsimError(f"--{error.name}: {error.problem}") from None
+
+
+def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
+    """The options of the map that a user means, or None if he means a scenario."""
+    if _is_map(name):
+        return {} if resolution is None else {"resolution": resolution}
+    if resolution is not None:
+        raise AmorsimError(
+            "--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)"
+        )
+    return None
 
 
 def _is_map(name: str) -> bool:
@@ -38,13 +83,9 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
     """The scenario that a user means by `name`."""
     from amorsim.scenario.read import load, scenario_for_map
 
-    if _is_map(name):
-        options: dict[str, Any] = {} if resolution is None else {"resolution": resolution}
+    options = _options(name, resolution)
+    if options is not None:
         return scenario_for_map(Path(name), overrides=tuple(changes), **options)
-    if resolution is not None:
-        raise AmorsimError(
-            "--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)"
-        )
     return load(name, overrides=tuple(changes))
 
 

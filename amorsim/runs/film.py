@@ -6,15 +6,31 @@ from pathlib import Path
 
 from amorsim.core.errors import RunError
 from amorsim.core.parameters import ParameterError
-from amorsim.render.animation import Animation, Shown
+from amorsim.render.animation import SMALLEST, Animation, Shown
 from amorsim.scenario.spec import Obstacle, Robot
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Film"]
+__all__ = ["Film", "check_film"]
 
 LARGEST = 4096  # [px]: beyond it, frames fill the memory
 LONGEST = 20.0  # [s] that a film takes whose speed is not told
 FASTEST = 25.0  # frames a second
+
+
+def check_film(path: Path, size: int, rate: float, speed: float | None) -> None:
+    """Complain of what makes no film, before anything is simulated for it; the arguments and errors are `Film`'s."""
+    if path.suffix.lower() != ".gif":
+        raise ParameterError("gif", f"expected the name of a file that ends in .gif, got {str(path)!r}")
+    if path.is_dir():
+        raise RunError(f"{path}: is a folder; name a file")
+    if not path.parent.is_dir():
+        raise RunError(f"{path}: there is no folder {path.parent}")
+    if not SMALLEST <= size <= LARGEST:
+        raise ParameterError("gif-size", f"expected at least {SMALLEST} pixels and at most {LARGEST}, got {size}")
+    if not 0.0 < rate <= FASTEST:
+        raise ParameterError("gif-rate", f"expected frames a second > 0 and <= {FASTEST:g}, got {rate!r}")
+    if speed is not None and not 0.0 < speed < 1e6:
+        raise ParameterError("gif-speed", f"expected a number > 0 and < 1e6, got {speed!r}")
 
 
 class Film:
@@ -53,18 +69,7 @@ class Film:
         rate: float = 10.0,
         speed: float | None = None,
     ) -> None:
-        if path.suffix.lower() != ".gif":
-            raise ParameterError("gif", f"expected the name of a file that ends in .gif, got {str(path)!r}")
-        if path.is_dir():
-            raise RunError(f"{path}: is a folder; name a file")
-        if size > LARGEST:
-            raise ParameterError("gif-size", f"expected at most {LARGEST} pixels, got {size}")
-        if not path.parent.is_dir():
-            raise RunError(f"{path}: there is no folder {path.parent}")
-        if not 0.0 < rate <= FASTEST:
-            raise ParameterError("gif-rate", f"expected frames a second > 0 and <= {FASTEST:g}, got {rate!r}")
-        if speed is not None and not 0.0 < speed < 1e6:
-            raise ParameterError("gif-speed", f"expected a number > 0, got {speed!r}")
+        check_film(path, size, rate, speed)
         self.path = path
         self._simulation = simulation
         self._speed = max(1.0, duration / LONGEST) if speed is None else speed

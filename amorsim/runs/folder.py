@@ -16,7 +16,7 @@ from typing import Any
 from amorsim.core.errors import RunError
 from amorsim.plugins.manager import default_registry
 
-__all__ = ["RunFolder", "circumstances", "fingerprints", "new_folder", "next_folder", "read_about"]
+__all__ = ["RunFolder", "check_free", "circumstances", "fingerprints", "new_folder", "next_folder", "read_about"]
 
 FORMAT = 1
 ABOUT = "run.json"
@@ -66,6 +66,26 @@ def next_folder(path: str | os.PathLike[str]) -> Path:
     return found
 
 
+def check_free(path: Path | None) -> None:
+    """Complain of a folder that holds something, before anything is computed for it; None is any.
+
+    Raises
+    ------
+    RunError
+        If there are files in it, it is a file itself, or what is in it cannot be told.
+    """
+    if path is None or not path.exists():
+        return
+    if not path.is_dir():
+        raise RunError(f"{path}: is a file; name a folder, new or empty")
+    try:
+        holds_something = any(path.iterdir())
+    except OSError as error:
+        raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
+    if holds_something:
+        raise RunError(f"{path}: the folder holds files already; name another one, or one that is not there")
+
+
 class RunFolder:
     """A folder that belongs to one run from now on: `path` exists and holds nothing but a new ``run.json``.
 
@@ -96,19 +116,15 @@ class RunFolder:
             raise self._failure(error) from None
 
     def _make(self) -> None:
+        check_free(self.path)
         missing = [self.path]
         while not missing[-1].exists() and missing[-1].parent != missing[-1]:
             missing.append(missing[-1].parent)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._made = missing[:-1]
-            holds_something = any(self.path.iterdir())
-        except FileExistsError:
-            raise RunError(f"{self.path}: is a file; name a folder for the run, new or empty") from None
         except OSError as error:
             raise self._failure(error) from None
-        if holds_something:
-            raise RunError(f"{self.path}: the folder holds files already; name another one, or one that is not there")
 
     def _failure(self, error: OSError) -> RunError:
         return RunError(f"{self.path}: cannot make this folder for the run ({error.strerror or error})")

@@ -29,7 +29,7 @@ from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
 
-__all__ = ["is_model", "load", "loads", "scenario_for_map", "scenario_for_model"]
+__all__ = ["check_words", "is_model", "load", "loads", "scenario_for_map", "scenario_for_model"]
 
 _KEYS = (
     *("format", "description", "world", "simulation", "recording"),
@@ -108,15 +108,53 @@ def scenario_for_map(
     `options` are the map loader's, spelt as in a file: ``resolution=0.05``, ``origin_yaw_deg=90``. What is
     raised is as for `load`.
     """
-    path = Path(path)
-    document = {
+    origin = Source(file="", folder=Path(path).parent)
+    document = _map_alone(Path(path), options)
+    return _read(document, Book(origin), overrides, registry or default_registry(), is_map_alone=True)
+
+
+def _map_alone(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
+    return {
         "format": FORMAT,
         "world": {**options, "map": str(path.absolute())},
         "simulation": {"duration": 60.0},
         "robots": [{"name": "rover", "model": "pioneer2dx", "controller": {"use": "wander"}}],
     }
-    origin = Source(file="", folder=path.parent)
-    return _read(document, Book(origin), overrides, registry or default_registry(), is_map_alone=True)
+
+
+def check_words(
+    source: str | Path,
+    overrides: Iterable[str] = (),
+    *,
+    of_map: Mapping[str, Any] | None = None,
+    registry: Registry | None = None,
+) -> None:
+    """Raise the faults of a scenario's own words: of all that `load` would find, but for what the maps hold.
+
+    No map is read, so that nothing is compiled for it: who has just installed waits for that, and hears this before.
+
+    Parameters
+    ----------
+    source, overrides
+        As for `load`.
+    of_map
+        The options of the map that `source` is, for what `scenario_for_map` reads.
+
+    Raises
+    ------
+    ScenarioError
+        With all these faults.
+    """
+    registry = registry or default_registry()
+    path = Path(source)
+    if of_map is None:
+        path, document = find_document(source, registry)
+        origin = Source(file=str(path), folder=path.parent)
+    else:
+        document, origin = _map_alone(path, of_map), Source(file="", folder=path.parent)
+    book = Book(origin)
+    _values(document, book, overrides, registry, Maps(registry, are_read=False), False, False)
+    book.raise_if_any()
 
 
 def is_model(path: str | Path) -> bool:
@@ -151,13 +189,8 @@ def _read(
     starts: bool = True,
     is_map_alone: bool = False,
 ) -> Scenario:
-    settings = parse_overrides(overrides, book)
-    apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
-    merge_models(document, book, registry)
-    apply_overrides(document, [setting for setting in settings if not setting.chooses_model], book)
-    values = _read_top(Node(document, (), book), registry, starts, is_map_alone)
+    values = _values(document, book, overrides, registry, Maps(registry), starts, is_map_alone)
     book.raise_if_any()
-    assert values is not None
     try:
         scenario = Scenario(**values, source=file)
     except ParameterError as error:
@@ -167,13 +200,29 @@ def _read(
     return attrs.evolve(scenario, document=document_of(scenario, registry=registry))
 
 
-def _read_top(top: Node, registry: Registry, starts: bool, is_map_alone: bool) -> dict[str, Any] | None:
+def _values(
+    document: dict[str, Any],
+    book: Book,
+    overrides: Iterable[str],
+    registry: Registry,
+    maps: Maps,
+    starts: bool,
+    is_map_alone: bool,
+) -> dict[str, Any]:
+    """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
+    settings = parse_overrides(overrides, book)
+    apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
+    merge_models(document, book, registry)
+    apply_overrides(document, [setting for setting in settings if not setting.chooses_model], book)
+    return _read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
+
+
+def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
     if "description" in top:
         top.child("description").text("a text")
     values: dict[str, Any] = {}
-    maps = Maps(registry)
     world = None
     if "world" in top:
         world = maps.read(top.child("world"))

@@ -26,14 +26,18 @@ __all__ = ["Maps", "is_free_at", "start_of"]
 
 
 class Maps:
-    """The maps of one scenario; a file that is read in the same way for several robots is read once."""
+    """The maps of one scenario; a file that is read in the same way for several robots is read once.
 
-    def __init__(self, registry: Registry) -> None:
+    With `are_read` false none is: what a document says of them is looked at alone, for which nothing is compiled.
+    """
+
+    def __init__(self, registry: Registry, *, are_read: bool = True) -> None:
         self._registry = registry
+        self._are_read = are_read
         self._read: dict[MapFile, Map] = {}
 
     def read(self, node: Node, beside: tuple[str, ...] = (), like: Map | None = None) -> Map | None:
-        """The map in a table ``{ map = "file", options ... }``, or None after faults.
+        """The map in a table ``{ map = "file", options ... }``; None after faults, or where none is read.
 
         `beside` are keys of the table that are no options. If the file is that of the map `like`, and there
         are no options, it is read as that one was.
@@ -56,7 +60,7 @@ class Maps:
             node.child("map").fault(str(error))
             return None
         loader = read_component(cls, node, beside=("map", "use", *beside))
-        if loader is None:
+        if loader is None or not self._are_read:
             return None
         file = MapFile(path=path, loader=loader)
         if file not in self._read:

@@ -7,9 +7,7 @@ from typing import Any, Self
 
 import attrs
 
-from amorsim.core.errors import AmorsimError
-from amorsim.core.parameters import ParameterError
-from amorsim.runs.asked import make_simulation, read_scenario
+from amorsim.runs.asked import make_simulation, read_scenario, with_options
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Recipe"]
@@ -38,14 +36,7 @@ class Recipe:
             As `amorsim.load` and `amorsim.Simulation` do.
         """
         scenario = read_scenario(self.name, resolution=self.resolution, changes=self.changes)
-        try:
-            if self.seed is not None:
-                scenario = attrs.evolve(scenario, seed=self.seed)
-            if self.duration is not None:
-                scenario = attrs.evolve(scenario, duration=self.duration)
-        except ParameterError as error:
-            raise AmorsimError(f"--{error.name}: {error.problem}") from None
-        return make_simulation(scenario)
+        return make_simulation(with_options(scenario, self.seed, self.duration))
 
     def to_json(self) -> dict[str, Any]:
         """As a table of plain values."""

@@ -101,18 +101,3 @@ def test_plot_without_matplotlib_says_how_to_get_it(
     result = amorsim("plot", "run")
     assert result.status == 2
     assert 'pip install "amorsim[plot]"' in result.err
-
-
-@pytest.mark.parametrize("command", ["run", "view", "umbmark", "explain-errors"])
-def test_a_mistyped_name_is_told_before_anything_is_compiled(
-    amorsim: Command, monkeypatch: pytest.MonkeyPatch, command: str
-) -> None:
-    def compile_once(quiet: bool = False) -> bool:
-        raise AssertionError("compiled for nothing")
-
-    for module in ("run", "view", "study"):
-        monkeypatch.setattr(f"amorsim.cli.{module}.compile_once", compile_once)
-    for name, problem in (("dmo", "Did you mean 'demo'?"), ("nowhere.wld", "there is no such file")):
-        result = amorsim(command, name)
-        assert result.status == 2
-        assert problem in result.err

@@ -64,8 +64,8 @@ def test_a_film_of_a_run_takes_the_frames_it_needs(tmp_path: Path) -> None:
     ("name", "settings", "message"),
     [
         ("run.png", {}, "gif: expected the name of a file that ends in .gif"),
-        ("run.gif", {"size": 50}, "gif-size: expected at least 120 pixels"),
-        ("run.gif", {"size": 10_000_000}, "gif-size: expected at most 4096 pixels"),
+        ("run.gif", {"size": 50}, "gif-size: expected at least 120 pixels and at most 4096, got 50"),
+        ("run.gif", {"size": 10_000_000}, "at most 4096, got 10000000"),
         ("folder.gif", {}, "is a folder; name a file"),
         ("run.gif", {"rate": 0.0}, "gif-rate: expected frames a second"),
         ("run.gif", {"speed": -1.0}, "gif-speed: expected a number > 0"),

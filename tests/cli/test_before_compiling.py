@@ -1,0 +1,101 @@
+"""What whoever has just installed hears before the kernels are compiled: that he mistyped something."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from amorsim.plugins.manager import default_registry
+from tests.cli.conftest import Command
+
+
+@pytest.fixture
+def just_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where nothing has been compiled yet; whoever begins to compile fails."""
+
+    def compile_together() -> None:
+        raise AssertionError("compiled for nothing")
+
+    monkeypatch.setattr("amorsim.kernels.cache.is_cold", lambda: True)
+    monkeypatch.setattr("amorsim.kernels.ahead.compile_together", compile_together)
+
+
+@pytest.mark.usefixtures("just_installed")
+@pytest.mark.parametrize("command", ["run", "view", "umbmark", "explain-errors"])
+def test_a_mistyped_name_is_told_before_anything_is_compiled(amorsim: Command, command: str) -> None:
+    for name, problem in (("dmo", "Did you mean 'demo'?"), ("nowhere.wld", "there is no such file")):
+        result = amorsim(command, name)
+        assert result.status == 2
+        assert problem in result.err
+
+
+@pytest.mark.usefixtures("just_installed")
+@pytest.mark.parametrize("command", ["run", "view", "umbmark", "explain-errors"])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("robots.rover.wheels=3", "wheels: there is no such key"),
+        ("robots.rover.controller.use=wandr", "Did you mean 'wander'?"),
+        ("robots.rover.drive.track=-1", "track: expected"),
+        ("simulation.dt=fast", "dt: expected"),
+        ("world.map=none.wld", "there is no such file"),
+    ],
+)
+def test_a_fault_of_the_words_is_told_before_anything_is_compiled(
+    amorsim: Command, study: Path, command: str, change: str, message: str
+) -> None:
+    result = amorsim(command, study, "--set", change)
+    assert (result.status, result.out) == (2, "")
+    assert message in result.err
+
+
+@pytest.mark.usefixtures("just_installed")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--seed", "-1"), "--seed: expected"),
+        (("--duration", "0"), "--duration: expected"),
+        (("--resolution", "0.1"), "--resolution is for a map alone"),
+        (("--out", "."), "the folder holds files already"),
+        (("--gif", "run.mp4"), "--gif: expected the name of a file that ends in .gif"),
+        (("--gif", "run.gif", "--gif-size", "5"), "--gif-size: expected at least 120 pixels"),
+    ],
+)
+def test_a_wrong_option_is_told_before_anything_is_compiled(
+    amorsim: Command, study: Path, arguments: tuple[str, ...], message: str
+) -> None:
+    result = amorsim("run", study, *arguments)
+    assert result.status == 2
+    assert message in result.err
+
+
+@pytest.mark.usefixtures("just_installed")
+def test_a_fault_of_a_map_alone_is_told_before_anything_is_compiled(amorsim: Command, study: Path) -> None:
+    world = next(study.parent.glob("*.wld"))
+    result = amorsim("run", world, "--set", "robots.rover.controller.sped=1")
+    assert result.status == 2
+    assert "Did you mean 'speed'?" in result.err
+
+
+@pytest.mark.usefixtures("just_installed")
+@pytest.mark.parametrize("name", list(default_registry().names("scenario")))
+def test_the_words_of_what_comes_with_amorsim_have_no_faults(amorsim: Command, name: str) -> None:
+    with pytest.raises(AssertionError, match="compiled for nothing"):
+        amorsim("run", name)
+
+
+def test_to_look_at_the_words_compiles_nothing_in_truth(study: Path, tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    ended = subprocess.run(
+        [sys.executable, "-m", "amorsim", "run", str(study), "--set", "robots.rover.sensors.laser.rang=1"],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache)},
+        capture_output=True,
+        text=True,
+    )
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert "rang: there is no such key" in ended.stderr
+    assert not list(cache.rglob("*.nb?"))
