@@ -10,8 +10,7 @@ from amorsim.kernels.body_hash import BodyHash
 from amorsim.kernels.body_rays import cast_bodies
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.concluding import conclude
-from amorsim.kernels.grid import Grid
-from amorsim.kernels.lines import Lines
+from amorsim.kernels.known import known_at
 from amorsim.kernels.rolling import ROLLING
 from amorsim.kernels.sensing import LIMITS, sense
 from amorsim.kernels.shares import take_rows
@@ -41,26 +40,7 @@ def sense_among(
     replica: Ints,
     cos_b: Floats,
     sin_b: Floats,
-    resolution: float,
-    cell_rows: int,
-    cell_cols: int,
-    super_cols: int,
-    supers: NDArray[np.int32],
-    tables: NDArray[np.int32],
-    pages: NDArray[np.uint64],
-    squares: NDArray[np.uint16],
-    boxes: Floats,
-    blocks_first: Ints,
-    line_walls: Floats,
-    origin_x: float,
-    origin_y: float,
-    yaw: float,
-    ints: Ints,
-    floats: Floats,
-    places: Floats,
-    wheels: Floats,
-    encoder: int,
-    counter: NDArray[np.uint32],
+    table: Ints,
     pose: Floats,
     twist: Floats,
     joints: Floats,
@@ -90,15 +70,14 @@ def sense_among(
         (L * N,): of each place that is looked from, the body that it is on, and the replica.
     cos_b, sin_b
         Of the finders' beams, one device after another, as `cast_bodies` takes them.
-    resolution, ..., fingerprint
+    table, ..., fingerprint
         As `stepping.advance` takes them.
     """
     rows = pose.shape[0]
-    grid = Grid(resolution, cell_rows, cell_cols, super_cols, supers, tables, pages, squares)
-    lines = Lines(boxes, blocks_first, line_walls)
+    known = known_at(table)
     true = values[0]
     measured = values[1]
-    limits = floats[ints[LIMITS] : ints[LIMITS + 1]]
+    limits = known.floats[known.ints[LIMITS] : known.ints[LIMITS + 1]]
     nobody_asks = np.empty((0, 0), dtype=np.int64)
     first, end = take_rows(share, rows, 0)
     while first < end:
@@ -121,7 +100,7 @@ def sense_among(
                         widest,
                         replica[begin:stop],
                         own[begin:stop],
-                        places[begin:stop],
+                        known.places[begin:stop],
                         cos_b[beams : beams + rays].reshape((1, rays)),
                         sin_b[beams : beams + rays].reshape((1, rays)),
                         limits[begin:stop],
@@ -131,27 +110,27 @@ def sense_among(
             sense(
                 phase == 0,
                 phase == 1,
-                grid,
-                lines,
-                origin_x,
-                origin_y,
-                yaw,
-                ints,
-                floats,
-                counter,
+                known.grid,
+                known.lines,
+                known.origin_x,
+                known.origin_y,
+                known.yaw,
+                known.ints,
+                known.floats,
+                known.counter,
                 pose,
                 twist,
                 joints,
                 first,
                 end,
-                places,
+                known.places,
                 true,
                 measured,
             )
         if concludes:
             conclude(
-                encoder,
-                wheels[ROLLING:],
+                known.encoder,
+                known.wheels[ROLLING:],
                 believed,
                 covariance,
                 reckoned,
@@ -161,7 +140,7 @@ def sense_among(
                 pose,
                 joints,
                 command,
-                ints,
+                known.ints,
                 true,
                 measured,
                 first,

@@ -1,7 +1,8 @@
 """A step of robots of the commonest kind in one call: they move, sense, believe where they are, and are recorded.
 
 To enter a kernel from Python takes 0.05 us for each array that it is handed, and to make one there 0.1 us: at one row
-as long as the work. So what is known before is handed over in few arrays, and what comes of a step likewise.
+as long as the work. So what is known before is handed over in one table (`amorsim.kernels.known`), and what comes of a
+step in few arrays.
 """
 
 from __future__ import annotations
@@ -11,8 +12,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.concluding import RECKONING, conclude
-from amorsim.kernels.grid import Grid
-from amorsim.kernels.lines import Lines
+from amorsim.kernels.known import known_at
 from amorsim.kernels.rolling import ROLLING, roll_free
 from amorsim.kernels.sensing import sense
 
@@ -30,27 +30,7 @@ def advance(
     concludes: bool,
     first: int,
     end: int,
-    resolution: float,
-    cell_rows: int,
-    cell_cols: int,
-    super_cols: int,
-    supers: NDArray[np.int32],
-    tables: NDArray[np.int32],
-    pages: NDArray[np.uint64],
-    squares: NDArray[np.uint16],
-    boxes: Floats,
-    blocks_first: Ints,
-    line_walls: Floats,
-    origin_x: float,
-    origin_y: float,
-    yaw: float,
-    ints: Ints,
-    floats: Floats,
-    places: Floats,
-    wheels: Floats,
-    encoder: int,
-    counter: NDArray[np.uint32],
-    dt: float,
+    table: Ints,
     room: Floats,
     ticks: Ints,
     tick: Ints,
@@ -77,19 +57,8 @@ def advance(
     rolls, looks, reads, concludes
         Whether all rows roll (`rolling.roll_free`) and their time goes on; and whether rows first..end-1 look about and
         read (`sensing.sense`), and conclude (`concluding.conclude`).
-    resolution, ..., line_walls
-        A `Grid` and `Lines`, by their fields: an array by itself is handed over sooner than one in a tuple.
-    origin_x, origin_y, yaw
-        Where the grid lies in the world.
-    ints, floats, places
-        A plan of devices, and where they look from, as `sense` takes them.
-    wheels, encoder
-        (ROLLING + RECKONING, N, 1), first as `roll_free` and then as `conclude` takes them; and where in what is
-        measured the counts of the wheels begin.
-    counter
-        (N, 3): replica, episode and tick that draws count by; the tick is written.
-    dt
-        [s].
+    table
+        What is known of the group, as `known.lay_out` lays it out; the ticks are written that draws count by.
     room
         As `roll_free` takes it.
     ticks
@@ -113,9 +82,19 @@ def advance(
     fingerprint
         (N, 2), as `conclude` takes it.
     """
+    known = known_at(table)
     if rolls:
         if not roll_free(
-            joints, rates, command, wheels[:ROLLING], dt, pose, room, joints_out[:2], poses_out[0], poses_out[1]
+            joints,
+            rates,
+            command,
+            known.wheels[:ROLLING],
+            known.dt,
+            pose,
+            room,
+            joints_out[:2],
+            poses_out[0],
+            poses_out[1],
         ):
             return False
         pose = poses_out[0]
@@ -126,35 +105,33 @@ def advance(
         for i in range(tick.shape[0]):
             tick_out[i, 0] = tick[i, 0] + 1
             # By multiplication, never by adding up: a billion steps later the time is still right.
-            time_out[i, 0] = tick_out[i, 0] * dt
-            counter[i, 2] = np.uint32(tick_out[i, 0])
+            time_out[i, 0] = tick_out[i, 0] * known.dt
+            known.counter[i, 2] = np.uint32(tick_out[i, 0])
     if looks or reads:
-        grid = Grid(resolution, cell_rows, cell_cols, super_cols, supers, tables, pages, squares)
-        lines = Lines(boxes, blocks_first, line_walls)
         sense(
             looks,
             reads,
-            grid,
-            lines,
-            origin_x,
-            origin_y,
-            yaw,
-            ints,
-            floats,
-            counter,
+            known.grid,
+            known.lines,
+            known.origin_x,
+            known.origin_y,
+            known.yaw,
+            known.ints,
+            known.floats,
+            known.counter,
             pose,
             twist,
             joints,
             first,
             end,
-            places,
+            known.places,
             values[0],
             values[1],
         )
     if concludes:
         conclude(
-            encoder,
-            wheels[ROLLING:],
+            known.encoder,
+            known.wheels[ROLLING:],
             believed,
             covariance,
             reckoned,
@@ -164,7 +141,7 @@ def advance(
             pose,
             joints,
             command,
-            ints,
+            known.ints,
             values[0],
             values[1],
             first,

@@ -37,7 +37,7 @@ Ints = npt.NDArray[np.int64]
 # Bodies that touch and slide are looked at no farther apart than this; a wall is a cell thick, 1 mm and up.
 SHORTEST = 2.5e-4  # [m]
 # So many steps ahead walls are looked for, so that those in the open need not look in every one.
-LOOK = 16.0
+LOOK = 32.0
 # Rays that it costs as much as to set out and to look who is near.
 LOOK_WORK = 16
 

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from amorsim.contracts import Noise, Sensor
 from amorsim.core.workers import Work
 from amorsim.kernels import digest, scans, sensing
+from amorsim.kernels.known import Known
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -72,8 +73,6 @@ class SensePlan:
         What the units that are read together read last.
     reads, looks
         Whether there are units that are read together, and range finders among them.
-    given
-        What a kernel must know to read them: the map, where it lies, and a plan as `sensing.lay` lays it.
     places
         Where range finders look from: written anew in each step, and shown to nobody.
     """
@@ -146,7 +145,7 @@ class SensePlan:
             sines=beams.sines,
             parameters=parts,
         )
-        self.given = (*world.map.grid, *world.map.lines, *world.map.origin, *sensing.lay(plan), self.places)
+        self._laid = sensing.lay(plan)
         self.reads, self.looks = bool(held), bool(finders)
         self.batch = Batch(rows, values)
         ends = np.cumsum([0, *sizes]) * rows
@@ -157,6 +156,11 @@ class SensePlan:
         rays = sum(finder.work for finder in finders)
         self._meet_work = sum(len(finder.table[0][0]) for finder in finders) // 2  # it is less work than to meet walls
         self._look_work, self._read_work = rays, int(1.0 + _VALUE_WORK * values)
+
+    def known(self, wheels: Array, encoder: int, counter: npt.NDArray[np.uint32], dt: float) -> Known:
+        """What kernels must know of the group: the map, the units, and what is told here, as `Known` has it."""
+        place = self._world.map
+        return Known(place.grid, place.lines, *place.origin, dt, encoder, *self._laid, self.places, wheels, counter)
 
     def absorb(self, results: Sequence[Array], fingerprint: npt.NDArray[np.uint64]) -> None:
         """Mix results, and then what the units read last, into the fingerprints of the rows `(N, 2)`."""

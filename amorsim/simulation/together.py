@@ -18,6 +18,7 @@ from amorsim.contracts import Estimate, State
 from amorsim.drives.differential import Differential
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.kernels import stepping
+from amorsim.kernels.known import lay_out
 from amorsim.kernels.sensing_among import sense_among
 from amorsim.sensors.encoder import Encoder
 from amorsim.simulation.bodies import World
@@ -62,12 +63,26 @@ class Together:
         self._estimator, encoder = _tell_reckoning(group, wheels[stepping.ROLLING :])
         self.concludes = bool(self._estimator)
         self.is_whole = self.rolls and self.concludes and group.world.workers.threads == 1
-        self._known = (*plan.given, wheels, encoder, group.moment.counter, group.dt)
-        advance: Any = stepping.advance
-        self._whole = functools.partial(advance, True, plan.looks, True, True, 0, rows, *self._known)
+        self._known = plan.known(wheels, encoder, group.moment.counter, group.dt)
+        self._lay_out()
         # Shapes of what a step leaves: true poses, twists, estimated poses; joints, their rates, and those reckoned by.
         self._poses, self._joints = (3, rows, 3), (3, rows, 2)
         self._covariances, self._column = (rows, 3, 3), (rows, 1)
+
+    def _lay_out(self) -> None:
+        # What is known stays beside its table, which does not keep alive what it leads to.
+        self._table = lay_out(self._known)
+        advance: Any = stepping.advance
+        self._whole = functools.partial(advance, True, self._plan.looks, True, True, 0, self._rows, self._table)
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = dict(self.__dict__)
+        del state["_table"], state["_whole"]  # a copy's arrays lie elsewhere
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._lay_out()
 
     def step(self, fleet: Fleet) -> bool:
         """Make a step but for the command, if it goes by this road whole and all have room; else nothing is made.
@@ -108,7 +123,7 @@ class Together:
         about, results = self._about(_NO_STATE), (poses, joints, _NO_COVARIANCES, tick, time, _NO_VALUES)
         advance: Any = stepping.advance
         goes = True, False, False, False, 0, 0
-        if not advance(*goes, *self._known, fleet.world.room, fleet.ticks, *about, *results, group.fingerprint):
+        if not advance(*goes, self._table, fleet.world.room, fleet.ticks, *about, *results, group.fingerprint):
             return False
         self._roll(fleet.world, poses, joints, tick, time)
         return True
@@ -128,12 +143,12 @@ class Together:
         if plan.looks and group.world.has_company:
             among: Any = sense_among
             # But for the tick and the rates of joints, which those that do not roll need not know.
-            known = *self._known[:-1], *about[1:4], *about[5:]
+            known = self._table, *about[1:4], *about[5:]
             given = *plan.company(group.view), *known, *results
             plan.share_meeting(lambda share: among(share, concludes, *given, values, group.fingerprint))
         else:
             advance: Any = stepping.advance
-            told = *self._known, _NO_ROOM, _NO_TICKS, *about, *results, *_NO_NOW, values, group.fingerprint
+            told = self._table, _NO_ROOM, _NO_TICKS, *about, *results, *_NO_NOW, values, group.fingerprint
             plan.share(lambda first, end: advance(False, plan.looks, True, concludes, first, end, *told))
         if concludes:
             self._conclude(state, *results)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import functools
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -184,6 +186,22 @@ def test_a_step_goes_whole_at_once_after_a_restore() -> None:
         sim.run(0.9)
         assert sim.digest() == digest
     assert together.digest() == alone.digest()
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda sim: pickle.loads(pickle.dumps(sim))], ids=["copy", "pickle"])
+def test_a_copy_of_a_simulation_goes_its_own_way_to_the_same_bits(copied: Any) -> None:
+    sim = am.Simulation(scenario(1))
+    sim.run(1.0)
+    other = copied(sim)
+    before = other.digest()
+    sim.run(1.0)
+    assert other.digest() == before
+    digest = sim.digest()
+    del sim
+    other.run(0.9)
+    other.step()
+    assert other._fleet.is_whole
+    assert other.digest() == digest
 
 
 def test_who_leans_on_a_wall_does_not_look_ahead() -> None:
