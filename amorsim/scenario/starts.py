@@ -8,17 +8,20 @@ from typing import TypeVar
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 import shapely
 
 from amorsim.core.map import Map
+from amorsim.core.memory import too_large
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape, pack
-from amorsim.core.starts import overlap_with_walls, wall_gaps
+from amorsim.core.starts import outside, overlap_with_walls, wall_gaps
 from amorsim.kernels.bodies import body_gaps
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose, read_shape
 from amorsim.scenario.faults import Book, Node, shown
 from amorsim.scenario.fields import read_component
+from amorsim.scenario.needs import least_bytes, most_room
 from amorsim.scenario.parts import parts_at
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
 
@@ -40,9 +43,13 @@ class GridStart:
     columns: int | None = parameter(None, gt=0, help="how many in a row; none: about as many as there are rows")
     heading: float = parameter(0.0, unit="rad", help="where all of them look")
 
+    def columns_of(self, count: int) -> int:
+        """How many of so many are in a row."""
+        return self.columns or math.ceil(math.sqrt(count))
+
     def pose(self, number: int, count: int) -> Pose:
         """The pose of number 0, 1, ... of so many."""
-        row, column = divmod(number, self.columns or math.ceil(math.sqrt(count)))
+        row, column = divmod(number, self.columns_of(count))
         x, y = self.grid
         return Pose(x=x + column * self.spacing, y=y + row * self.spacing, heading=self.heading)
 
@@ -82,10 +89,10 @@ def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Pla
 _READ: dict[str, Callable[[Node], Shape | Pose | None]] = {"shape": read_shape, "pose": read_pose}
 
 
-def read_series(node: Node, body: Body) -> list[Body]:
+def read_series(node: Node, body: Body, world: Map | None) -> list[Body]:
     """The bodies that a table with `count` and `start` means, of the one it was read as; none after faults."""
     before = node.book.count
-    count = _count(node.child("count")) if "count" in node else None
+    count = _count(node.child("count"), body) if "count" in node else None
     poses: list[Pose] = []
     start = None
     if "start" in node:
@@ -97,9 +104,12 @@ def read_series(node: Node, body: Body) -> list[Body]:
             child.fault(f"{_EXPECTED}, got {shown(child.value)}")
         elif kinds[0] == "random":
             start = read_component(RandomStart, child)
+            if start is not None and world is not None:
+                _check_room(node, body, start, count or 1, world)
         elif kinds[0] == "grid":
             grid = read_component(GridStart, child)
-            poses = [] if grid is None else [grid.pose(i, count or 1) for i in range(count or 1)]
+            if grid is not None and (world is None or _is_on_map(node, grid, count or 1, world)):
+                poses = [grid.pose(i, count or 1) for i in range(count or 1)]
         else:
             poses = _poses(child, count or 1)
     elif count is not None and count > 1:
@@ -122,11 +132,40 @@ def read_series(node: Node, body: Body) -> list[Body]:
     return [attrs.evolve(body, name=name, pose=pose) for name, pose in zip(names, poses, strict=True)]
 
 
-def _count(node: Node) -> int | None:
-    if type(node.value) is int and 1 <= node.value <= MOST:
-        return node.value
-    node.fault(f"expected a whole number >= 1 and <= {MOST}, got {shown(node.value)}")
-    return None
+def _count(node: Node, body: Robot | Obstacle) -> int | None:
+    if type(node.value) is not int or not 1 <= node.value <= MOST:
+        node.fault(f"expected a whole number >= 1 and <= {MOST}, got {shown(node.value)}")
+        return None
+    if problem := too_large(node.value, least_bytes(body)):
+        node.fault(f"{node.value} of them {problem}")
+        return None
+    return node.value
+
+
+def _check_room(node: Node, body: Robot | Obstacle, start: RandomStart, count: int, world: Map) -> None:
+    """A fault if so many bodies are larger together than where they are to stand: before any of them is made."""
+    room = most_room(world, start, body.shape.reach)
+    if count * body.shape.area > room:
+        where = "on the map" if start.box is None else "in their box"
+        node.child("count").fault(
+            f"{count} of them cover {count * body.shape.area:.4g} m2, and there are {room:.4g} m2 {where} at the most: "
+            f"expected {int(room / body.shape.area)} at the very most, or smaller ones, or more room"
+        )
+
+
+def _is_on_map(node: Node, grid: GridStart, count: int, world: Map) -> bool:
+    """Whether the first and the last of each side of a grid are on the map; a fault says which is not, and why."""
+    columns = min(count, grid.columns_of(count))
+    last = count - 1
+    for number in dict.fromkeys((0, columns - 1, last - last % columns, last)):
+        pose = grid.pose(number, count)
+        if problem := outside(world, pose.x, pose.y):
+            node.child("start").fault(
+                f"number {number} of the {count} would stand at ({pose.x:.3f}, {pose.y:.3f}) m: that {problem}; "
+                "expected fewer, a smaller spacing or another number of columns"
+            )
+            return False
+    return True
 
 
 def _poses(node: Node, count: int) -> list[Pose]:
@@ -180,9 +219,17 @@ def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
         return
     poses = np.array([(item.pose.x, item.pose.y, item.pose.heading) for item in fixed])
     shapes = [item.shape for item in fixed]
+    wrong: list[tuple[Placed, str]] = []
     gaps, where = wall_gaps(world, shapes, poses)
     for i in np.flatnonzero(gaps < 0.0).tolist():
-        _fault(fixed[i], overlap_with_walls(world, poses[i, 0], poses[i, 1], where[i], _what(fixed[i])))
+        wrong.append((fixed[i], overlap_with_walls(world, poses[i, 0], poses[i, 1], where[i], _what(fixed[i]))))
+    _check_overlaps(fixed, shapes, poses, wrong)
+    _tell(wrong)
+
+
+def _check_overlaps(
+    fixed: Sequence[Placed], shapes: Sequence[Shape], poses: npt.NDArray[np.float64], wrong: list[tuple[Placed, str]]
+) -> None:
     reach = np.array([shape.reach for shape in shapes])
     boxes = shapely.box(*(poses[:, :2] - reach[:, None]).T, *(poses[:, :2] + reach[:, None]).T)
     a, b = shapely.STRtree(boxes).query(boxes)
@@ -198,7 +245,23 @@ def check_starts(world: Map, fixed: Sequence[Placed]) -> None:
         one, other = fixed[int(first[i])], fixed[int(second[i])]
         if one.name != other.name and (one.name, other.name) not in said:
             said.add((one.name, other.name))
-            _fault(other, f"overlaps {one.name!r}; expected room between them")
+            wrong.append((other, f"overlaps {one.name!r}; expected room between them"))
+
+
+def _tell(wrong: Sequence[tuple[Placed, str]]) -> None:
+    """A fault for each; of a table with `count` the first, and how many there are."""
+    series: dict[tuple[str, ...], dict[str, None]] = {}
+    for item, _ in wrong:
+        series.setdefault(item.node.path, {})[item.name] = None
+    for item, message in wrong:
+        names = series[item.node.path]
+        if item.is_one:
+            _fault(item, message)
+        elif item.name in names:
+            if len(names) > 1:
+                message = f"{message}; {len(names)} of the {item.node.value['count']} do not stand free"
+            _fault(item, message)
+            names.clear()
 
 
 def _what(item: Placed) -> str:

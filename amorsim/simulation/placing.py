@@ -13,6 +13,7 @@ from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, MapError, ScenarioError
 from amorsim.core.free_places import free_places
 from amorsim.core.poses import compose
+from amorsim.scenario.needs import most_room
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
 from amorsim.simulation.bodies import World
 from amorsim.simulation.parts import with_parts
@@ -152,10 +153,7 @@ def _too_many(world: World, bodies: Sequence[Robot | Obstacle], source: str) -> 
     for start, members in alike.items():
         area = math.fsum(bodies[i].shape.area for i in members)
         reach = max(bodies[i].shape.reach for i in members)
-        width, height = world.map.size
-        room = width * height
-        if start.box is not None:
-            room = min(room, (start.box[2] - start.box[0] + 2.0 * reach) * (start.box[3] - start.box[1] + 2.0 * reach))
+        room = most_room(world.map, start, reach)
         if area > room:
             faults.append(
                 _fault(

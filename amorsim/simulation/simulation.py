@@ -12,10 +12,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_you_mean
+from amorsim.core.memory import too_large
 from amorsim.core.parameters import ParameterError
 from amorsim.core.starts import outside
+from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
-from amorsim.scenario.spec import Robot, Scenario
+from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation import phases
 from amorsim.simulation.contact import WALL
 from amorsim.simulation.events import Event
@@ -67,6 +69,7 @@ class Simulation:
         self.scenario = scenario
         self.threads = threads
         self.dt = scenario.dt
+        _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
         self._build(scenario.seed if seed is None else seed)
 
@@ -413,6 +416,14 @@ class Simulation:
         A cell of `resolution` [m] is occupied if anything in it is.
         """
         return occupancy(self._fleet.world, self._replica_index(replica), resolution)
+
+
+def _check_memory(scenario: Scenario, replicas: int) -> None:
+    """Complain of more than fits, before any of it is made."""
+    bodies: list[Robot | Obstacle] = [*scenario.robots, *scenario.obstacles]
+    each = sum(map(least_bytes, bodies))
+    if problem := too_large(replicas, each):
+        raise AmorsimError(f"{replicas} replicas: they {problem}")
 
 
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:

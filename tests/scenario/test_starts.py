@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 
+import attrs
 import numpy as np
 import pytest
 
@@ -13,10 +14,12 @@ from amorsim.core.starts import freest_start, wall_gaps
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.document import document_of
 from amorsim.scenario.read import loads
+from amorsim.scenario.starts import GridStart
 from amorsim.scenario.write import document_text
 from amorsim.simulation import placing
 from tests import building
 
+GRID = "grid = [1.0, 1.0], spacing = 0.25"
 HEAD = 'format = 1\n[world]\nmap = "room.wld"\nresolution = 0.01\n'
 SWARM = (
     HEAD
@@ -63,7 +66,7 @@ def test_many_have_names_with_numbers_and_one_model(read):
     assert [robot.name for robot in scenario.robots[:2]] == ["r00", "r01"]
     assert [obstacle.name for obstacle in scenario.obstacles] == [f"p{i:02d}" for i in range(10)] + ["obstacle2"]
     assert scenario.robots[0].drive is scenario.robots[11].drive
-    big = read(SWARM.replace("count = 12", "count = 1000"))
+    big = read(SWARM.replace("count = 12", "count = 1000").replace("circle = 0.1", "circle = 0.01"))
     assert (big.robots[0].name, big.robots[-1].name) == ("r0000", "r0999")
 
 
@@ -211,15 +214,59 @@ def test_two_series_whose_names_meet_are_a_fault(faults):
     assert "robots.0 is called 'r00' too" in found["obstacles.0.name"]
 
 
-def test_too_many_are_told_clearly(read):
-    with pytest.raises(
-        am.ScenarioError, match=r"robots.r0000.start: the 1000 that start at random on the map cover 31.37 m2"
-    ):
-        am.Simulation(read(SWARM.replace("count = 12", "count = 1000")))
+def test_too_many_are_told_clearly(read, faults):
+    found = faults(SWARM.replace("count = 12", "count = 1000"))
+    assert (
+        "1000 of them cover 31.37 m2, and there are 12 m2 on the map at the most: expected 382"
+        in (found["robots.0.count"])
+    )
     with pytest.raises(
         am.ScenarioError, match=r"robots.r\d+.start: \d+ of 250 that start at random on the map found no free"
     ):
         am.Simulation(read(SWARM.replace("count = 12", "count = 250")))
+    alike = [attrs.evolve(robot, name=f"r{i:04d}") for i, robot in enumerate(read(SWARM).robots[:1] * 1000)]
+    with pytest.raises(
+        am.ScenarioError, match=r"robots.r0000.start: the 1000 that start at random on the map cover 31.37 m2"
+    ):
+        am.Simulation(attrs.evolve(read(SWARM), robots=alike))
+
+
+def test_more_than_memory_holds_are_refused_before_any_is_made(faults, monkeypatch):
+    monkeypatch.setattr("amorsim.core.memory.memory_of_machine", lambda: 1_000_000_000)
+    made = []
+    monkeypatch.setattr(GridStart, "pose", lambda self, number, count: made.append(number) or am.Pose(x=1.0, y=1.0))
+    found = faults(SWARM.replace("count = 12", "count = 900000").replace('random = "anywhere"', GRID))
+    told = re.search(
+        r"900000 of them would take ([\d.]+) GB of memory at least, .* 1 GB: expected (\d+) at the most",
+        found["robots.0.count"],
+    )
+    assert told
+    assert float(told[1]) / 900_000 == pytest.approx(1.0 / float(told[2]), rel=0.01)
+    assert len(made) < 10
+
+
+def test_more_replicas_than_memory_holds_are_refused(monkeypatch):
+    monkeypatch.setattr("amorsim.core.memory.memory_of_machine", lambda: 1_000_000_000)
+    with pytest.raises(am.AmorsimError, match=r"^1000000000 replicas: they would take .* GB of memory at least, .*"):
+        am.Simulation(building.scenario(), replicas=1_000_000_000)
+    am.Simulation(building.scenario(), replicas=3)
+
+
+def test_a_grid_that_leaves_the_map_is_told_once_and_at_once(faults):
+    found = faults(SWARM.replace("count = 12", "count = 1000").replace('random = "anywhere"', GRID))
+    assert re.search(
+        r"^number \d+ of the 1000 would stand at \(.*\) m: that is outside the map, .*; expected fewer,",
+        found["robots.0.start"],
+    )
+
+
+def test_of_a_series_in_the_way_of_itself_the_first_is_told_and_how_many(file):
+    path = file(SWARM.removeprefix(HEAD).replace('random = "anywhere"', GRID.replace("0.25", "0.15")))
+    with pytest.raises(am.ScenarioError) as caught:
+        am.load(path)
+    (fault,) = caught.value.faults
+    assert fault.path == "robots.0.start"
+    assert fault.message == "r01: overlaps 'r00'; expected room between them; 11 of the 12 do not stand free"
 
 
 # ------------------------------------------------------------------------------ starts that are not free

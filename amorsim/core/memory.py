@@ -1,0 +1,33 @@
+"""How much memory there is, so that what cannot fit is refused before any of it is taken."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+__all__ = ["memory_of_machine", "too_large"]
+
+_LIMIT = Path("/sys/fs/cgroup/memory.max")  # of a container
+
+
+def memory_of_machine() -> int | None:
+    """Bytes of memory that this process can have at the most; None where that is not told (on Windows)."""
+    try:
+        whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return None
+    try:
+        return min(whole, int(_LIMIT.read_text()))
+    except (OSError, ValueError):  # there is none, or it says "max"
+        return whole
+
+
+def too_large(count: int, each: int) -> str:
+    """That so many of `each` bytes do not fit into memory, in words, and how many would; nothing if they do."""
+    there = memory_of_machine()
+    if there is None or count * each <= there:
+        return ""
+    return (
+        f"would take {count * each / 1e9:.3g} GB of memory at least, and this machine has {there / 1e9:.3g} GB: "
+        f"expected {there // each} at the most"
+    )
