@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from tests.ui.sessions import start as start  # a fixture
-from tests.ui.windows import CHROMIUM, FLAGS, Server, Window, write_scenario
+from tests.ui.windows import CHROMIUM, FLAGS, Server, Window, new_user, write_scenario
 
 
 @pytest.fixture(scope="module")  # not longer: while Playwright runs, no other test can start a loop of its own
@@ -24,11 +24,17 @@ def browser() -> Iterator[Any]:
         chromium.close()
 
 
-@pytest.fixture(scope="module")
-def served(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+@pytest.fixture(scope="session")
+def started(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     server = Server(write_scenario(tmp_path_factory.mktemp("room")))
     yield server
     server.close()
+
+
+@pytest.fixture
+def served(browser: Any, started: Server) -> Server:
+    """A simulator for whoever has a browser to look at it: the same one for all, which `begin` takes to its start."""
+    return started
 
 
 @pytest.fixture
@@ -37,8 +43,7 @@ def open_window(browser: Any) -> Iterator[Callable[[Server], Window]]:
     opened: list[Window] = []
 
     def open_one(server: Server) -> Window:
-        context = browser.new_context(viewport={"width": 1366, "height": 768}, accept_downloads=True)
-        window = Window(context.new_page())
+        window = Window(new_user(browser).new_page())
         opened.append(window)
         return window.open(server.address)
 
@@ -48,11 +53,26 @@ def open_window(browser: Any) -> Iterator[Callable[[Server], Window]]:
     assert [problem for window in opened for problem in window.problems] == []
 
 
+@pytest.fixture(scope="module")
+def usual_user(browser: Any) -> Any:
+    return new_user(browser)
+
+
 @pytest.fixture
-def window(served: Server, open_window: Callable[[Server], Window]) -> Window:
-    opened = open_window(served)
-    opened.begin()
-    return opened
+def window(usual_user: Any, served: Server) -> Iterator[Window]:
+    """A window at the start, of a browser that was here before: but for what it has fetched, it remembers nothing.
+
+    A test lets go of the keys that it holds, for the next one's window is the same page.
+    """
+    usual_user.clear_cookies()
+    pages = usual_user.pages
+    window = Window(pages[0] if pages else usual_user.new_page()).open(served.address)
+    window.begin()
+    yield window
+    window.leave()
+    for page in usual_user.pages[1:]:
+        page.close()
+    assert window.problems == []
 
 
 @pytest.fixture

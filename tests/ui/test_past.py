@@ -13,7 +13,6 @@ from amorsim.ui import past
 from amorsim.ui.frames import upper_triangle
 from amorsim.ui.player import Player
 from tests import building
-from tests.ui.windows import Window
 
 POSES, TWISTS, JOINTS = 12, 6, 4  # of a robot on two wheels
 
@@ -108,38 +107,3 @@ def test_of_many_robots_only_those_that_somebody_looks_at_are_kept() -> None:
     assert told(one, 0)[0] == [0, 1]
     assert told(one, 3)[0] == [2]
     assert told(one, 5)[0] == []
-
-
-ALL = """
-Object.fromEntries([...numbers.series].map(([key, { times, values }]) => [key, times.map((time, n) =>
-    [Math.round(time * 10), ...values.map((column) => (Number.isFinite(column[n]) ? column[n] : null))])]))
-"""
-
-
-def test_plots_have_their_past_after_a_reload(window: Window) -> None:
-    window.page.keyboard.press("m")
-    window.until("driving.isByHand")
-    window.do(do="drive", robot="rover", forward=0.4, turn=0.5)
-    for tick in range(1, 25):
-        window.do(do="step")
-        window.until(f"newest.tick === {tick}")
-    before = plotted(window)
-    assert {"turn", "apart", "sensor.laser", "joint.left_wheel"} <= before.keys()
-    window.page.reload()
-    window.until("newest?.tick === 24 && numbers.series.get('turn')?.times.length > 20")
-    after = plotted(window)
-    assert after.keys() == before.keys()
-    for key, samples in before.items():
-        again = {sample[0]: sample[1:] for sample in after[key]}
-        assert len(again) == 25, key
-        for tick, *values in samples:
-            for one, other in zip(values, again[tick], strict=True):
-                assert (one is None) == (other is None), (key, tick, values, again[tick])
-                assert one is None or abs(one - other) < 1e-4 * max(1.0, abs(one)), (key, tick)
-
-
-def plotted(window: Window) -> dict[str, Any]:
-    found: dict[str, Any] = window.page.evaluate(
-        f"() => {{ with (document.querySelector('.amorsim').simulator) return {ALL.strip()}; }}"
-    )
-    return found

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import base64
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 from amorsim.ui.packing import Dynamic, Selected, pack_frame, unpack_frame
-from tests.ui.windows import Window
+from tests.ui.windows import Server, Window, new_user
+
+
+@pytest.fixture(scope="module")
+def window(browser: Any, started: Server) -> Iterator[Window]:
+    """One for all: of what a window shows these tests change nothing."""
+    window = Window(new_user(browser).new_page()).open(started.address)
+    yield window
+    assert window.problems == []
+    window.page.context.close()
 
 
 def frame_of(robots: int, obstacles: int, sizes: list[int]) -> bytes:

@@ -265,7 +265,7 @@ def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) 
 
 @pytest.mark.parametrize("controller", ["Raising", "Endless", "Sleeping", "Exiting"])
 def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: str) -> None:
-    session = start(f"own.py:{controller}", patience=PATIENCE)
+    session = start(f"own.py:{controller}", patience=PATIENCE, duration=8.0)
     window = session.open_window()
     frame(session)
     done(session, "select", robot="rover")
@@ -304,7 +304,7 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
     done(session, "run")
     until(lambda: frame(session).flags & FrameFlag.ENDED)
     ended = frame(session)
-    assert (ended.tick, ended.robot_flags[1] & RobotFlag.BY_HAND) == (600, RobotFlag.BY_HAND)
+    assert (ended.tick, ended.robot_flags[1] & RobotFlag.BY_HAND) == (80, RobotFlag.BY_HAND)
     if controller != "Exiting":
         # A run that is saved has the same past, the controller's failure left out.
         answer = done(session, "save_run", name="after")
@@ -319,7 +319,8 @@ def test_another_child_goes_on_from_the_last_snapshot_where_that_can_be_carried(
     path = "errors.drive.wheel_radius_left.scale"
     done(session, "step", steps=3)
     done(session, "set", robot="rover", path=path, value=1.04)
-    done(session, "run")  # by the clock: it gets to tick 40 after four seconds, and a snapshot is taken every two
+    done(session, "speed", factor=1.6)
+    done(session, "run")  # it gets to tick 40 after 2.3 s at the least, and a snapshot is taken after two
     until(lambda: state(session, window)["status"] == "gone")
     link = session._link
     assert link is not None

@@ -42,6 +42,7 @@ def test_the_robot_stops_when_the_window_loses_the_keyboard(window: Window) -> N
     window.until("newest.command.some(part => part > 1)")
     window.page.evaluate("window.dispatchEvent(new Event('blur'))")  # no key is let go
     window.until("newest.command.every(part => part === 0)")
+    window.page.keyboard.up("w")
 
 
 def test_a_window_that_vanishes_stops_what_it_drove(
@@ -224,6 +225,41 @@ def test_reset_and_speed(window: Window) -> None:
     window.until("newest.speed === Infinity")
     page.click("#reset")
     window.until("newest.tick === 0 && !(newest.states & 1)")
+
+
+ALL = """
+Object.fromEntries([...numbers.series].map(([key, { times, values }]) => [key, times.map((time, n) =>
+    [Math.round(time * 10), ...values.map((column) => (Number.isFinite(column[n]) ? column[n] : null))])]))
+"""
+
+
+def test_plots_have_their_past_after_a_reload(window: Window) -> None:
+    window.page.keyboard.press("m")
+    window.until("driving.isByHand")
+    window.do(do="drive", robot="rover", forward=0.4, turn=0.5)
+    for tick in range(1, 25):
+        window.do(do="step")
+        window.until(f"newest.tick === {tick}")
+    before = plotted(window)
+    assert {"turn", "apart", "sensor.laser", "joint.left_wheel"} <= before.keys()
+    window.page.reload()
+    window.until("newest?.tick === 24 && numbers.series.get('turn')?.times.length > 20")
+    after = plotted(window)
+    assert after.keys() == before.keys()
+    for key, samples in before.items():
+        again = {sample[0]: sample[1:] for sample in after[key]}
+        assert len(again) == 25, key
+        for tick, *values in samples:
+            for one, other in zip(values, again[tick], strict=True):
+                assert (one is None) == (other is None), (key, tick, values, again[tick])
+                assert one is None or abs(one - other) < 1e-4 * max(1.0, abs(one)), (key, tick)
+
+
+def plotted(window: Window) -> dict[str, Any]:
+    found: dict[str, Any] = window.page.evaluate(
+        f"() => {{ with (document.querySelector('.amorsim').simulator) return {ALL.strip()}; }}"
+    )
+    return found
 
 
 # ---------------------------------------------------------------------------------------------------- events and things

@@ -99,12 +99,22 @@ class Window:
     def __init__(self, page: Any) -> None:
         self.page = page
         self.problems: list[str] = []
-        page.on("pageerror", lambda error: self.problems.append(str(error)))
+        page.on("pageerror", self._note)
+
+    def _note(self, error: Any) -> None:
+        self.problems.append(str(error))
 
     def open(self, address: str) -> Window:
         self.page.goto(address)
         self.until("stage.frame", seconds=30.0)
         return self
+
+    def leave(self) -> None:
+        """Go elsewhere, as a user who has forgotten all: the page may then be another window's."""
+        if not self.page.is_closed():
+            self.page.evaluate("localStorage.clear(), sessionStorage.clear()")
+            self.page.goto("about:blank")
+        self.page.remove_listener("pageerror", self._note)
 
     def see(self, expression: str) -> Any:
         """The value of an expression of the simulator's window: `newest.tick`."""
@@ -177,6 +187,11 @@ class Window:
             [pane, colour],
         )
         return found[0], found[1], found[2]
+
+
+def new_user(browser: Any) -> Any:
+    """Whoever has cookies, storage and a cache of their own."""
+    return browser.new_context(viewport={"width": 1366, "height": 768}, accept_downloads=True)
 
 
 def eventually(holds: Callable[[], bool], seconds: float = 30.0) -> bool:
