@@ -20,7 +20,7 @@ from amorsim.kernels.grid import ONE, Grid, word_at
 from amorsim.kernels.lines import INSIDE, PASSED, Lines, side_of
 from amorsim.kernels.rays import direction, march, rounding
 
-__all__ = ["ROOM", "hear_walls"]
+__all__ = ["AT_ONCE", "ROOM", "hear_walls"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -40,7 +40,7 @@ _STEPS = 12  # cells that a ray walks before it jumps
 def _bound(
     about: Floats,
     first: int,
-    end: int,
+    count: int,
     x: float,
     y: float,
     right_x: float,
@@ -49,14 +49,16 @@ def _bound(
     left_y: float,
     f: Floats,
 ) -> None:
-    """Write how near walls first..end-1 come within a cone, their sides and their ends each by themselves.
+    """Write how near `count` walls from number `first` on come within a cone, their sides and their ends by themselves.
 
     `about` is of `lines.walls_about`; (right_x, right_y) and (left_x, left_y) are the edges of the cone. Into `f` go
     squares of distances, and the places that are so near, as they are laid out above. All are bounds: what a wall
-    occupies is in its rectangle. Cases are chosen, not branched to, so that the loop goes several wide.
+    occupies is in its rectangle. Cases are chosen, not branched to, and it is always the same number of walls, so that
+    the loop goes several wide and has no rest; the last of them may say nothing.
     """
-    for i in range(np.uint64(first), np.uint64(end)):
-        j = i - np.uint64(first)
+    for j in range(np.uint64(AT_ONCE)):
+        i = j + np.uint64(first)
+        counts = np.int64(j) < count
         tx = about[2, i]
         ty = about[3, i]
         to_x = about[0, i] - x
@@ -93,7 +95,7 @@ def _bound(
         low -= SAFETY * (abs(low) + far)
         high += SAFETY * (abs(high) + far)
         place = low if low > 0.0 else (high if high < 0.0 else 0.0)
-        seen = (near > 0.0) & (low <= high)
+        seen = (near > 0.0) & (low <= high) & counts
         f[j + np.uint64(_SQUARE)] = near * near + place * place if seen else np.inf
         f[j + np.uint64(_X)] = tx * place + nx * near
         f[j + np.uint64(_Y)] = ty * place + ny * near
@@ -106,8 +108,8 @@ def _bound(
         low -= SAFETY * (abs(low) + abs(at))
         high += SAFETY * (abs(high) + abs(at))
         place = low if low > 0.0 else (high if high < 0.0 else 0.0)
-        seen = (at != 0.0) & (low <= high)
-        inside = (near <= 0.0) & (at == 0.0)
+        seen = (at != 0.0) & (low <= high) & counts
+        inside = (near <= 0.0) & (at == 0.0) & counts
         f[j + np.uint64(_SQUARE + AT_ONCE)] = 0.0 if inside else (at * at + place * place if seen else np.inf)
         f[j + np.uint64(_X + AT_ONCE)] = tx * at + nx * place
         f[j + np.uint64(_Y + AT_ONCE)] = ty * at + ny * place
@@ -288,9 +290,9 @@ def hear_walls(
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
 
-    The first `count` of `found`, `about` and `away` are of `lines.walls_about`, told from `aside` [m] of here.
-    More than so many `casts` are not made: then they cannot tell, either. `f` (`ROOM`,), which is also `bits`, is room
-    to work in.
+    The first `count` of `found`, `about` and `away` are of `lines.walls_about`, told from `aside` [m] of here; `about`
+    has `AT_ONCE` columns more. More than so many `casts` are not made: then they cannot tell, either. `f` (`ROOM`,),
+    which is also `bits`, is room to work in.
     """
     walls = lines.walls
     step = 2.0 * half_angle / (cos_b.shape[1] - 1)
@@ -304,11 +306,7 @@ def hear_walls(
     for chunk in range(0, count, AT_ONCE):
         if away[chunk] - aside > least:
             break
-        looked = min(count - chunk, AT_ONCE)
-        _bound(about, chunk, chunk + looked, x, y, right_x, right_y, left_x, left_y, f)
-        for j in range(looked, AT_ONCE):
-            f[_SQUARE + j] = np.inf
-            f[_SQUARE + AT_ONCE + j] = np.inf
+        _bound(about, chunk, count - chunk, x, y, right_x, right_y, left_x, left_y, f)
         key: Any = np.int64(-1)
         while True:
             key = _next(bits, key)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.cone_cells import SAFETY, WIDEST, ask_cells
-from amorsim.kernels.cone_walls import ROOM, hear_walls
+from amorsim.kernels.cone_walls import AT_ONCE, ROOM, hear_walls
 from amorsim.kernels.grid import Grid, is_occupied
 from amorsim.kernels.lines import RINGS, Lines, walls_about
 from amorsim.kernels.rays import cell_of, to_frame
@@ -45,7 +45,7 @@ def hear(
     range_max: Floats,
     edge: Floats,
     found: Integers,
-    following: Integers,
+    candidates: Integers,
     about: Floats,
     away: Floats,
     rings: Integers,
@@ -55,8 +55,8 @@ def hear(
 ) -> None:
     """Write what `cast_cones` does, with room to work in.
 
-    Two as long as there are walls, (6, walls), one as long again, `RINGS` + 2, and `cone_walls.ROOM`, twice the same
-    memory; `edge` holds cosine and sine of half the cone's angle.
+    Two as long as there are walls, (6, walls and `cone_walls.AT_ONCE`), one as long as walls, `RINGS` + 2, and
+    `cone_walls.ROOM`, twice the same memory; `edge` holds cosine and sine of half the cone's angle.
     """
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
@@ -82,7 +82,7 @@ def hear(
             aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
             if not aside + reach <= here_reach:
                 here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
-                count = walls_about(lines, x, y, here_reach, found, about, away, following, rings)
+                count = walls_about(lines, x, y, here_reach, found, about, away, candidates, rings)
             heard, least = hear_walls(
                 grid,
                 lines,
@@ -134,8 +134,8 @@ def cast_cones(
     """
     edge = np.array([math.cos(half_angle), math.sin(half_angle)])
     found = np.empty(lines.walls.shape[1], dtype=np.int64)
-    following = np.empty(lines.walls.shape[1], dtype=np.int64)
-    about = np.empty((6, lines.walls.shape[1]))
+    candidates = np.empty(lines.walls.shape[1], dtype=np.int64)
+    about = np.empty((6, lines.walls.shape[1] + AT_ONCE))
     away = np.empty(lines.walls.shape[1])
     rings = np.empty(RINGS + 2, dtype=np.int64)
     f = np.empty(ROOM)
@@ -152,7 +152,7 @@ def cast_cones(
         range_max,
         edge,
         found,
-        following,
+        candidates,
         about,
         away,
         rings,

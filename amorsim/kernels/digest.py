@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 _FIRST = np.uint64(0x9E3779B97F4A7C15)
 _SECOND = np.uint64(0x6A09E667F3BCC909)
 _SHIFT = np.uint64(29)
-_OTHER = np.uint64(32)
+_HALF = np.uint64(32)
 
 # Arrays a kernel call takes: always so many, for each number of them would be compiled by itself.
 _BATCH = 8
@@ -26,45 +26,22 @@ NOTHING = np.empty((0, 0))
 
 @part
 def _mix(bits: npt.NDArray[np.uint64], out: npt.NDArray[np.uint64]) -> None:
-    first = out[0]
-    second = out[1]
-    for j in range(bits.shape[0]):
-        word = bits[j]
-        first = (first ^ word) * _FIRST
-        first ^= first >> _SHIFT
-        second = (second + word) * _SECOND
-        second ^= second >> _OTHER
-    out[0] = first
-    out[1] = second
+    """Mix an array into a row's fingerprint: the sum of its words, each scrambled with its place, and of their squares.
 
-
-@part
-def _mix_both(
-    bits: npt.NDArray[np.uint64],
-    others: npt.NDArray[np.uint64],
-    out: npt.NDArray[np.uint64],
-    other_out: npt.NDArray[np.uint64],
-) -> None:
-    """What `_mix` does for two rows of as many bits: each waits for its own product, so two take no longer than one."""
-    first = out[0]
-    second = out[1]
-    other_first = other_out[0]
-    other_second = other_out[1]
+    Whole numbers may be added up in any order, so compilers do several words side by side. Array after array each sum
+    goes through a chain of products, which keeps their order.
+    """
+    words = np.uint64(0)
+    squares = np.uint64(0)
     for j in range(bits.shape[0]):
-        word = bits[j]
-        other = others[j]
-        first = (first ^ word) * _FIRST
-        other_first = (other_first ^ other) * _FIRST
-        first ^= first >> _SHIFT
-        other_first ^= other_first >> _SHIFT
-        second = (second + word) * _SECOND
-        other_second = (other_second + other) * _SECOND
-        second ^= second >> _OTHER
-        other_second ^= other_second >> _OTHER
-    out[0] = first
-    out[1] = second
-    other_out[0] = other_first
-    other_out[1] = other_second
+        word = (bits[j] + np.uint64(j) * _SECOND) * _FIRST
+        word = (word ^ (word >> _HALF)) * _SECOND
+        words += word
+        squares += word * word
+    first = (out[0] ^ words) * _FIRST
+    second = (out[1] + squares) * _SECOND
+    out[0] = first ^ (first >> _SHIFT)
+    out[1] = second ^ (second >> _HALF)
 
 
 @kernel
@@ -101,14 +78,10 @@ def absorb_rows(
     second_bits = second.view(np.uint64)
     start = 0
     for k in sizes:
-        for i in range(begin, end - 1, 2):
+        for i in range(begin, end):
             at = start + i * k
-            _mix_both(first_bits[at : at + k], first_bits[at + k : at + 2 * k], out[i], out[i + 1])
-            _mix_both(second_bits[at : at + k], second_bits[at + k : at + 2 * k], out[i], out[i + 1])
-        if (end - begin) % 2:
-            at = start + (end - 1) * k
-            _mix(first_bits[at : at + k], out[end - 1])
-            _mix(second_bits[at : at + k], out[end - 1])
+            _mix(first_bits[at : at + k], out[i])
+            _mix(second_bits[at : at + k], out[i])
         start += rows * k
 
 

@@ -131,48 +131,59 @@ def walls_about(
     found: Integers,
     about: Floats,
     away: Floats,
-    following: Integers,
-    heads: Integers,
+    candidates: Integers,
+    ends: Integers,
 ) -> int:
     """How many segments may occupy something within reach of a point; into `found` which, by rings, the nearest first.
 
     Parameters
     ----------
     about
-        (6, M) gets of each what `Lines.walls` has of it first.
+        (6, M or more) gets of each what `Lines.walls` has of it first.
     away
         (M,) gets how far [m] each is at least; never less than the one before.
-    following, heads
+    candidates, ends
         (M,) and (RINGS + 2,): room to work in. There are M segments.
     """
     walls = lines.walls
+    blocks = lines.boxes.shape[1]
     scale = RINGS / reach
-    heads[:] = -1
-    for block in range(lines.boxes.shape[1]):
-        if _distance(lines.boxes, block, x, y) > reach:
+    squares = about[0]
+    for block in range(blocks):
+        away[block] = _distance(lines.boxes, block, x, y)
+    count = 0
+    for block in range(blocks):
+        if away[block] > reach:
             continue
-        for m in range(lines.first[block], lines.first[block + 1]):
+        first = np.uint64(lines.first[block])
+        end = np.uint64(lines.first[block + 1])
+        for m in range(first, end):
             to_x = walls[0, m] - x
             to_y = walls[1, m] - y
             along = walls[2, m] * to_x + walls[3, m] * to_y
             across = max(abs(walls[3, m] * to_x - walls[2, m] * to_y) - walls[5, m], 0.0)
             beside = max(max(along, -along - walls[4, m]) - walls[5, m], 0.0)
-            square = across * across + beside * beside
-            if square <= reach * reach:
-                ring = min(int(math.sqrt(square) * scale), RINGS)
-                following[m] = heads[ring]
-                heads[ring] = m
-    count = 0
+            squares[m] = across * across + beside * beside
+        for m in range(first, end):
+            candidates[count] = m
+            count += 1 if squares[m] <= reach * reach else 0
+    ends[:] = 0
+    for c in range(count):
+        at = np.uint64(candidates[c])
+        ring = min(int(math.sqrt(squares[at]) * scale), RINGS)
+        squares[at] = ring
+        ends[ring + 1] += 1
     for ring in range(RINGS + 1):
-        least = ring / scale * (1.0 - SAFETY) if ring > 0 else 0.0
-        m = heads[ring]
-        while m >= 0:
-            found[count] = m
-            away[count] = least
-            for i in range(6):
-                about[i, count] = walls[i, m]
-            count += 1
-            m = following[m]
+        ends[ring + 1] += ends[ring]
+    for c in range(count):
+        ring = int(squares[np.uint64(candidates[c])])
+        at = np.uint64(ends[ring])
+        ends[ring] += 1
+        found[at] = candidates[c]
+        away[at] = ring / scale * (1.0 - SAFETY)
+    for i in range(6):
+        for c in range(count):
+            about[i, c] = walls[i, np.uint64(found[c])]
     return count
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.grid import ONE, Grid, is_occupied
+from amorsim.kernels.grid import Grid, is_occupied
 from amorsim.kernels.lines import RINGS, SAFETY, Lines, bound_scan, bucket_of
 from amorsim.kernels.rays import cell_of, direction, march, rounding, to_frame
 
@@ -35,8 +35,9 @@ _STEPS = 8  # cells they go at most; few need more
 # Where the quantities of these beams start in the one array of numbers and the one of whole numbers. Constant distances
 # tell the compiler that they do not overlap.
 _DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * LANES for i in range(9))
-_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST = (i * LANES for i in range(6))
-ROOM_F, ROOM_Q = 9 * LANES, 6 * LANES
+_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST, _SUPER, _TABLE, _PAGE = (i * LANES for i in range(9))
+_LEFT = _FIRST  # in the end, whether a beam has to go on by itself
+ROOM_F, ROOM_Q = 9 * LANES, 9 * LANES
 
 # States: on its way; has entered an occupied cell by a line of either axis; must go on alone, from its place in the
 # word or from the start.
@@ -80,13 +81,15 @@ def _aim(
     cos_s: Floats,
     sin_s: Floats,
     nearness: Floats,
+    beyond: float,
     slack: float,
     f: Floats,
     q: Integers,
 ) -> None:
     """Write direction, cell and next crossings of the beams from number `first` on, one cell beyond what is free.
 
-    The cell in which that ends is free itself. Walls begin most often in the next one, which may be in another word.
+    A beam no nearer than `beyond` goes nowhere. The cell in which what is free ends is free itself. Walls begin most
+    often in the next one, which may be in another word.
     """
     resolution = grid.resolution
     start_x = x / resolution
@@ -115,14 +118,16 @@ def _aim(
         by_x = next_x <= next_y
         then_col = col + ((1.0 if dx > 0.0 else -1.0) if by_x else 0.0)
         then_row = row + (0.0 if by_x else (1.0 if dy > 0.0 else -1.0))
-        goes = abs(next_x - next_y) > slack * (between_x + between_y)
+        goes = (nearness[first + i] > beyond) & (abs(next_x - next_y) > slack * (between_x + between_y))
         goes &= (then_col >= 0.0) & (then_col < grid.cols) & (then_row >= 0.0) & (then_row < grid.rows)
         f[i + _BETWEEN_X] = between_x
         f[i + _BETWEEN_Y] = between_y
         f[i + _NEXT_X] = next_x + (between_x if by_x else 0.0)
         f[i + _NEXT_Y] = next_y + (0.0 if by_x else between_y)
-        f[i + _COL] = then_col if goes else col
-        f[i + _ROW] = then_row if goes else row
+        col = then_col if goes else col
+        row = then_row if goes else row
+        f[i + _COL] = col if sure else 0.0
+        f[i + _ROW] = row if sure else 0.0
         q[i + _FIRST] = _BY_X if by_x else _BY_Y
         q[i + _STATE] = (_LIVE if goes else _ALONE) if sure else _UNSTARTED
         q[i + _STEP_X] = 1 if dx > 0.0 else -1
@@ -131,26 +136,22 @@ def _aim(
 
 @part
 def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
-    """Write the words that the beams are in, and their places in them; where all is free the word is 0.
-
-    A live beam whose cell is occupied has come to its end.
-    """
+    """Write the words that the beams are in, and their places in them; where all is free the word is 0."""
+    for i in range(LANES):
+        col = int(f[i + _COL])
+        row = int(f[i + _ROW])
+        q[i + _PLACE] = (row & 7) * _ROW_UNIT + (col & 7)
+        q[i + _SUPER] = (row >> 12) * grid.super_cols + (col >> 12)
+        q[i + _TABLE] = ((row >> 6) & 63) * 64 + ((col >> 6) & 63)
+        q[i + _PAGE] = ((row >> 3) & 7) * 8 + ((col >> 3) & 7)
     for i in range(LANES):
         word: Any = np.uint64(0)
-        place = 0
-        if q[i + _STATE] != _UNSTARTED:
-            col = int(f[i + _COL])
-            row = int(f[i + _ROW])
-            place = (row & 7) * _ROW_UNIT + (col & 7)
-            entry: Any = np.int64(grid.supers[np.uint64((row >> 12) * grid.super_cols + (col >> 12))])
+        entry: Any = np.int64(grid.supers[np.uint64(q[i + _SUPER])])
+        if entry >= 0:
+            entry = np.int64(grid.tables[np.uint64(entry), np.uint64(q[i + _TABLE])])
             if entry >= 0:
-                entry = np.int64(grid.tables[np.uint64(entry), np.uint64(((row >> 6) & 63) * 64 + ((col >> 6) & 63))])
-                if entry >= 0:
-                    word = grid.pages[np.uint64(entry), np.uint64(((row >> 3) & 7) * 8 + ((col >> 3) & 7))]
-            if q[i + _STATE] == _LIVE and (word >> np.uint64((row & 7) * 8 + (col & 7))) & ONE:
-                q[i + _STATE] = q[i + _FIRST]
+                word = grid.pages[np.uint64(entry), np.uint64(q[i + _PAGE])]
         q[i + _WORD] = np.int64(word)
-        q[i + _PLACE] = place
 
 
 @part
@@ -159,6 +160,11 @@ def _walk(slack: float, f: Floats, q: Integers) -> None:
 
     Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
     """
+    for i in range(LANES):
+        # Where the first cell is occupied that is the end.
+        place = q[i + _PLACE]
+        hits = (q[i + _WORD] >> (((place >> 5) & 56) + (place & 7))) & np.int64(q[i + _STATE] == _LIVE)
+        q[i + _STATE] |= q[i + _FIRST] & -hits
     for step in range(_STEPS):
         if step in (1, 2, 4):
             alive = np.int64(0)
@@ -188,10 +194,28 @@ def _walk(slack: float, f: Floats, q: Integers) -> None:
 
 
 @part
-def _measure(resolution: float, x: float, y: float, reach: float, f: Floats, q: Integers) -> None:
-    """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did."""
+def _measure(
+    resolution: float,
+    x: float,
+    y: float,
+    reach: float,
+    beyond: float,
+    first: int,
+    count: int,
+    nearness: Floats,
+    f: Floats,
+    q: Integers,
+) -> bool:
+    """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did.
+
+    And inf for those that are bounded by no wall in reach. Tells whether any of the first `count` is left, to go on by
+    itself.
+    """
+    left = np.int64(0)
     for i in range(LANES):
-        by_x = q[i + _STATE] == _BY_X
+        state = q[i + _STATE]
+        by_x = state == _BY_X
+        hits = by_x | (state == _BY_Y)
         place = q[i + _PLACE]
         dx = f[i + _DX]
         dy = f[i + _DY]
@@ -199,7 +223,12 @@ def _measure(resolution: float, x: float, y: float, reach: float, f: Floats, q: 
         line_y = 8.0 * math.floor(f[i + _ROW] * 0.125) + (place >> 8) + (0.0 if dy > 0.0 else 1.0)
         line = line_x if by_x else line_y
         distance = (line * resolution - (x if by_x else y)) / (dx if by_x else dy)
-        f[i + _RANGE] = distance + 0.0 if distance <= reach else np.inf
+        f[i + _RANGE] = distance + 0.0 if hits & (distance <= reach) else np.inf
+        # Nothing is known of a beam that is nan.
+        is_left = (not hits) & ((nearness[first + i] > beyond) | (dx != dx) | (dy != dy)) & (i < count)
+        q[i + _LEFT] = np.int64(is_left)
+        left |= np.int64(is_left)
+    return bool(left)
 
 
 def sorted_beams(cos_b: Floats, sin_b: Floats) -> tuple[Floats, Floats, Integers, Integers]:
@@ -266,31 +295,28 @@ def cast_scan(
             lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, f, nearness
         )
     for first in range(0, beams, LANES):
+        count = min(LANES, beams - first)
         if bounded:
-            _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, slack, f, q)
+            _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, beyond, slack, f, q)
             _fetch(grid, f, q)
             _walk(slack, f, q)
-            _measure(resolution, x, y, reach, f, q)
-        for i in range(min(LANES, beams - first)):
-            k = order[first + i]
+            some_left = _measure(resolution, x, y, reach, beyond, first, count, nearness, f, q)
+            for i in range(count):
+                out[order[first + i]] = f[i + _RANGE]
+            if not some_left:
+                continue
+        for i in range(count):
             start_col = col
             start_row = row
-            dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
-            if dx != dx or dy != dy:
-                out[k] = np.nan
-                continue
             if bounded:
-                state = q[i + _STATE]
-                if state in (_BY_X, _BY_Y):
-                    out[k] = f[i + _RANGE]
+                if not q[i + _LEFT]:
                     continue
-                if nearness[first + i] <= beyond:
-                    out[k] = np.inf
-                    continue
-                if state != _UNSTARTED:
+                if q[i + _STATE] != _UNSTARTED:
                     start_col = (int(f[i + _COL]) & -8) + (q[i + _PLACE] & 7)
                     start_row = (int(f[i + _ROW]) & -8) + (q[i + _PLACE] >> 8)
-            out[k] = march(grid, x, y, start_col, start_row, dx, dy, reach)
+            dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
+            is_nan = dx != dx or dy != dy
+            out[order[first + i]] = np.nan if is_nan else march(grid, x, y, start_col, start_row, dx, dy, reach)
 
 
 @kernel

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.cone_walls import ROOM
+from amorsim.kernels.cone_walls import AT_ONCE, ROOM
 from amorsim.kernels.cones import hear
 from amorsim.kernels.grid import Grid
 from amorsim.kernels.lines import Lines
@@ -65,6 +65,13 @@ SECTORS = int(4.0 * FINE)
 _TABLE, _ORDER, _STARTS, _CHAINS, _KEYS, SIZES = range(6)
 _MOUNTS, _NUMBERS, _RINGS, LIMITS, _HALF_ANGLES, _EDGES, _COSINES, _SINES, _PARAMETERS = range(7, 16)
 _HEAD = 17
+
+# Where in the room of a scan or a ring of cones its parts begin: those of `scans`, of `cone_walls`, and then what is as
+# long as there are walls; a scan needs less than one of these for its blocks.
+_ROOM_Q_AT = ROOM_F
+_ROOM_NEAR_AT = _ROOM_Q_AT + ROOM_Q
+_ROOM_RINGS_AT = _ROOM_NEAR_AT + ROOM
+_ROOM_WALLS_AT = _ROOM_RINGS_AT + ROOM_RINGS
 
 _TURN = 2.0 * math.pi
 
@@ -157,10 +164,22 @@ def _look_rows(
     end: int,
     places: Floats,
     true: Floats,
-    rooms: Any,
+    room: Floats,
+    whole: Ints,
 ) -> None:
-    """What `sense` does to see, with room to work in."""
-    nearness, f, q, blocks, rings, found, following, about, away, near, near_bits = rooms
+    """What `sense` does to see; `room` to work in is one array, and `whole` the same seen as whole numbers."""
+    most = lines.walls.shape[1]
+    f = room[:_ROOM_Q_AT]
+    q = whole[_ROOM_Q_AT:_ROOM_NEAR_AT]
+    near = room[_ROOM_NEAR_AT:_ROOM_RINGS_AT]
+    near_bits = whole[_ROOM_NEAR_AT:_ROOM_RINGS_AT]
+    rings = whole[_ROOM_RINGS_AT:_ROOM_WALLS_AT]
+    found = whole[_ROOM_WALLS_AT : _ROOM_WALLS_AT + most]
+    candidates = whole[_ROOM_WALLS_AT + most : _ROOM_WALLS_AT + 2 * most]
+    away = room[_ROOM_WALLS_AT + 2 * most : _ROOM_WALLS_AT + 3 * most]
+    rest = _ROOM_WALLS_AT + 9 * most + 6 * AT_ONCE
+    about = room[_ROOM_WALLS_AT + 3 * most : rest].reshape((6, most + AT_ONCE))
+    nearness = room[rest:]
     rows = body.shape[0]
     table = ints[ints[_TABLE] : ints[_TABLE + 1]].reshape((-1, TABLE_COLUMNS))
     order = ints[ints[_ORDER] : ints[_ORDER + 1]]
@@ -198,7 +217,7 @@ def _look_rows(
                     limits[at : at + k],
                     edges[d],
                     found,
-                    following,
+                    candidates,
                     about,
                     away,
                     rings,
@@ -220,7 +239,7 @@ def _look_rows(
                 order[beams : beams + rays],
                 starts[sectors : sectors + SECTORS + 1],
                 FINE,
-                blocks,
+                found,
                 away,
                 rings,
                 nearness[:rays],
@@ -294,10 +313,13 @@ def _read_rows(
     end: int,
     true: Floats,
     measured: Floats,
-    drawn: Floats,
-    drawn_bits: Ints,
+    room: Floats,
+    whole: Ints,
+    half: int,
 ) -> None:
-    """What `sense` does to read, with room to work in."""
+    """What `sense` does to read; `room`, which is also `whole`, is for the draws of `half` pairs of values or fewer."""
+    drawn = room[: 3 * half].reshape((3, half))
+    drawn_bits = whole[: 3 * half].reshape((3, half))
     rows = body.shape[0]
     table = ints[ints[_TABLE] : ints[_TABLE + 1]].reshape((-1, TABLE_COLUMNS))
     devices = table.shape[0]
@@ -376,25 +398,12 @@ def sense(
     for at in range(ints[_TABLE], ints[_TABLE + 1], TABLE_COLUMNS):
         most_rays = max(most_rays, ints[at + _RAYS])
         most_values = max(most_values, ints[at + _SIZE])
+    # One array for all there is to work in, for each takes 0.1 us to be made.
+    half = (most_values + 1) // 2
+    walls = lines.walls.shape[1]
+    room = np.empty(max(3 * half, _ROOM_WALLS_AT + 9 * walls + 6 * AT_ONCE + most_rays if looks else 0))
+    whole = room.view(np.int64)
     if looks:
-        most = lines.walls.shape[1]
-        blocks = lines.boxes.shape[1]
-        near = np.empty(ROOM)
-        rooms = (
-            np.empty(most_rays),
-            np.empty(ROOM_F),
-            np.empty(ROOM_Q, dtype=np.int64),
-            np.empty(blocks, dtype=np.int64),
-            np.empty(ROOM_RINGS, dtype=np.int64),
-            np.empty(most, dtype=np.int64),
-            np.empty(most, dtype=np.int64),
-            np.empty((6, most)),
-            np.empty(max(most, blocks)),
-            near,
-            near.view(np.int64),
-        )
-        _look_rows(grid, lines, origin_x, origin_y, yaw, ints, floats, body, first, end, places, true, rooms)
+        _look_rows(grid, lines, origin_x, origin_y, yaw, ints, floats, body, first, end, places, true, room, whole)
     if reads:
-        drawn = np.empty((3, (most_values + 1) // 2))
-        bits = drawn.view(np.int64)
-        _read_rows(ints, floats, counter, body, twist, joints, first, end, true, measured, drawn, bits)
+        _read_rows(ints, floats, counter, body, twist, joints, first, end, true, measured, room, whole, half)

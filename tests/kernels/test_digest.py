@@ -12,18 +12,24 @@ from amorsim.kernels.digest import absorb, absorb_together
 MASK = 2**64 - 1
 
 
-def twin(rows):
-    """The fingerprints (N, 2) of rows of numbers, in Python's whole numbers."""
-    found = []
-    for row in rows:
+def twin(arrays):
+    """The fingerprints (N, 2) of arrays (N, k), one after the other, in Python's whole numbers."""
+    found = np.zeros((len(arrays[0]), 2), dtype=np.uint64)
+    for i in range(len(found)):
         first = second = 0
-        for word in np.array(row, dtype=np.float64).view(np.uint64).tolist():
-            first = (first ^ word) * 0x9E3779B97F4A7C15 & MASK
+        for array in arrays:
+            words = squares = 0
+            for j, bits in enumerate(array[i].view(np.uint64).tolist()):
+                word = (bits + j * 0x6A09E667F3BCC909) * 0x9E3779B97F4A7C15 & MASK
+                word = (word ^ word >> 32) * 0x6A09E667F3BCC909 & MASK
+                words += word
+                squares += word**2
+            first = (first ^ words & MASK) * 0x9E3779B97F4A7C15 & MASK
             first ^= first >> 29
-            second = (second + word) * 0x6A09E667F3BCC909 & MASK
+            second = (second + squares) * 0x6A09E667F3BCC909 & MASK
             second ^= second >> 32
-        found.append((first, second))
-    return np.array(found, dtype=np.uint64).reshape(-1, 2)
+        found[i] = first, second
+    return found
 
 
 def results(rows, sizes):
@@ -45,7 +51,7 @@ def laid(arrays):
 def test_many_arrays_are_mixed_as_one_after_the_other(rows, sizes):
     plain, true, measured = results(rows, sizes)
     pairs = [array for both in zip(true, measured, strict=True) for array in both]
-    expected = twin(np.concatenate([*plain, *pairs], axis=1))
+    expected = twin([*plain, *pairs])
     one_by_one, together = np.zeros((2, rows, 2), dtype=np.uint64)
     absorb([*plain, *pairs], one_by_one)
     absorb_together(*plain, np.array(sizes, dtype=np.int64), laid(true), laid(measured), 0, rows, together)
@@ -74,3 +80,16 @@ def test_the_last_bit_of_any_number_tells():
         changed[0, j] = np.nextafter(changed[0, j], np.inf)
         absorb([changed], found[j + 1 : j + 2])
     assert len({tuple(row) for row in found.tolist()}) == 8
+
+
+def test_places_and_the_order_of_arrays_tell():
+    values = np.random.default_rng(0).normal(size=(3, 1, 200))
+    first, second, third = values
+    swapped = first.copy()
+    swapped[0, [3, 11]] = first[0, [11, 3]]
+    turned = first[:, ::-1].copy()
+    orders = [first, second, third], [second, first, third], [swapped, second, third], [turned, second, third], [first]
+    found = np.zeros((5, 2), dtype=np.uint64)
+    for i, arrays in enumerate(orders):
+        absorb(arrays, found[i : i + 1])
+    assert len(set(found[:, 0].tolist())) == len(set(found[:, 1].tolist())) == 5
