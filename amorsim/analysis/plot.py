@@ -18,13 +18,14 @@ from amorsim.analysis.figures import ESTIMATED, MEASURED, TRUE, compare, legend,
 from amorsim.analysis.files import RunFiles, Table
 from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
+from amorsim.core.shapes import Shape
+from amorsim.render.marks import COLOURS
 
 __all__ = ["plot_run"]
 
 Array = npt.NDArray[Any]
 
 MANY = 24  # values of a sensor from which it is drawn as an image
-OBSTACLE = "#b98b5e"
 PIXELS = 900  # of the map's longer side
 
 
@@ -56,7 +57,7 @@ def plot_run(
     table = partial(files.table, robot=name, replica=replica)
     poses, velocities = table("poses"), table("velocities")
     drawn: dict[str, Callable[[], Figure | None]] = {
-        "path": lambda: _path(files, poses, table("events"), _obstacles(files, replica)),
+        "path": lambda: _path(files, name, poses, table("events"), replica),
         "speed": lambda: _speed(velocities),
         "wheels": lambda: _wheels(velocities),
         "heading": lambda: _heading(poses),
@@ -80,13 +81,14 @@ def plot_run(
     return made
 
 
-def _path(files: RunFiles, poses: Table, events: Table, obstacles: Table | None) -> Figure:
+def _path(files: RunFiles, name: str, poses: Table, events: Table, replica: int | None) -> Figure:
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")
     axis: Any = figure.subplots()
     tidy(axis)
     axis.grid(visible=False)  # too like walls
     corners = _draw_map(axis, files)
-    _draw_obstacles(axis, files, obstacles)
+    _draw_obstacles(axis, files, _told(files, "obstacles", replica))
+    _draw_body(axis, files, name, poses, _told(files, "parts", replica))
     axis.plot(poses["true_x"], poses["true_y"], **TRUE)
     axis.plot(poses["estimated_x"], poses["estimated_y"], **ESTIMATED)
     if len(poses["time"]):
@@ -112,7 +114,7 @@ def _path(files: RunFiles, poses: Table, events: Table, obstacles: Table | None)
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
     handles, labels = axis.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6), frameon=False)
     return figure
 
 
@@ -140,27 +142,51 @@ def _draw_map(axis: Any, files: RunFiles) -> Array:
     return placed
 
 
-def _obstacles(files: RunFiles, replica: int | None) -> Table | None:
-    """Where obstacles were, if the run has told."""
-    return files.table("obstacles", replica=replica) if (files.folder / "obstacles.csv").exists() else None
+def _told(files: RunFiles, name: str, replica: int | None) -> Table | None:
+    """A table of what not every run has: where obstacles were, or parts."""
+    return files.table(name, replica=replica) if (files.folder / f"{name}.csv").exists() else None
+
+
+def _fill(axis: Any, shape: Shape, pose: tuple[float, float, float], **how: Any) -> None:
+    """A body's outline at a pose (x [m], y [m], heading [rad])."""
+    x, y, heading = pose
+    c, s = np.cos(heading), np.sin(heading)
+    outline = shape.outline
+    corners = (x + c * outline[:, 0] - s * outline[:, 1], y + s * outline[:, 0] + c * outline[:, 1])
+    axis.fill(*corners, linewidth=0.8, zorder=2, **how)
+
+
+def _draw_body(axis: Any, files: RunFiles, name: str, poses: Table, told: Table | None) -> None:
+    """A robot where it was at the end, with its parts such as a trailer, and the ways of these."""
+    robot = next(robot for robot in files.scenario.robots if robot.name == name)
+    look = {"facecolor": robot.colour or COLOURS["body"], "edgecolor": TRUE["color"], "alpha": 0.8}
+    label: str | None = "trail of " + ", ".join(part.name for part in robot.drive.parts)
+    for part in robot.drive.parts if told is not None else ():
+        assert told is not None
+        rows = told["part"] == f"{name}.{part.name}"
+        x, y, heading = (told[key][rows] for key in ("x", "y", "heading"))
+        if len(x):
+            axis.plot(x, y, color=TRUE["color"], linewidth=0.8, alpha=0.6, zorder=1, label=label)
+            _fill(axis, part.shape, (x[-1], y[-1], heading[-1]), **look)
+            label = None
+    if len(poses["time"]):
+        _fill(axis, robot.shape, tuple(poses[f"true_{key}"][-1] for key in ("x", "y", "heading")), **look)
 
 
 def _draw_obstacles(axis: Any, files: RunFiles, told: Table | None) -> None:
     """The ways of the obstacles that moved, and all of them where they were at the end."""
     if told is None or not len(told["time"]):
         return
-    shapes = {obstacle.name: obstacle.shape.outline for obstacle in files.scenario.obstacles}
+    obstacles = {obstacle.name: obstacle for obstacle in files.scenario.obstacles}
     names = told["obstacle"]
     label: str | None = "obstacles, at the end"
     for name in dict.fromkeys(names.tolist()):
         rows = names == name
         x, y, heading = (told[key][rows] for key in ("x", "y", "heading"))
         if len(x) > 1:
-            axis.plot(x, y, color=OBSTACLE, linewidth=0.6, alpha=0.5, zorder=1)
-        c, s = np.cos(heading[-1]), np.sin(heading[-1])
-        outline = shapes[name]
-        corners = (x[-1] + c * outline[:, 0] - s * outline[:, 1], y[-1] + s * outline[:, 0] + c * outline[:, 1])
-        axis.fill(*corners, facecolor=OBSTACLE, edgecolor="#5b4636", alpha=0.7, linewidth=0.8, zorder=2, label=label)
+            axis.plot(x, y, color=COLOURS["obstacle"], linewidth=0.6, alpha=0.5, zorder=1)
+        look = {"facecolor": obstacles[name].colour or COLOURS["obstacle"], "edgecolor": COLOURS["edge"], "alpha": 0.7}
+        _fill(axis, obstacles[name].shape, (x[-1], y[-1], heading[-1]), label=label, **look)
         label = None
 
 

@@ -26,7 +26,10 @@ COLOURS = MappingProxyType(
         "wall": "#2b2f36",
         "outside": "#e9ecef",
         "true": "#1b7f5c",
+        "body": "#bfe3d6",
         "estimated": "#2f6fde",
+        "obstacle": "#9aa4af",
+        "edge": "#3d444d",
         "collision": "#d1242f",
         "zone": "#c98a1b",
         "text": "#1f2328",
@@ -82,7 +85,7 @@ def draw_zone(canvas: Canvas, outline: Points, unit: float) -> None:
     canvas.line(np.concatenate((outline, outline[:1])), COLOURS["zone"], 2 * unit)
 
 
-def draw_body(canvas: Canvas, outline: Points, unit: float) -> None:
-    """A tinted outline, what is beneath showing through."""
-    canvas.polygon(outline, "#bfe3d6", opacity=0.8)
+def draw_body(canvas: Canvas, outline: Points, unit: float, colour: str | None = None) -> None:
+    """An outline filled with the body's own colour, or tinted, what is beneath showing through."""
+    canvas.polygon(outline, colour or COLOURS["body"], opacity=0.8)
     canvas.line(np.concatenate((outline, outline[:1])), COLOURS["true"], 3 * unit)

@@ -54,7 +54,7 @@ class RobotPath:
 
     `true` and `estimated` are its paths, (T, 2); either may be empty, and a point that is not finite
     interrupts it. `outline` is the robot's body (V, 2) at the end, or None, `parts` those of its parts;
-    `collisions`, (K, 2), are where it touched something.
+    `collisions`, (K, 2), are where it touched something; `colour` is its own, none for that of all robots.
     """
 
     name: str
@@ -65,6 +65,7 @@ class RobotPath:
     )
     collisions: Points = attrs.field(factory=_no_points, converter=_points, validator=_check_points)
     parts: Sequence[Points] = ()
+    colour: str | None = None
 
 
 def draw_map(map: Map, *, size: int = 1600, title: str = "") -> Image.Image:  # noqa: A002 - the field's word
@@ -201,9 +202,9 @@ class _Page:
         if len(true):
             marks.draw_start(canvas, true[0], unit)
         for part in path.parts:
-            marks.draw_body(canvas, self._on_page(part), unit)
+            marks.draw_body(canvas, self._on_page(part), unit, path.colour)
         if path.outline is not None and len(path.outline) > 2 and np.all(np.isfinite(path.outline)):
-            marks.draw_body(canvas, self._on_page(path.outline), unit)
+            marks.draw_body(canvas, self._on_page(path.outline), unit, path.colour)
         if len(true):
             marks.draw_true_end(canvas, true[-1], unit)
         if len(estimated):

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from amorsim.core.parameters import ParameterError
 from amorsim.render.canvas import Canvas
+from amorsim.render.marks import COLOURS
 
 __all__ = ["KINDS", "Thing", "draw_lamp", "draw_landmark", "draw_obstacle", "draw_thing"]
 
 Points = NDArray[np.float64]
 KINDS = ("obstacle", "landmark", "lamp")
-_PLAIN = {"obstacle": "#9aa4af", "landmark": "#7b4fc9", "lamp": "#f2b705"}
-_EDGE = "#3d444d"
+_PLAIN = {"obstacle": COLOURS["obstacle"], "landmark": "#7b4fc9", "lamp": "#f2b705"}
+_EDGE = COLOURS["edge"]
 
 
 def _points(value: Any) -> Points:

@@ -121,7 +121,7 @@ class Traces:
         """The paths as pictures want them, in order of the robots' names."""
         self._settle()
         points = np.array([*self._kept, self._last])
-        shapes = {robot.name: robot.shape for robot in self._simulation.scenario.robots}
+        robots = {robot.name: robot for robot in self._simulation.scenario.robots}
         found = []
         for i, name in enumerate(self._simulation.names):
             handle = self._simulation.robot(name, self._simulation.replicas[0])
@@ -130,9 +130,10 @@ class Traces:
                     name=name,
                     true=points[:, i, :2],
                     estimated=points[:, i, 2:],
-                    outline=_placed(shapes[name], self._simulation.true_pose[i : i + 1]),
+                    outline=_placed(robots[name].shape, self._simulation.true_pose[i : i + 1]),
                     collisions=self.collisions(name),
                     parts=[_placed(part.shape, handle.parts[part.name][None]) for part in handle.true.drive.parts],
+                    colour=robots[name].colour,
                 )
             )
         return found

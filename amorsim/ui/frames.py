@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame
-from amorsim.core.poses import logarithm, relative
+from amorsim.contracts import Frame, Measurement
+from amorsim.core.poses import compose, logarithm, relative
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.packing import RobotFlag, Selected
 
@@ -40,15 +40,21 @@ def _places(simulation: Simulation) -> Callable[[int], tuple[Frame, int]]:
     return find
 
 
-def _measured_angles(frame: Frame, row: int) -> tuple[Array, int] | None:
-    """What the first sensor that tells the joints' angles measured of them `(1, j)`, and when."""
+def _joints_measured(frame: Frame) -> tuple[Array, Measurement] | None:
+    """What the first sensor that tells the joints' angles measured of them `(N, j)`, and its reading."""
     for name, model in frame.robot.sensors.items():
         if hasattr(model.sensor, "angles"):
             reading = frame.readings[name][1]
             angles = np.asarray(model.sensor.angles(reading.measured))
             if angles.shape[1] == len(frame.joint_names):
-                return angles[row : row + 1], int(reading.stamp[row, 0])
+                return angles, reading
     return None
+
+
+def _measured_angles(frame: Frame, row: int) -> tuple[Array, int] | None:
+    """The joints' angles of a robot as measured `(1, j)`, and when."""
+    found = _joints_measured(frame)
+    return None if found is None else (found[0][row : row + 1], int(found[1].stamp[row, 0]))
 
 
 def look_back(simulation: Simulation, robots: Iterable[int]) -> Before:
@@ -88,7 +94,18 @@ def _selected(
         true_twist=frame.true_twist[row],
         estimated_twist=twist,
         command=frame.command[row],
+        parts=_believed_parts(frame, row, estimated),
     )
+
+
+def _believed_parts(frame: Frame, row: int, estimated: Array) -> Array:
+    """Where a robot's parts are `(3 P,)` by the pose it believes in `(1, 3)`, what is measured, and its model."""
+    drive, count = frame.robot.drive, len(frame.parts)
+    measured = _joints_measured(frame) if count else None
+    if measured is None:
+        return np.full(3 * count, np.nan)
+    inside = np.asarray(drive.part_poses(measured[0]))[row]
+    return compose(np.repeat(estimated, count, axis=0), inside).reshape(-1)
 
 
 def flags_of(simulation: Simulation) -> npt.NDArray[np.uint8]:

@@ -32,8 +32,9 @@ Array = npt.NDArray[np.float64]
 MAGIC = b"amf1"
 
 # magic, scene version, frame number, epoch; time; speed asked (inf: as fast as possible), achieved; tick, newest tick;
-# flags, events; robots R, obstacles O; selected robot, its values V; sensors S, joints J; channels C, oldest tick.
-FRAME_HEADER = struct.Struct("<4sIIIdffIIIIIIiIIIII")
+# flags, events; robots R, obstacles O; selected robot, its values V; sensors S, joints J; channels C, oldest tick; its
+# parts P, and nothing, so that what follows begins at a multiple of 8.
+FRAME_HEADER = struct.Struct("<4sIIIdffIIIIIIiIIIIII4x")
 _NUMBER_AT, _FLAGS_AT = 8, 40
 _ROBOT = 13  # which of the header's parts it is; sizes of what is told of it follow
 
@@ -69,6 +70,7 @@ class Selected(NamedTuple):
     true_twist: Array  # (3,)
     estimated_twist: Array  # (3,)
     command: Array  # (C,)
+    parts: Array = np.empty(0)  # (3 P,) where it believes its parts to be; nan where nothing measures their joints
 
 
 class Dynamic(NamedTuple):
@@ -95,10 +97,10 @@ class Dynamic(NamedTuple):
 
 
 def pack_frame(moment: Dynamic) -> bytes:
-    """The bytes of a frame, little endian: `FRAME_HEADER` (80 bytes), then
+    """The bytes of a frame, little endian: `FRAME_HEADER` (88 bytes), then
 
     - float64, of the selected robot: true values (V), measured values (V), ages (S), true joint rates (J), measured
-      ones (J), true twist (3), estimated twist (3), command (C);
+      ones (J), true twist (3), estimated twist (3), command (C), estimated poses of its parts (P, 3);
     - float32: true poses (R, 3), estimated poses (R, 3), covariances (R, 6), obstacles' poses (O, 3);
     - uint8: a `RobotFlag` for each robot (R).
 
@@ -129,6 +131,7 @@ def _head(moment: Dynamic) -> bytes:
         len(selected.true_rates),
         len(selected.command),
         moment.oldest,
+        len(selected.parts) // 3,
     )
     return header + np.concatenate(selected).astype("<f8").tobytes()
 
@@ -152,8 +155,8 @@ def unpack_frame(data: bytes) -> Dynamic:
     (_, version, number, epoch, time, speed, achieved, tick, newest, flags, events, *rest) = FRAME_HEADER.unpack_from(
         data
     )
-    robots, obstacles, selected, values, sensors, joints, channels, oldest = rest
-    sizes = (values, values, sensors, joints, joints, 3, 3, channels)
+    robots, obstacles, selected, values, sensors, joints, channels, oldest, parts = rest
+    sizes = (values, values, sensors, joints, joints, 3, 3, channels, 3 * parts)
     start = FRAME_HEADER.size
     exact = np.frombuffer(data, "<f8", sum(sizes), start).astype(float)
     start += exact.nbytes
@@ -194,7 +197,7 @@ def _parts(whole: Array, sizes: Sequence[int]) -> list[Array]:
 _BUNDLE_HEADER = struct.Struct("<4sI")  # magic, heads
 _BUNDLE_MAGIC = b"amb1"
 _HEAD = struct.Struct("<iI")  # robot, bytes of its head: a frame's header and what is told of that robot
-_NOTHING = Selected(*(np.full(size, np.nan) for size in (0, 0, 0, 0, 0, 3, 3, 0)))
+_NOTHING = Selected(*(np.full(size, np.nan) for size in (0, 0, 0, 0, 0, 3, 3, 0, 0)))
 
 
 def pack_bundle(moments: Sequence[Dynamic]) -> bytes:
@@ -249,6 +252,7 @@ class Bundle:
         """A frame that tells nothing of the robot but what it tells of all."""
         fields = list(FRAME_HEADER.unpack_from(next(iter(self._heads.values()))))
         fields[_ROBOT : _ROBOT + 5] = (robot, 0, 0, 0, 0)
+        fields[-1] = 0  # parts
         return _changed(FRAME_HEADER.pack(*fields) + np.concatenate(_NOTHING).tobytes(), number, flags) + self._tail
 
 

@@ -145,6 +145,7 @@ class Kind(TypedDict):
     model: str
     drive: str  # as registered
     footprint: Outline
+    colour: NotRequired[str]  # "#rrggbb", where it has one of its own
     wheels: list[list[float]]  # x, y [m], heading [rad], radius [m] of each that can be drawn
     channels: list[Channel]
     joints: list[str]
@@ -176,6 +177,7 @@ class ObstacleShape(TypedDict):
     footprint: Outline
     moves: bool
     part_of: NotRequired[str]  # the robot whose part it is
+    colour: NotRequired[str]  # "#rrggbb", where it has one of its own
 
 
 class Floor(TypedDict):

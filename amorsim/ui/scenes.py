@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from PIL import Image as Pictures
+from PIL import ImageColor
 
 from amorsim.contracts import Drive
 from amorsim.controllers.user import UserController
@@ -63,13 +64,13 @@ class SceneBuilder:
             "maps": self._shapes,
             "kinds": self._kinds,
             "obstacles": [
-                ObstacleShape(name=obstacle.name, footprint=_outline(obstacle.shape), moves=obstacle.motion is not None)
+                _body(obstacle.name, obstacle.shape, obstacle.colour, moves=obstacle.motion is not None)
                 for obstacle in sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
             ]
             + [
-                ObstacleShape(name=f"{name}.{part.name}", footprint=_outline(part.shape), moves=True, part_of=name)
-                for name in simulation.names
-                for part in simulation.robot(name).true.drive.parts
+                {**_body(f"{robot.name}.{part.name}", part.shape, robot.colour), "part_of": robot.name}
+                for robot in (simulation.robot(name).true for name in simulation.names)
+                for part in robot.drive.parts
             ],
             "floor": {
                 "landmarks": [[mark.x, mark.y, mark.radius] for mark in scenario.landmarks],
@@ -141,7 +142,13 @@ class SceneBuilder:
 
     def _kind(self, robot: Robot) -> int:
         # Robots that were made from one another share what they have in common.
-        key = (robot.model, id(robot.drive), robot.shape, tuple((n, id(u)) for n, u in robot.sensors.items()))
+        key = (
+            robot.model,
+            id(robot.drive),
+            robot.shape,
+            robot.colour,
+            tuple((n, id(u)) for n, u in robot.sensors.items()),
+        )
         if key in self._known:
             return self._known[key]
         drive = stack([robot.drive])
@@ -156,6 +163,8 @@ class SceneBuilder:
             "sensors": sensor_shapes(robot),
             "estimators": list(robot.estimators),
         }
+        if robot.colour is not None:
+            kind["colour"] = _rgb(robot.colour)
         # Equal in all that is drawn is as good as the same.
         place = self._kinds.index(kind) if kind in self._kinds else len(self._kinds)
         if place == len(self._kinds):
@@ -176,6 +185,18 @@ def _controller(controller: Any) -> str:
         name = name or getattr(controller.function, "__qualname__", "a function")
         return f"{file.replace(chr(92), '/').rpartition('/')[2]}:{name}" if file else name
     return _registered("controller", controller)
+
+
+def _rgb(name: str) -> str:
+    """A colour as "#rrggbb"."""
+    return "#{:02x}{:02x}{:02x}".format(*ImageColor.getrgb(name)[:3])
+
+
+def _body(name: str, shape: Shape, colour: str | None, *, moves: bool = True) -> ObstacleShape:
+    body: ObstacleShape = {"name": name, "footprint": _outline(shape), "moves": moves}
+    if colour is not None:
+        body["colour"] = _rgb(colour)
+    return body
 
 
 def _outline(shape: Shape) -> Outline:

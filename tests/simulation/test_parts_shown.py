@@ -80,6 +80,53 @@ def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
     assert [(body["name"], body.get("part_of")) for body in scene["obstacles"]] == [
         ("post", None), ("a.trailer", "a"), ("b.trailer", "b"),
     ]  # fmt: skip
+    assert "colour" not in scene["obstacles"][0]
     found = obstacle_poses(sim, ["post"])
     assert found == pytest.approx(np.array([[2.0, 8.0, 0.0], [3.9, 8.0, 0.0], [3.9, 5.0, 0.0]]))
     assert len(obstacle_poses(am.Simulation(building.scenario(building.robot(controller=Manual()))), [])) == 0
+
+
+def test_a_window_is_told_where_a_robot_believes_its_trailer_to_be() -> None:
+    pytest.importorskip("nicegui")
+    from amorsim.ui.frames import selected_of
+
+    # The trailer is longer than the robot was told, and the counts of the hitch are the true ones.
+    sensors = {"encoder": am.sensors.Encoder(counts_per_revolution=1e6)}
+    errors = {"drive.trailer_length": am.Deviation(add=0.2), "pose.y": am.Deviation(add=0.5)}
+    told = rig("a", 5.0, 5.0, sensors=sensors, errors=errors, controller=Manual())
+    sim = am.Simulation(yard(told, rig("b", 5.0, 2.0, sensors={})))
+    sim.robot("a").drive(forward=0.3, turn=0.3)
+    sim.run(2.0)
+    ((x, y, heading),) = sim.robot("a").estimated_pose[None]
+    hitch = sim.robot("a").joints[2]
+    assert abs(hitch) > 0.05
+    length = told.drive.trailer_length
+    offset = told.drive.hitch_offset
+    at = np.array([x, y]) - offset * np.array([math.cos(heading), math.sin(heading)])
+    behind = heading - hitch
+    expected = [*(at - length * np.array([math.cos(behind), math.sin(behind)])), behind]
+    found = selected_of(sim, [0, 1], None)
+    assert found[0].parts == pytest.approx(expected, abs=1e-4)
+    assert np.isnan(found[1].parts).all()  # nobody measures its hitch
+
+
+def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path) -> None:
+    pytest.importorskip("nicegui")
+    pytest.importorskip("matplotlib")
+    from amorsim.analysis.plot import plot_run
+    from amorsim.ui.scenes import SceneBuilder
+
+    scenario = yard(rig(x=5.0, y=5.0, colour="red"), obstacles=[stone("post", 2.0, 8.0, 0.5)], duration=0.2)
+    sim = am.Simulation(scenario)
+    scene = SceneBuilder(sim).scene
+    assert scene["kinds"][0]["colour"] == "#ff0000"
+    assert [body.get("colour") for body in scene["obstacles"]] == [None, "#ff0000"]
+    folder = am.run(scenario, tmp_path / "run", simulation=sim).folder
+    plots = {path.stem: path for path in plot_run(folder)}
+    for path in (folder / "picture.png", plots["path"]):
+        with Image.open(path) as opened:
+            pixels = np.asarray(opened.convert("RGB")).astype(int)
+        red = (pixels[:, :, 0] > 200) & (abs(pixels[:, :, 1] - 51) < 8) & (abs(pixels[:, :, 2] - 51) < 8)
+        # Robot and trailer, at an opacity of 0.8 on white, and what lies over them.
+        share = (0.5 * 0.5 + 0.7 * 0.5) / 100.0
+        assert 0.4 * share < red.mean() < 1.2 * share, path

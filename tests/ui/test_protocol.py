@@ -14,7 +14,9 @@ from amorsim.ui.packing import FRAME_HEADER, Bundle, Dynamic, FrameFlag, Selecte
 SIZES = st.integers(0, 5)
 
 
-def moment(robots: int, obstacles: int, values: int, sensors: int, joints: int, channels: int) -> Dynamic:
+def moment(
+    robots: int, obstacles: int, values: int, sensors: int, joints: int, channels: int, parts: int = 0
+) -> Dynamic:
     numbers = iter(np.random.default_rng(1).normal(size=10**5).astype(np.float32).astype(float))
 
     def some(*shape: int) -> Any:
@@ -39,16 +41,24 @@ def moment(robots: int, obstacles: int, values: int, sensors: int, joints: int, 
         obstacle_pose=some(obstacles, 3),
         robot_flags=np.arange(robots, dtype=np.uint8),
         selected=Selected(
-            some(values), some(values), some(sensors), some(joints), some(joints), some(3), some(3), some(channels)
+            some(values),
+            some(values),
+            some(sensors),
+            some(joints),
+            some(joints),
+            some(3),
+            some(3),
+            some(channels),
+            some(3 * parts),
         ),
     )
 
 
-@given(SIZES, SIZES, SIZES, SIZES, SIZES, SIZES)
+@given(SIZES, SIZES, SIZES, SIZES, SIZES, SIZES, SIZES)
 def test_a_frame_comes_back_as_it_was(
-    robots: int, obstacles: int, values: int, sensors: int, joints: int, channels: int
+    robots: int, obstacles: int, values: int, sensors: int, joints: int, channels: int, parts: int
 ) -> None:
-    before = moment(robots, obstacles, values, sensors, joints, channels)
+    before = moment(robots, obstacles, values, sensors, joints, channels, parts)
     after = unpack_frame(pack_frame(before))
     for name, was in before._asdict().items():
         now = getattr(after, name)
@@ -61,17 +71,18 @@ def test_a_frame_comes_back_as_it_was(
 
 def test_sections_lie_where_a_script_may_view_them() -> None:
     # Views of float64 in a browser must begin at a multiple of 8, of float32 at one of 4.
-    assert FRAME_HEADER.size == 80
+    assert FRAME_HEADER.size == 88
     # Written down once by hand, for the script in the browser reads it by these places.
-    data = pack_frame(moment(2, 1, 3, 2, 2, 2))
+    data = pack_frame(moment(2, 1, 3, 2, 2, 2, 1))
     whole = unpack_frame(data)
     assert np.frombuffer(data, "<u4", 3, 4).tolist() == [3, 2**32 - 1, 7]
     assert np.frombuffer(data, "<f8", 1, 16)[0] == 12.34
     assert np.frombuffer(data, "<f4", 2, 24).tolist() == [np.inf, 4.5]
     assert np.frombuffer(data, "<u4", 6, 32).tolist() == [123, 456, 5, 9, 2, 1]
     assert np.frombuffer(data, "<i4", 6, 56).tolist() == [-1, 3, 2, 2, 2, 1]
-    np.testing.assert_array_equal(np.frombuffer(data, "<f8", 3, 80 + 8 * 3), whole.selected.measured)
-    first = 80 + 8 * (3 + 3 + 2 + 2 + 2 + 3 + 3 + 2)
+    np.testing.assert_array_equal(np.frombuffer(data, "<f8", 3, 88 + 8 * 3), whole.selected.measured)
+    first = 88 + 8 * (3 + 3 + 2 + 2 + 2 + 3 + 3 + 2 + 3)
+    assert np.frombuffer(data, "<u4", 1, 80)[0] == 1
     np.testing.assert_array_equal(np.frombuffer(data, "<f4", 6, first + 24), whole.estimated_pose.ravel())
 
 
@@ -79,9 +90,9 @@ def test_a_thousand_robots_stay_below_64_kilobytes() -> None:
     assert len(pack_frame(moment(1000, 20, 200, 5, 4, 4))) < 64_000
 
 
-@given(st.lists(st.tuples(SIZES, SIZES, SIZES, SIZES), min_size=1, max_size=4), SIZES, SIZES)
+@given(st.lists(st.tuples(SIZES, SIZES, SIZES, SIZES, SIZES), min_size=1, max_size=4), SIZES, SIZES)
 def test_a_bundle_gives_each_window_its_frame(
-    parts: list[tuple[int, int, int, int]], robots: int, obstacles: int
+    parts: list[tuple[int, int, int, int, int]], robots: int, obstacles: int
 ) -> None:
     first = moment(robots, obstacles, *parts[0])
     moments = [
@@ -98,7 +109,7 @@ def test_a_bundle_gives_each_window_its_frame(
     # Of a robot that nobody looked at there is what there is of all.
     bare = unpack_frame(bundle.bare_frame(9, 41, 16))
     assert (bare.selected_robot, bare.number, bare.flags, bare.tick) == (9, 41, 16, first.tick)
-    assert [len(part) for part in bare.selected] == [0, 0, 0, 0, 0, 3, 3, 0]
+    assert [len(part) for part in bare.selected] == [0, 0, 0, 0, 0, 3, 3, 0, 0]
     np.testing.assert_array_equal(bare.true_pose, first.true_pose)
     np.testing.assert_array_equal(bare.robot_flags, first.robot_flags)
 

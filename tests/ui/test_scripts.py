@@ -57,6 +57,7 @@ def frame_of(robots: int, obstacles: int, sizes: list[int]) -> bytes:
                 true_twist=random.normal(size=3),
                 estimated_twist=random.normal(size=3),
                 command=random.normal(size=2),
+                parts=random.normal(size=3 * obstacles),
             ),
         )
     )
@@ -100,6 +101,7 @@ def test_a_frame_is_read_as_python_reads_it(window: Window, robots: int, obstacl
         ("trueTwist", meant.selected.true_twist),
         ("estimatedTwist", meant.selected.estimated_twist),
         ("command", meant.selected.command),
+        ("believedParts", meant.selected.parts),
     ):
         np.testing.assert_array_equal(flat(frame[key]), flat(values), err_msg=key)
     ends = np.cumsum(sizes)

@@ -1,7 +1,7 @@
 // All robots but the selected one. Small ones are stamped from pictures drawn once for each of some headings: a thousand
 // outlines a frame would take longer than a frame has.
 
-import { trace } from "./marks.js";
+import { alikeBy, fillOf, trace } from "./marks.js";
 import { DASHES } from "./theme.js";
 
 const HEADINGS = 90;
@@ -22,7 +22,7 @@ export function drawCrowd(context, camera, ratio, robots, poses, skip, kind, the
       large.push(i);
       continue;
     }
-    const sheet = stamps(robots[i].footprint, size, camera.scale * ratio, ratio, kind, theme);
+    const sheet = stamps(robots[i], camera.scale * ratio, ratio, kind, theme);
     const turn = Math.round((poses[3 * i + 2] / (2 * Math.PI)) * HEADINGS);
     const at = (((turn % HEADINGS) + HEADINGS) % HEADINGS) * sheet.side;
     const [left, top] = camera.toScreen(x, y);
@@ -33,7 +33,10 @@ export function drawCrowd(context, camera, ratio, robots, poses, skip, kind, the
     );
   }
   context.restore();
-  if (large.length) outline(context, camera.scale, large.map((i) => [robots[i], poses.subarray(3 * i, 3 * i + 3)]), kind, theme);
+  // Those of one colour as one path.
+  for (const alike of alikeBy(large, (i) => robots[i].colour)) {
+    outline(context, camera.scale, alike.map((i) => [robots[i], poses.subarray(3 * i, 3 * i + 3)]), kind, theme);
+  }
 }
 
 function outline(context, scale, robots, kind, theme) {
@@ -43,7 +46,7 @@ function outline(context, scale, robots, kind, theme) {
     context.moveTo(x, y);
     context.lineTo(x + 0.8 * reach * Math.cos(heading), y + 0.8 * reach * Math.sin(heading));
   }
-  context.fillStyle = theme[`${kind}-fill`];
+  context.fillStyle = fillOf(robots[0][0], kind, theme);
   context.fill();
   context.strokeStyle = theme[kind];
   context.lineWidth = 1 / scale;
@@ -55,9 +58,9 @@ function outline(context, scale, robots, kind, theme) {
 const sheets = new Map();
 
 /** Pictures of a footprint at all headings, side by side; `scale` in device pixels a metre. */
-function stamps(footprint, reach, scale, ratio, kind, theme) {
+function stamps({ footprint, reach, colour }, scale, ratio, kind, theme) {
   const kept = sheets.get(footprint)?.[kind];
-  if (kept && kept.scale === scale && kept.colour === theme[kind]) return kept;
+  if (kept && kept.scale === scale && kept.ink === theme[kind]) return kept;
   const side = 2 * Math.ceil(Math.max(reach * scale, 1.5 * ratio) + 1);
   const canvas = document.createElement("canvas");
   canvas.width = side * HEADINGS;
@@ -65,15 +68,15 @@ function stamps(footprint, reach, scale, ratio, kind, theme) {
   const context = canvas.getContext("2d");
   for (let n = 0; n < HEADINGS; n++) {
     if (reach * scale < 3 * ratio) {
-      context.fillStyle = theme[kind];
+      context.fillStyle = kind === "true" && colour ? colour : theme[kind];
       context.fillRect(n * side + side / 2 - 1, side / 2 - 1, 2, 2);
       continue;
     }
     context.setTransform(scale, 0, 0, -scale, n * side + side / 2, side / 2);
-    const robot = [{ footprint, reach }, [0, 0, (2 * Math.PI * n) / HEADINGS]];
+    const robot = [{ footprint, reach, colour }, [0, 0, (2 * Math.PI * n) / HEADINGS]];
     outline(context, scale / ratio, [robot], kind, theme);
   }
-  const sheet = { canvas, side, scale, colour: theme[kind] };
+  const sheet = { canvas, side, scale, ink: theme[kind] };
   sheets.set(footprint, { ...sheets.get(footprint), [kind]: sheet });
   if (sheets.size > 64) sheets.delete(sheets.keys().next().value);
   return sheet;

@@ -112,13 +112,28 @@ export const waist = (footprint) => footprint.circle ?? Math.max(...footprint.po
 export const reach = (footprint) =>
   footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
 
+/** What a body is filled with: where it truly is with its own colour, if it has one. */
+export const fillOf = (body, kind, theme, otherwise = theme[`${kind}-fill`]) =>
+  kind === "true" && body.colour ? `${body.colour}b0` : otherwise;
+
+/** Things in lists of those that have a key in common. */
+export function alikeBy(things, key) {
+  const lists = new Map();
+  for (const thing of things) {
+    const of = key(thing);
+    if (lists.has(of)) lists.get(of).push(thing);
+    else lists.set(of, [thing]);
+  }
+  return [...lists.values()];
+}
+
 /** The selected robot: its footprint, wheels, and an arrow ahead. */
 export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) {
   const [x, y, heading] = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
   if (!Number.isFinite(x) || !Number.isFinite(y)) return;
   context.beginPath();
   trace(context, robot.footprint, x, y, heading);
-  context.fillStyle = theme[`${kind}-fill`];
+  context.fillStyle = fillOf(robot, kind, theme);
   context.fill();
   context.strokeStyle = alarm ? theme.danger : theme[kind];
   context.lineWidth = px(camera, alarm ? 2.5 : 2);
@@ -190,19 +205,33 @@ export function drawMarks(context, camera, marks, colour) {
 
 /** Obstacles and the parts of robots, where they truly are. */
 export function drawObstacles(context, camera, obstacles, poses, theme) {
-  for (const [isPart, fill, edge] of [[false, theme.obstacle, theme.wall], [true, theme["true-fill"], theme.true]]) {
+  const places = obstacles.map((_, i) => i);
+  for (const alike of alikeBy(places, (i) => `${obstacles[i].colour} ${Boolean(obstacles[i].part_of)}`)) {
+    const first = obstacles[alike[0]];
     context.beginPath();
-    obstacles.forEach((obstacle, i) => {
-      const shape = obstacle.shape ?? obstacle.footprint;
-      if (!shape || Boolean(obstacle.part_of) !== isPart) return;
-      trace(context, shape, poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]);
-    });
-    context.fillStyle = fill;
+    for (const i of alike) trace(context, obstacles[i].footprint, poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]);
+    context.fillStyle = fillOf(first, "true", theme, first.part_of ? theme["true-fill"] : theme.obstacle);
     context.fill();
-    context.strokeStyle = edge;
+    context.strokeStyle = first.part_of ? theme.true : theme.wall;
     context.lineWidth = px(camera, 1.5);
     context.stroke();
   }
+}
+
+/** The parts of the selected robot where it believes them to be; `poses` has three numbers for each. */
+export function drawBelievedParts(context, camera, parts, poses, theme) {
+  context.beginPath();
+  parts.forEach((part, i) => {
+    const [x, y, heading] = poses.subarray(3 * i, 3 * i + 3);
+    if (Number.isFinite(x + y + heading)) trace(context, part.footprint, x, y, heading);
+  });
+  context.fillStyle = theme["estimated-fill"];
+  context.fill();
+  context.strokeStyle = theme.estimated;
+  context.lineWidth = px(camera, 1.5);
+  context.setLineDash(DASHES.estimated.map((d) => px(camera, d / 2)));
+  context.stroke();
+  context.setLineDash([]);
 }
 
 /** The ellipse that holds the pose with 95 % (two degrees of freedom: 5.991), and the 95 % wedge of the heading. */

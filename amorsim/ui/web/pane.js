@@ -2,7 +2,9 @@
 
 import { fixed, h, niceStep, say } from "./dom.js";
 import { drawCrowd } from "./crowd.js";
-import { drawEllipse, drawFloor, drawGrid, drawMap, drawMarks, drawObstacles, drawRobot, drawTrail } from "./marks.js";
+import {
+  drawBelievedParts, drawEllipse, drawFloor, drawGrid, drawMap, drawMarks, drawObstacles, drawRobot, drawTrail,
+} from "./marks.js";
 import { drawReadings, isDrawn } from "./readings.js";
 
 /** What a pane shows of the world (`true`) or of what the robot knows (`estimated`). */
@@ -54,6 +56,7 @@ export class Layer {
     if (!isTrue && options.ellipse) {
       drawEllipse(context, camera, pose, Array.from(frame.covariances.subarray(6 * i, 6 * i + 6)), theme);
     }
+    if (!isTrue) drawBelievedParts(context, camera, robot.parts, frame.believedParts, theme);
     drawRobot(context, camera, robot, poses, i, this.kind, theme, isTrue && frame.flags[i] & 1);
   }
 }

@@ -2,7 +2,7 @@
 
 import { reach, waist } from "./marks.js";
 
-const HEADER = 80;
+const HEADER = 88;
 const MAGIC = 0x31666d61; // "amf1", little endian
 
 export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loading: 32, posesOnly: 64 };
@@ -28,7 +28,7 @@ export function readFrame(buffer, scene) {
     oldest: u32(76),
   };
   const [robots, obstacles] = [u32(48), u32(52)];
-  const [values, sensors, joints, channels] = [u32(60), u32(64), u32(68), u32(72)];
+  const [values, sensors, joints, channels, parts] = [u32(60), u32(64), u32(68), u32(72), u32(80)];
   let at = HEADER;
   const f64 = (n) => {
     const part = new Float64Array(buffer, at, n);
@@ -48,6 +48,7 @@ export function readFrame(buffer, scene) {
   frame.trueTwist = f64(3);
   frame.estimatedTwist = f64(3);
   frame.command = f64(channels);
+  frame.believedParts = f64(3 * parts);
   frame.truePoses = f32(3 * robots);
   frame.estimatedPoses = f32(3 * robots);
   frame.covariances = f32(6 * robots);
@@ -82,6 +83,7 @@ export function readScene(raw) {
       name: robot.name,
       controller: robot.controller,
       landmarks: robot.knowledge.landmarks,
+      parts: raw.obstacles.filter((body) => body.part_of === robot.name),
       knowledge: robot.knowledge.map === null ? null : raw.maps[robot.knowledge.map],
     })),
     obstacles: raw.obstacles.map((obstacle) => ({ ...obstacle, reach: reach(obstacle.footprint) })),
