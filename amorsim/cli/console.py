@@ -29,7 +29,7 @@ def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
     where nothing is to be compiled, what follows tells it as soon.
     """
     from amorsim.kernels.ahead import compile_together
-    from amorsim.kernels.cache import is_cold, mark_warm
+    from amorsim.kernels.cache import is_cold
 
     if not is_cold():
         return False
@@ -37,5 +37,4 @@ def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
     if not quiet:
         say(COMPILING)
     compile_together()
-    mark_warm()
     return True

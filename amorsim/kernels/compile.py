@@ -9,18 +9,19 @@ in one way for Python and in another, shorter one for kernels that call it (`amo
 from __future__ import annotations
 
 import functools
-import gc
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from numba.core import config
+from numba.core import types as numba_types
 from numba.core.registry import CPUDispatcher
 
-from amorsim.kernels.cache import KernelCache, PartCache, cache_folder
+from amorsim.kernels.cache import KernelCache, PartCache, cache_folder, no_garbage_collected
 from amorsim.kernels.parts import KernelCompiler, PartCompiler
 
 __all__ = ["inlined", "kernel", "part"]
 
+types: Any = numba_types  # its names are made when it is imported, so that type checkers know none of them
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -61,18 +62,19 @@ def _compiled(function: F, **options: Any) -> F:
 
 
 class _Dispatcher(CPUDispatcher):  # type: ignore[misc, unused-ignore]
-    """numba's, that lets no garbage be collected while it compiles."""
+    """numba's, that lets no garbage be collected while it compiles, and compiles nothing anew for a constant."""
 
     def compile(self, signature: Any) -> Any:
         """Load or compile the function for these types."""
-        # Most of what is made here stays; to look through it again and again takes a good part of the time.
-        was_enabled = gc.isenabled()
-        gc.disable()
-        try:
+        with no_garbage_collected():
             return super().compile(signature)
-        finally:
-            if was_enabled:
-                gc.enable()
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """What it gives where a kernel calls it, constants taken for numbers like any other."""
+        # LLVM sees the constant wherever the function is put into its caller.
+        return super().get_call_template(
+            tuple(types.unliteral(each) for each in args), {name: types.unliteral(each) for name, each in kws.items()}
+        )
 
 
 class _Kernel(_Dispatcher):

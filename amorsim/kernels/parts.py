@@ -17,7 +17,10 @@ from typing import TYPE_CHECKING, Any
 
 from llvmlite import binding
 from numba.core import codegen, compiler, compiler_machinery, typed_passes, untyped_passes
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.runtime import rtsys
+
+from amorsim.kernels.answers import kept_answers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -125,7 +128,7 @@ class _Compiler(compiler.Compiler):  # type: ignore[misc, unused-ignore]
         self.state.library = self._library(made_by, func.__qualname__)
         self.state.library.enable_object_caching()
         rtsys.initialize(self.state.targetctx)  # which makes machine code, once
-        with _parts_only(made_by):
+        with global_compiler_lock, _parts_only(made_by), kept_answers(self.state.targetctx):
             return super().compile_extra(func)
 
 
@@ -143,7 +146,7 @@ class PartCompiler(_Compiler):
 
 @contextlib.contextmanager
 def _parts_only(made_by: Any) -> Iterator[None]:
-    """Make parts of numba's own functions that are compiled meanwhile; numba compiles in one thread at a time."""
+    """Make parts of numba's own functions that are compiled meanwhile, by one thread alone."""
     before = made_by._library_class
     made_by._library_class = _PartLibrary
     try:

@@ -15,6 +15,7 @@ from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import ParameterError
 from amorsim.core.starts import outside
+from amorsim.kernels.ahead import compile_at_first
 from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
@@ -71,6 +72,7 @@ class Simulation:
         self.dt = scenario.dt
         _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
+        compile_at_first()
         self._build(scenario.seed if seed is None else seed)
 
     def _build(self, seed: int) -> None:

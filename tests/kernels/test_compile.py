@@ -8,7 +8,7 @@ import amorsim.kernels
 from amorsim.kernels.cache import sources_of
 
 HERE = Path(amorsim.kernels.__file__).parent
-COMPILING = {"compile", "cache", "claims", "parts"}  # how a kernel is compiled and kept
+COMPILING = {"answers", "compile", "cache", "claims", "parts"}  # how a kernel is compiled and kept
 
 
 def names(path):
