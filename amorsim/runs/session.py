@@ -127,7 +127,8 @@ class RunSession:
     def _open(self, planned: int) -> None:
         simulation = self._simulation
         write_document(with_copies(self._scenario, self.folder), self.folder / "scenario.toml")
-        inputs = sorted(path.name for path in self.folder.iterdir() if path.name not in OUTPUTS)
+        files = (path.relative_to(self.folder).as_posix() for path in self.folder.rglob("*") if path.is_file())
+        inputs = sorted(name for name in files if name not in OUTPUTS)
         wanted = self._scenario.recording.sensors
         many = len(simulation.replicas) > SENSOR_FILES_UP_TO
         self._with_sensors = wanted == "all" or (wanted == "auto" and not many)

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
+from amorsim.scenario.beside import files_beside, make_importable
 
 __all__ = ["is_controller_file", "load_controller", "reference_to", "split_reference"]
 
@@ -54,7 +55,8 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
 
     A function takes `arguments` before them.
 
-    The file is run as a module of its own; one that says the same is run once in a process.
+    The file is run as a module of its own; one that says the same is run once in a process. It may import
+    what lies beside it.
 
     Raises
     ------
@@ -81,7 +83,9 @@ def _load_module(path: Path) -> ModuleType:
         is_missing = isinstance(error, FileNotFoundError)
         problem = "there is no such file" if is_missing else f"cannot be read: {error}"
         raise ControllerError(f"{path}: {problem}") from error
-    digest = hashlib.blake2b(str(path).encode() + b"\0" + data, digest_size=8).hexdigest()
+    beside = files_beside(path, data)
+    said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
+    digest = hashlib.blake2b(b"\0".join([str(path).encode(), *said]), digest_size=8).hexdigest()
     # Named after what it says: an edited file is another module; pickled objects of the old one stay whole.
     module_name = f"amorsim_controller_{digest}"
     if module_name in sys.modules:
@@ -93,6 +97,7 @@ def _load_module(path: Path) -> ModuleType:
     sys.modules[module_name] = module
     try:
         # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
+        make_importable(beside)
         exec(compile(data, str(path), "exec"), vars(module))
     except (Exception, SystemExit) as error:
         del sys.modules[module_name]

@@ -15,6 +15,7 @@ from amorsim.core.errors import MapError, RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
 from amorsim.scenario.angles import LongDegrees
+from amorsim.scenario.beside import files_beside
 from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.document import document_of
 from amorsim.scenario.maps import save_map
@@ -202,6 +203,7 @@ class _Copies:
         "commands.csv",
         "events.csv",
         "obstacles.csv",
+        "parts.csv",
         "picture.png",
     )
 
@@ -233,6 +235,28 @@ class _Copies:
         if is_controller_file(use):
             file, _, name = use.rpartition(":")
             component["use"] = f"{self.of(file)}:{name}"
+            for key, beside in files_beside(Path(file)).items():
+                self._of_import(key, beside)
+
+    def _of_import(self, key: str, path: Path) -> None:
+        """Copy what a program imports from beside it, under its own name, for that is what is imported."""
+        target = self._folder / key
+        file = str(path)
+        if file in self._names or path.resolve() == target.resolve():
+            return
+        try:
+            if key in self._names.values() or key in self._TAKEN:
+                if target.is_file() and target.read_bytes() == path.read_bytes():
+                    return
+                raise RunError(
+                    f"{file}: cannot be copied into {self._folder} as {key}, which is another file there; give it "
+                    "another name, for a run's folder has one place for both"
+                )
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, target)
+        except OSError as error:
+            raise RunError(f"{file}: cannot be copied into {self._folder}: {error.strerror or error}") from error
+        self._names[file] = key
 
     def of(self, file: str) -> str:
         """The name of a file's copy."""
