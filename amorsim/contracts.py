@@ -542,8 +542,19 @@ class Bundle(NamedTuple):
     """Readings of one group of robots that were all taken, and arrived, at this very step: side by side."""
 
     places: Mapping[str, slice]  # by sensor: where its values are, `(N, k)` row by row
-    true: Array  # (V,)
-    measured: Array  # (V,)
+    values: Array  # (2, V), true and measured
+
+    @property
+    def true(self) -> Array:
+        """True values `(V,)`."""
+        true: Array = self.values[0]
+        return true
+
+    @property
+    def measured(self) -> Array:
+        """Measured values `(V,)`."""
+        measured: Array = self.values[1]
+        return measured
 
 
 class Frame(NamedTuple):

@@ -30,12 +30,11 @@ def keep_step(
     command: Array,
     pose: Array,
     covariance: Array,
-    true: Array,
-    measured: Array,
+    values: Array,
     step: int,
     out: Array,
 ) -> int:
-    """Write arrays `(N,)`, `(N, k)`, `(N, 3, 3)` and `(V,)` one after another into ``out[step]``; where they end."""
+    """Write arrays `(N,)`, `(N, k)`, `(N, 3, 3)` and `(2, V)` one after another into ``out[step]``; where they end."""
     at = 0
     for i in range(time.shape[0]):
         out[step, at] = time[i]
@@ -50,10 +49,4 @@ def keep_step(
             for k in range(3):
                 out[step, at] = covariance[i, j, k]
                 at += 1
-    for i in range(true.shape[0]):
-        out[step, at] = true[i]
-        at += 1
-    for i in range(measured.shape[0]):
-        out[step, at] = measured[i]
-        at += 1
-    return at
+    return _put(values, out, step, at)

@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 
 _NUMBERS = 1 << 17  # kept of one group before they are written
 _MOST_STEPS = 512
-_NO_BUNDLE = Bundle({}, np.empty(0), np.empty(0))
+_NO_BUNDLE = Bundle({}, np.empty((2, 0)))
 
 
 class Steps:
@@ -117,7 +117,6 @@ class RobotSteps(Steps):
         if self.rows > 1:  # components' own, who may have laid several rows out in any way
             rates, command = np.ascontiguousarray(rates), np.ascontiguousarray(command)
             pose, covariance = np.ascontiguousarray(pose), np.ascontiguousarray(covariance)
-        _, true, measured = _NO_BUNDLE if bundle is None else bundle
         at = keep_step(
             frame.time,
             frame.true_pose,
@@ -126,8 +125,7 @@ class RobotSteps(Steps):
             command,
             pose,
             covariance,
-            true,
-            measured,
+            (_NO_BUNDLE if bundle is None else bundle).values,
             self.count,
             self.table,
         )

@@ -36,7 +36,7 @@ class Showing:
         bundle: Bundle | None = None
         readings: Mapping[str, Shown]
         if batch.is_held:
-            bundle = Bundle(batch.places, *batch.values)
+            bundle = Bundle(batch.places, batch.values)
             others = group.sensing.others
             held = {unit.name: (unit.true, unit.reading) for unit in others} if others else _NONE
             readings = _Readings(group.sensors, held, bundle, (batch.tick, batch.now, batch.always))
@@ -45,8 +45,8 @@ class Showing:
         return Frame(
             group.names,
             moment.replica,
-            moment.tick[:, 0],
-            moment.time[:, 0],
+            moment.tick.ravel(),
+            moment.time.ravel(),
             group.true_pose,
             group.true_twist,
             self._joint_names,
