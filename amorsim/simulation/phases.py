@@ -14,6 +14,7 @@ from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
+from amorsim.simulation.obstacles import ObstacleGroup
 
 Array = npt.NDArray[np.float64]
 
@@ -140,6 +141,13 @@ _DOES: Mapping[str, Callable[[Fleet], None]] = {
 }
 
 
+def _speed(fleet: Fleet, group: Group | ObstacleGroup, row: int, body: int, contact: Contact) -> float:
+    """How fast [m/s] a body goes as it meets something: its base point, or the point of a part that meets it."""
+    if isinstance(group, Group) and group.parts is not None and body not in group.bodies:
+        return group.parts.speed_at(body, contact.point, contact.fraction)
+    return float(group.travel()[row, 0] / fleet.dt)
+
+
 def _log_contact(fleet: Fleet, contact: Contact) -> None:
     """An event for each body that met something, and one for each controller that ends by it."""
     world = fleet.world
@@ -161,7 +169,7 @@ def _log_contact(fleet: Fleet, contact: Contact) -> None:
             part=part,
             other_part=other_part,
             point=contact.point,
-            speed=float(group.travel()[row, 0] / fleet.dt),
+            speed=_speed(fleet, group, row, body, contact),
         )
         fleet.events.append(event)
         if isinstance(group, Group) and group.ends_on_collision and group.active[row, 0] and not group.by_hand[row, 0]:

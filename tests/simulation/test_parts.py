@@ -51,6 +51,33 @@ def test_a_trailer_backed_into_a_wall_stops_the_tractor() -> None:
     assert found.joints[0] == pytest.approx(-14.9, abs=1e-9)  # its wheels stopped, too
 
 
+def test_a_trailer_that_swings_into_something_tells_its_own_speed() -> None:
+    # The tractor turns on the spot: it goes nowhere, but its hitch, and with it the trailer, goes aside.
+    free = am.Simulation(yard(rig(x=5.0, y=5.0), dt=1e-4))
+    sim = am.Simulation(yard(rig(x=5.0, y=5.0), obstacles=[stone("post", 4.15, 4.6, 0.1)]))
+    free.robot("rig").command(-5.0, 5.0)
+    drive(sim, (-5.0, 5.0), 20)
+    met = next(event for event in sim.events if event.name == "rig")
+    assert (met.part, met.other) == ("trailer", "post")
+    assert met.point is not None
+    before = {}
+    steps = round(met.time / 1e-4)
+    for step in range(1, steps + 2):
+        free.step()
+        if step >= steps - 1:
+            before[step] = free.robot("rig").parts["trailer"]
+    x, y, heading = before[steps]
+    c, s = math.cos(heading), math.sin(heading)
+    dx, dy = met.point[0] - x, met.point[1] - y
+    inside = np.array([[c * dx + s * dy, c * dy - s * dx, 0.0]])
+    one, other = (compose(before[step][None], inside)[0, :2] for step in (steps - 1, steps + 1))
+    expected = math.hypot(*(other - one)) / 2e-4
+    assert expected > 0.05
+    assert met.speed == pytest.approx(expected, rel=1e-3)
+    assert [event.speed for event in sim.events if event.name == "post"] == [0.0]
+    assert sim.robot("rig").true_pose[:2] == pytest.approx([5.0, 5.0])
+
+
 def test_those_in_contact_can_part() -> None:
     sim = am.Simulation(yard(rig(x=1.6, y=5.0)))
     drive(sim, (-5.0, -5.0), 10)
