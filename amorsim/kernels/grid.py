@@ -30,7 +30,16 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["Grid", "box_is_free", "is_occupied", "occupied_boxes", "square_ahead", "word_at", "word_mask"]
+__all__ = [
+    "Grid",
+    "box_is_free",
+    "is_occupied",
+    "next_occupied",
+    "occupied_boxes",
+    "square_ahead",
+    "word_at",
+    "word_mask",
+]
 
 ALL = np.uint64(0xFFFFFFFFFFFFFFFF)
 NONE = np.uint64(0)
@@ -143,6 +152,38 @@ def box_is_free(grid: Grid, row0: int, col0: int, row1: int, col1: int) -> bool:
 
 
 @kernel
+def next_occupied(grid: Grid, row0: int, row1: int, col: int) -> int:
+    """The first column from `col` on in which one of the map's rows row0..row1 is occupied; `cols` where none is."""
+    first = grid.cols
+    row = row0
+    while row <= row1:
+        last_row = min(row1, row | 7)
+        at = col
+        while at < first:
+            entry: Any = grid.supers[(row >> 12) * grid.super_cols + (at >> 12)]
+            if entry < 0:
+                at = ((at >> 12) + 1) << 12
+                continue
+            page: Any = grid.tables[entry, ((row >> 6) & 63) * 64 + ((at >> 6) & 63)]
+            if page < 0:
+                at = ((at >> 6) + 1) << 6
+                continue
+            word = grid.pages[page, ((row >> 3) & 7) * 8 + ((at >> 3) & 7)]
+            word = word & word_mask(row & 7, at & 7, last_row & 7, 7)
+            if word:
+                # Its rows laid over each other, a bit a column.
+                word = word | (word >> np.uint64(32))
+                word = word | (word >> np.uint64(16))
+                word = word | (word >> np.uint64(8))
+                while not (word >> np.uint64(at & 7)) & ONE:
+                    at += 1
+                first = min(first, at)
+            at = (at | 7) + 1
+        row = last_row + 1
+    return first
+
+
+@kernel
 def occupied_boxes(
     grid: Grid,
     row0: NDArray[np.int64],
@@ -159,8 +200,14 @@ def occupied_boxes(
     for i in range(out.shape[0]):
         low = max(row0[i], 0)
         high = min(row1[i], grid.rows - 1)
+        # From `start` on the next occupied one, which most boxes have in common with the one before.
+        start, wall = 0, -1
         for j in range(out.shape[1]):
             left = max(col0[j], 0)
             right = min(col1[j], grid.cols - 1)
-            inside = low <= high and left <= right
-            out[i, j] = 0 if inside and box_is_free(grid, low, left, high, right) else 1
+            if low > high or left > right:
+                out[i, j] = 1
+                continue
+            if left < start or left > wall:
+                start, wall = left, next_occupied(grid, low, high, left)
+            out[i, j] = 1 if wall <= right else 0
