@@ -96,8 +96,10 @@ def _aim(
     start_y = y / resolution
     doubt = 2.0 * rounding(grid, 1.0, 1.0)
     for i in range(LANES):
-        dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
-        free = (1.0 - SAFETY) / (nearness[first + i] * resolution)
+        # Unsigned, for a number that could be negative would be looked at first, and what it counts gathered.
+        beam = np.uint64(first) + np.uint64(i)
+        dx, dy = direction(cos_h, sin_h, cos_s[beam], sin_s[beam])
+        free = (1.0 - SAFETY) / (nearness[beam] * resolution)
         place_x = start_x + free * dx
         place_y = start_y + free * dy
         col = math.floor(place_x) * 1.0
@@ -118,7 +120,7 @@ def _aim(
         by_x = next_x <= next_y
         then_col = col + ((1.0 if dx > 0.0 else -1.0) if by_x else 0.0)
         then_row = row + (0.0 if by_x else (1.0 if dy > 0.0 else -1.0))
-        goes = (nearness[first + i] > beyond) & (abs(next_x - next_y) > slack * (between_x + between_y))
+        goes = (nearness[beam] > beyond) & (abs(next_x - next_y) > slack * (between_x + between_y))
         goes &= (then_col >= 0.0) & (then_col < grid.cols) & (then_row >= 0.0) & (then_row < grid.rows)
         f[i + _BETWEEN_X] = between_x
         f[i + _BETWEEN_Y] = between_y
@@ -225,7 +227,8 @@ def _measure(
         distance = (line * resolution - (x if by_x else y)) / (dx if by_x else dy)
         f[i + _RANGE] = distance + 0.0 if hits & (distance <= reach) else np.inf
         # Nothing is known of a beam that is nan.
-        is_left = (not hits) & ((nearness[first + i] > beyond) | (dx != dx) | (dy != dy)) & (i < count)
+        is_near = nearness[np.uint64(first) + np.uint64(i)] > beyond
+        is_left = (not hits) & (is_near | (dx != dx) | (dy != dy)) & (i < count)
         q[i + _LEFT] = np.int64(is_left)
         left |= np.int64(is_left)
     return bool(left)
@@ -302,7 +305,7 @@ def cast_scan(
             _walk(slack, f, q)
             some_left = _measure(resolution, x, y, reach, beyond, first, count, nearness, f, q)
             for i in range(count):
-                out[order[first + i]] = f[i + _RANGE]
+                out[np.uint64(order[np.uint64(first) + np.uint64(i)])] = f[i + _RANGE]
             if not some_left:
                 continue
         for i in range(count):

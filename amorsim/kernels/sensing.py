@@ -333,10 +333,11 @@ def _read_rows(
         k = table[d, _SIZE]
         for i in range(first, end):
             at = table[d, _VALUES] * rows + i * k
-            _sense(table[d, _KIND], mounts[d, i], numbers_of[d, i], body[i], twist[i], joints[i], true[at : at + k])
+            ideal = true[at : at + k]
             values = measured[at : at + k]
+            _sense(table[d, _KIND], mounts[d, i], numbers_of[d, i], body[i], twist[i], joints[i], ideal)
             for j in range(k):
-                values[j] = true[at + j]
+                values[j] = ideal[j]
             for c in range(table[d, _FIRST], table[d, _LAST]):
                 number = parts[c, i, 0]
                 if chains[c] == GAUSSIAN:
