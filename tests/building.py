@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import attrs
@@ -101,6 +102,7 @@ def robot(**changes: Any) -> Robot:
     return Robot(**(given | changes))
 
 
+@functools.cache  # hundreds of tests have the same one
 def room(width: float = 6.0, height: float = 5.0, resolution: float = 0.001) -> Map:
     """A room of four walls, its lower left corner at the origin."""
     corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]

@@ -165,12 +165,14 @@ def _read_own(node: Node, arguments: tuple[str, ...]) -> dict[str, Any] | None:
 def read_recording(node: Node, registry: Registry) -> Recording | None:
     """What a run writes down: the fields of `Recording`, and under ``also`` a list of tables, a recorder each."""
     recording: Recording | None = read_component(Recording, node, beside=("also",))
-    if recording is None or "also" not in node:
+    if not isinstance(node.value, dict) or "also" not in node:
         return recording
     also = node.child("also")
     if not also.expect_list("a list of tables, as in [{ use = 'NAME' }]"):
         return None
     recorders = [_read(item, "recorder", registry, ("use",)) for item in also.items()]
+    if recording is None:
+        return None
     return attrs.evolve(recording, also=[recorder for recorder in recorders if recorder is not None])
 
 

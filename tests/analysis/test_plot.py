@@ -36,8 +36,8 @@ def count(picture: Path, colour: str) -> int:
     """How many pixels have a colour, to three steps of 255."""
     wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)])
     with Image.open(picture) as opened:
-        pixels = np.asarray(opened.convert("RGB")).astype(int)
-    return int((np.abs(pixels - wanted).max(axis=2) <= 3).sum())
+        pixels = np.asarray(opened.convert("RGB")).astype(np.int16)
+    return int((np.abs(pixels - wanted.astype(np.int16)) <= 3).all(axis=2).sum())
 
 
 def test_there_is_a_picture_of_each_kind(folder: Path, pictures: dict[str, Path]) -> None:
@@ -103,11 +103,17 @@ def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(tmp_path: Pat
     assert {path.stem for path in plot_run(tmp_path / "blind")} == KINDS
 
 
-def test_pictures_of_one_robot_and_replica_go_where_they_are_wanted(tmp_path: Path) -> None:
+def test_pictures_of_one_robot_and_replica_go_where_they_are_wanted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from matplotlib.figure import Figure
+
+    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: path.touch())
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "run", duration=0.3, replicas=2)
     made = plot_run(tmp_path / "run", out=tmp_path / "mine", robot="rover", replica=1)
     assert {path.parent for path in made} == {tmp_path / "mine"}
+    assert sorted(made) == sorted((tmp_path / "mine").iterdir())
     assert not (tmp_path / "run" / "plots").exists()
     with pytest.raises(am.RunError, match="no robot 'rovr'"):
         plot_run(tmp_path / "run", robot="rovr")

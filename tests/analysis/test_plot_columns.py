@@ -1,7 +1,6 @@
 """Figures of sensors whose readings are tables: a panel for each column."""
 
 import numpy as np
-import pytest
 
 import amorsim as am
 from amorsim.analysis import plot
@@ -30,11 +29,13 @@ y = 1.5
 """
 
 
-@pytest.mark.parametrize(
-    ("sensor", "labels"),
-    [("finder", ["range [m]", "bearing [°]", "id"]), ("gps", ["x [m]", "y [m]", "heading [°]"])],
-)
-def test_each_column_has_a_panel_in_its_unit(tmp_path, monkeypatch, sensor, labels):
+PANELS = {
+    "finder": {"range [m]": 2.0, "bearing [°]": 0.0, "id": 4.0},
+    "gps": {"x [m]": 1.0, "y [m]": 1.5, "heading [°]": 0.0},
+}
+
+
+def test_each_column_has_a_panel_in_its_unit(tmp_path, monkeypatch):
     (tmp_path / "room.wld").write_text(
         "0 0 4000 0\n4000 0 4000 3000\n4000 3000 0 3000\n0 3000 0 0\nposition 1000 1500 0\n"
     )
@@ -43,9 +44,12 @@ def test_each_column_has_a_panel_in_its_unit(tmp_path, monkeypatch, sensor, labe
     made = {}
     columns = plot._columns
     monkeypatch.setattr(plot, "_columns", lambda name, *rest: made.setdefault(name, columns(name, *rest)))
+    for other in ("_path", "_speed", "_wheels", "_heading", "_error"):
+        monkeypatch.setattr(plot, other, lambda *_: None)
     plot.plot_run(tmp_path / "run")
-    axes = made[sensor].axes
-    assert [axis.get_ylabel() for axis in axes] == labels
-    for axis, wanted in zip(axes, {"finder": (2.0, 0.0, 4.0), "gps": (1.0, 1.5, 0.0)}[sensor], strict=True):
-        shown = np.concatenate([line.get_ydata() for line in axis.get_lines()])
-        np.testing.assert_allclose(shown[np.isfinite(shown)], wanted, atol=1e-5)  # of empty slots nothing
+    for sensor, panels in PANELS.items():
+        axes = made[sensor].axes
+        assert [axis.get_ylabel() for axis in axes] == list(panels)
+        for axis, wanted in zip(axes, panels.values(), strict=True):
+            shown = np.concatenate([line.get_ydata() for line in axis.get_lines()])
+            np.testing.assert_allclose(shown[np.isfinite(shown)], wanted, atol=1e-5)  # of empty slots nothing

@@ -87,7 +87,7 @@ def test_ages_are_distributed_as_the_newest_of_those_that_have_arrived():
     The chance that the reading held is of j steps ago or newer is the product of F(i dt) over all i >= j, with F the
     distribution of the latency: here uniform from 0.05 to 0.45 s.
     """
-    replicas = 4000
+    replicas = 1500
     _, _, stamp, _, _ = arrivals(12, LatencyJitter(spread=0.2), latency=0.25, replicas=replicas)
     late = 12 - stamp[-1]
     for j in range(6):

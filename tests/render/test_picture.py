@@ -28,8 +28,10 @@ def room() -> Map:
 
 def distance(image: Image.Image, colour: str) -> np.ndarray:
     """How far each pixel is from a colour, (rows, columns)."""
-    difference = np.asarray(image, np.float64) - ImageColor.getrgb(colour)
-    return np.asarray(np.sqrt((difference**2).sum(axis=2)))
+    red, green, blue = (
+        np.asarray(part, np.float32) - one for part, one in zip(image.split(), ImageColor.getrgb(colour), strict=True)
+    )
+    return np.asarray(np.sqrt(red**2 + green**2 + blue**2))
 
 
 def has(image: Image.Image, colour: str) -> np.ndarray:

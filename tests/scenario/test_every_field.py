@@ -186,23 +186,63 @@ def place(folder):
     return folder
 
 
-@pytest.mark.parametrize(
-    ("document", "path", "key", "parameter"), [case[1:] for case in CASES], ids=[c[0] for c in CASES]
-)
-def test_a_field_fed_wrongly_gets_a_fault_with_path_value_and_expectation(place, document, path, key, parameter):
+def groups():
+    """The cases of each component or part of a document, by its name."""
+    found = {}
+    for name, document, path, key, parameter in CASES:
+        _, _, fields = found.setdefault(name.rpartition("/")[0], (document, path, {}))
+        fields[key] = parameter
+    return found
+
+
+GROUPS = groups()
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_a_field_fed_wrongly_gets_a_fault_with_path_value_and_expectation(place, name):
+    """Each alone with one value; then all fields of a component at once with all values, for all faults are told.
+
+    What only the whole component can see is told once every field is sound by itself: such a value is tried alone too.
+    """
+    document, path, fields = GROUPS[name]
     loads(document, place, registry=REGISTRY)  # the sound document is one
-    where = ".".join(str(part) for part in (*path, key))
-    for value in bad_values(parameter):
+
+    def faults(wrong):
         broken = copy.deepcopy(document)
-        at(broken, path)[key] = value
+        at(broken, path).update(wrong)
         with pytest.raises(ScenarioError) as caught:
             loads(broken, place, registry=REGISTRY)
-        found = [fault for fault in caught.value.faults if fault.path == where or fault.path.startswith(f"{where}.")]
-        assert found, (value, caught.value.faults)
-        for fault in found:
-            assert "expected" in fault.message or "there is no such key" in fault.message, (value, fault)
-        if not isinstance(value, (list, dict)) and abs(value if isinstance(value, int) else 0) != HUGE:
-            assert f"got {value!r}" in found[0].message, (value, found)
+        return caught.value.faults
+
+    bad = {key: bad_values(parameter) for key, parameter in fields.items()}
+    for key, values in bad.items():
+        assert_told(faults({key: values[0]}), (*path, key), values[0])
+    for n in range(max(len(values) for values in bad.values())):
+        wrong = {key: values[n] for key, values in bad.items() if n < len(values)}
+        together = faults(wrong)
+        for key, value in wrong.items():
+            told = of(together, (*path, key))
+            assert_told(told or faults({key: value}), (*path, key), value)
+
+
+def of(faults, path):
+    where = ".".join(str(part) for part in path)
+    return [fault for fault in faults if fault.path == where or fault.path.startswith(f"{where}.")]
+
+
+def assert_told(faults, path, value):
+    found = of(faults, path)
+    assert found, (path, value, faults)
+    for fault in found:
+        assert "expected" in fault.message or "there is no such key" in fault.message, (value, fault)
+    if not isinstance(value, (list, dict)) and abs(value if isinstance(value, int) else 0) != HUGE:
+        assert f"got {value!r}" in found[0].message, (value, found)
+
+
+def test_faults_of_recorders_are_told_beside_those_of_what_is_recorded(place):
+    broken = copy.deepcopy(BASE) | {"recording": {"picture": 3, "also": 4}}
+    assert len(of(faults_of(broken, place), ("recording", "picture"))) == 1
+    assert len(of(faults_of(broken, place), ("recording", "also"))) == 1
 
 
 @pytest.mark.parametrize(
