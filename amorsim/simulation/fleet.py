@@ -15,10 +15,11 @@ from amorsim.core.rows import signature
 from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
+from amorsim.simulation.alike import group_key
 from amorsim.simulation.bodies import World
 from amorsim.simulation.contact import WALL
 from amorsim.simulation.events import Event
-from amorsim.simulation.group import Group, group_key
+from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.placing import draw_starts, with_start
 from amorsim.simulation.surroundings import Surroundings

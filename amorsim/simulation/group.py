@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -18,18 +18,15 @@ from amorsim.contracts import (
     Estimator,
     Frame,
     Measurement,
-    RobotModel,
-    SensorModel,
     State,
 )
-from amorsim.core.errors import ComponentError
-from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import compose, exponential, logarithm
-from amorsim.core.rows import signature, stack, take
+from amorsim.core.rows import stack, take
 from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
 from amorsim.kernels.poses import mean_twists
-from amorsim.scenario.spec import Knowledge, Robot, Zone
+from amorsim.scenario.spec import Robot, Zone
+from amorsim.simulation.alike import poses_of, reading_size, robot_model
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.driving import command_of, command_of_some
@@ -39,36 +36,17 @@ from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.showing import Showing
 from amorsim.simulation.together import Together
-from amorsim.simulation.truth import true_robot
+from amorsim.simulation.truth import true_robots
 from amorsim.simulation.view import GroupView
 from amorsim.simulation.zones import Zones
 
-__all__ = ["Group", "group_key"]
+__all__ = ["Group"]
 
 _FLOAT = np.dtype(np.float64)
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Arrays = dict[str, npt.NDArray[Any]]
-
-
-def group_key(robot: Robot) -> Hashable:
-    """What robots of one group have in common."""
-    return (
-        signature(robot.drive),
-        robot.shape,
-        tuple(
-            (name, signature(unit.sensor), tuple((e.name, e.column, signature(e.noise)) for e in unit.noise))
-            for name, unit in robot.sensors.items()
-        ),
-        tuple((element.name, signature(element.noise)) for element in robot.ground),
-        tuple((name, signature(estimator)) for name, estimator in robot.estimators.items()),
-        None if robot.controller is None else signature(robot.controller),
-        robot.on_collision,
-        id(robot.knowledge.map) if robot.knowledge.map is not None else None,
-        robot.knowledge.landmarks,
-        robot.knowledge.landmark_ids,
-    )
 
 
 class Group:
@@ -103,7 +81,8 @@ class Group:
         self.ground = Chain(first.ground, self.streams, "ground")
         self.zones = Zones(zones, self.rows, self.streams)
         self.sensors = {
-            name: SensorUnit(name, unit, _size(first, name), self.streams) for name, unit in first.sensors.items()
+            name: SensorUnit(name, unit, reading_size(first, name), self.streams)
+            for name, unit in first.sensors.items()
         }
         self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
         self.estimators: dict[str, Estimator] = {}
@@ -133,14 +112,7 @@ class Group:
 
     def set_parameters(self) -> None:
         """Make the stacked components anew from what is specified of every row."""
-        resolved: dict[tuple[int, int], Robot] = {}
-        true = []
-        for robot, replica in zip(self.specified, self.moment.replica.tolist(), strict=True):
-            drawn = any(d.per == "replica" for d in robot.errors.values())
-            key = (id(robot), replica if drawn else -1)
-            if key not in resolved:
-                resolved[key] = true_robot(robot, self.seed, replica)
-            true.append(resolved[key])
+        true = true_robots(self.specified, self.moment.replica, self.seed)
         self.true = true
         self.drive = stack([robot.drive for robot in true])
         self.ground.set_parameters([robot.ground for robot in true])
@@ -148,30 +120,8 @@ class Group:
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
         self.sensing = SensePlan(list(self.sensors.values()), self.rows, self.world)
         nominal = self.specified
-        knowledge: Knowledge = nominal[0].knowledge
-        self.robot = RobotModel(
-            rows=self.rows,
-            dt=self.dt,
-            names=tuple(self.names),
-            drive=stack([robot.drive for robot in nominal]),
-            shape=nominal[0].shape,
-            sensors={
-                name: SensorModel(
-                    name=name,
-                    sensor=stack([robot.sensors[name].sensor for robot in nominal]),
-                    mount=stack([robot.sensors[name].mount for robot in nominal]),
-                    size=unit.size,
-                    rate=nominal[0].sensors[name].rate,
-                )
-                for name, unit in self.sensors.items()
-            },
-            channels=self.channels,
-            map=knowledge.map,
-            landmarks=np.array(knowledge.landmarks, dtype=float) if knowledge.landmarks else None,
-            landmark_ids=np.array(knowledge.landmark_ids or (0,) * len(knowledge.landmarks), dtype=np.int64)
-            if knowledge.landmarks
-            else None,
-        )
+        sizes = {name: unit.size for name, unit in self.sensors.items()}
+        self.robot = robot_model(nominal, sizes, self.channels, self.dt)
         self._radius = np.ascontiguousarray(self.drive.rolling_radius())
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
@@ -184,10 +134,10 @@ class Group:
     def start(self) -> None:
         """Put every row at the start of an episode. Sensing and estimating come after, when all bodies are placed."""
         rows = self.rows
-        told = _poses(self.specified)
+        told = poses_of(self.specified)
         context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told, names=self.names)
         joints = len(self.drive.joints)
-        self.true_pose = _poses(self.true)
+        self.true_pose = poses_of(self.true)
         self.true_twist = np.zeros((rows, 3))
         self.joints = np.zeros((rows, joints))
         self.joint_rates = np.zeros((rows, joints))
@@ -445,19 +395,3 @@ class _Readings(Mapping[str, Measurement]):
 
     def __len__(self) -> int:
         return len(self._units)
-
-
-def _poses(robots: Sequence[Robot]) -> Array:
-    found = []
-    for robot in robots:
-        assert robot.pose is not None
-        found.append([robot.pose.x, robot.pose.y, robot.pose.heading])
-    return np.array(found, dtype=np.float64)
-
-
-def _size(robot: Robot, name: str) -> int:
-    """How many values a reading of a robot's sensor has."""
-    try:
-        return robot.sensors[name].sensor.size(robot.drive)
-    except ParameterError as error:
-        raise ComponentError(f"robot {robot.name!r}: sensors.{name}.{error}") from None

@@ -9,12 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.simulation.contact import WALL, Contact, Mover, move
-from amorsim.simulation.contacts import still_near
 from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
+from amorsim.simulation.parting import still_near
 
 Array = npt.NDArray[np.float64]
 

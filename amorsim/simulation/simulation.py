@@ -20,10 +20,11 @@ from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation import phases
+from amorsim.simulation.alike import group_key
 from amorsim.simulation.contact import WALL
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
-from amorsim.simulation.group import Group, group_key
+from amorsim.simulation.group import Group
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle
 from amorsim.simulation.occupancy import occupancy
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
@@ -12,7 +14,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, Number, Robot
 
-__all__ = ["has_draws", "true_robot"]
+__all__ = ["has_draws", "true_robot", "true_robots"]
 
 # A study's draw must differ from every replica's; replicas are numbered below this.
 STUDY = 2**32 - 1
@@ -52,6 +54,19 @@ def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
             faults.append(Fault(file="", path=f"robots.{robot.name}.errors.{path}", message=problem))
     if faults:
         raise ScenarioError(faults)
+    return true
+
+
+def true_robots(robots: Sequence[Robot], replicas: npt.NDArray[np.integer], seed: int) -> list[Robot]:
+    """Each robot as it really is in its replica; one for all replicas where nothing of it is theirs to draw."""
+    resolved: dict[tuple[int, int], Robot] = {}
+    true = []
+    for robot, replica in zip(robots, replicas.tolist(), strict=True):
+        drawn = any(deviation.per == "replica" for deviation in robot.errors.values())
+        key = (id(robot), replica if drawn else -1)
+        if key not in resolved:
+            resolved[key] = true_robot(robot, seed, replica)
+        true.append(resolved[key])
     return true
 
 

@@ -6,7 +6,7 @@ import math
 
 import amorsim as am
 from amorsim.core.shapes import Shape
-from amorsim.simulation.contacts import PARTED
+from amorsim.simulation.parting import PARTED
 from tests import building
 
 

@@ -1,4 +1,4 @@
-"""Which contacts go on from step to step."""
+"""When a contact is over: which of those that there were go on from step to step."""
 
 from __future__ import annotations
 

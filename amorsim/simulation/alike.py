@@ -1,0 +1,88 @@
+"""Robots that are alike: what makes them so, and what the software of a whole group of them is told."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import RobotModel, SensorModel
+from amorsim.core.errors import ComponentError
+from amorsim.core.parameters import ParameterError
+from amorsim.core.rows import signature, stack
+from amorsim.scenario.spec import Robot
+
+__all__ = ["group_key", "poses_of", "reading_size", "robot_model"]
+
+
+def group_key(robot: Robot) -> Hashable:
+    """What robots of one group have in common."""
+    return (
+        signature(robot.drive),
+        robot.shape,
+        tuple(
+            (name, signature(unit.sensor), tuple((e.name, e.column, signature(e.noise)) for e in unit.noise))
+            for name, unit in robot.sensors.items()
+        ),
+        tuple((element.name, signature(element.noise)) for element in robot.ground),
+        tuple((name, signature(estimator)) for name, estimator in robot.estimators.items()),
+        None if robot.controller is None else signature(robot.controller),
+        robot.on_collision,
+        id(robot.knowledge.map) if robot.knowledge.map is not None else None,
+        robot.knowledge.landmarks,
+        robot.knowledge.landmark_ids,
+    )
+
+
+def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tuple[str, ...], dt: float) -> RobotModel:
+    """Robots of one group as their software knows them, a row each, with nominal parameters.
+
+    Parameters
+    ----------
+    sizes
+        How many values a reading of each sensor has.
+    channels
+        The columns of a command.
+    """
+    first = robots[0]
+    knowledge = first.knowledge
+    count = len(knowledge.landmarks)
+    return RobotModel(
+        rows=len(robots),
+        dt=dt,
+        names=tuple(robot.name for robot in robots),
+        drive=stack([robot.drive for robot in robots]),
+        shape=first.shape,
+        sensors={
+            name: SensorModel(
+                name=name,
+                sensor=stack([robot.sensors[name].sensor for robot in robots]),
+                mount=stack([robot.sensors[name].mount for robot in robots]),
+                size=size,
+                rate=first.sensors[name].rate,
+            )
+            for name, size in sizes.items()
+        },
+        channels=channels,
+        map=knowledge.map,
+        landmarks=np.array(knowledge.landmarks, dtype=float) if count else None,
+        landmark_ids=np.array(knowledge.landmark_ids or (0,) * count, dtype=np.int64) if count else None,
+    )
+
+
+def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:
+    """Where robots begin `(N, 3)`."""
+    found = []
+    for robot in robots:
+        assert robot.pose is not None
+        found.append([robot.pose.x, robot.pose.y, robot.pose.heading])
+    return np.array(found, dtype=np.float64)
+
+
+def reading_size(robot: Robot, name: str) -> int:
+    """How many values a reading of a robot's sensor has."""
+    try:
+        return robot.sensors[name].sensor.size(robot.drive)
+    except ParameterError as error:
+        raise ComponentError(f"robot {robot.name!r}: sensors.{name}.{error}") from None
