@@ -11,6 +11,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from amorsim.analysis.figures import TRUE, tidy
+from amorsim.render.words import NOTHING, percent
 
 if TYPE_CHECKING:
     from amorsim.studies.attribution import Attribution
@@ -42,7 +43,6 @@ def plot_umbmark(found: Umbmark, path: Path) -> None:
     left.set_title(f"nominal parameters: E_max,syst = {1000.0 * found.error_before:.1f} mm", loc="left", fontsize=10)
     _ends(right, *found.after)
     right.set_title(f"corrected: E_max,syst = {1000.0 * found.error_after:.1f} mm", loc="left", fontsize=10)
-    left.set_ylabel("y: absolute less odometric [m]")
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     figure.suptitle(f"UMBmark of {found.robot}: squares of {found.side:g} m at {found.speed:g} m/s", x=0.01, ha="left")
@@ -67,7 +67,14 @@ def _ends(axis: Any, clockwise: Array, anticlockwise: Array) -> None:
     axis.set_xlim(middle[0] - half, middle[0] + half)
     axis.set_ylim(middle[1] - half, middle[1] + half)
     axis.set_aspect("equal")
-    axis.set_xlabel("x: absolute less odometric [m]")
+    # Numbers of a tenth of a millimetre are as wide as the distance between them.
+    axis.locator_params(nbins=5)
+    if half < 0.02:
+        for each in (axis.xaxis, axis.yaxis):
+            each.set_major_formatter(lambda metres, _: f"{1000.0 * metres:g}")
+    unit = "mm" if half < 0.02 else "m"
+    axis.set_xlabel(f"x: absolute less odometric [{unit}]")
+    axis.set_ylabel(f"y: absolute less odometric [{unit}]")
 
 
 def _magnification(reference: Array, believed: list[Array]) -> int:
@@ -168,8 +175,8 @@ def _draw_bars(
     sizes.set_yticklabels(names, fontsize=8)
     shares.set_yticklabels([])
     for place, error, part in zip(places.tolist(), errors, parts, strict=True):
-        sizes.annotate(f" {error:.3g}", (error, place), va="center", fontsize=8)
-        text = f"{100.0 * part:.1f} %"
+        sizes.annotate(f" {0.0 if error < NOTHING else error:.3g}", (error, place), va="center", fontsize=8)
+        text = percent(part)
         ahead = part >= 0.0
         shares.annotate(
             f" {text}" if ahead else f"{text} ",

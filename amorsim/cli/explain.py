@@ -10,6 +10,7 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.study import claim_folder, draw, read_study, significant, table, write_text
+from amorsim.render.words import percent
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
@@ -75,11 +76,8 @@ def _explain_readings(scenario: Scenario, sensor: str, robot: str | None, replic
     scale = math.degrees(1.0) if found.unit.startswith("rad") else 1.0
     unit = found.unit.replace("rad", "deg")
     cases = (*found.cases, found.together)
-    rows = [
-        [case.name, significant(scale * case.error), f"{100.0 * case.share:.1f} %", f"{100.0 * case.changed:.1f} %"]
-        for case in cases
-    ]
-    rows.insert(-1, ["interaction", "", f"{100.0 * found.interaction:.1f} %", ""])
+    rows = [[case.name, significant(scale * case.error), percent(case.share), percent(case.changed)] for case in cases]
+    rows.insert(-1, ["interaction", "", percent(found.interaction), ""])
     say(f"{found.robot}, {sensor}: error of a value, root mean square over all readings of {replicas} replicas")
     lines = table(["error", f"alone [{unit}]", "share", "returns lost or made up"], rows).splitlines()
     say("\n".join(line.rstrip() for line in lines))
@@ -94,8 +92,8 @@ def _explain_readings(scenario: Scenario, sensor: str, robot: str | None, replic
 
 
 def _report(found: Attribution, replicas: int) -> str:
-    rows = [[case.name, significant(case.error), f"{100.0 * case.share:.1f} %"] for case in found.cases]
-    rows.append(["interaction", "", f"{100.0 * found.interaction:.1f} %"])
+    rows = [[case.name, significant(case.error), percent(case.share)] for case in found.cases]
+    rows.append(["interaction", "", percent(found.interaction)])
     rows.append([found.together.name, significant(found.together.error), "100.0 %"])
     lines = [
         f"{found.robot}: final error of dead reckoning, root mean square over {replicas} replicas",

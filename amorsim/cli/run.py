@@ -192,9 +192,16 @@ def _report(simulation: Simulation, summary: RunSummary) -> None:
     numbers = simulation.replicas
     of = f" (replica {numbers[0]} of {len(numbers)})" if len(numbers) > 1 else ""
     names = list(summary.distance)
+    ended = {
+        event.name: event.time
+        for event in simulation.events
+        if event.kind == "controller_ended" and event.replica == numbers[0]
+    }
     for name in names[:5]:
         count = summary.collisions[name]
         hits = "no collision" if count == 0 else "1 collision" if count == 1 else f"{count} collisions"
+        if name in ended:
+            hits += f", which ended its controller at {ended[name]:.1f} s"
         say(
             f"{name}{of}: drove {summary.distance[name]:.2f} m in {time_:g} s, {hits}; "
             f"at the end the estimate is off by {summary.final_error[name]:.3f} m"

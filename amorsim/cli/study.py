@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.cli.console import compile_once, complain
 from amorsim.core.errors import RunError
+from amorsim.render.words import NOTHING
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
@@ -88,7 +89,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def significant(value: float, digits: int = 4) -> str:
     """A number with some digits that count, without an exponent where it is of usual size."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value:g}"
+    if abs(value) < NOTHING or not math.isfinite(value):
+        return f"{value:g}" if not math.isfinite(value) else "0"
     places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
     return f"{value:.{places}f}" if places <= 9 else f"{value:.{digits - 1}e}"

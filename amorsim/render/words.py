@@ -7,7 +7,10 @@ import math
 
 from PIL import ImageFont
 
-__all__ = ["Font", "font", "in_words", "round_length"]
+__all__ = ["NOTHING", "Font", "font", "in_words", "percent", "round_length"]
+
+NOTHING = 1e-12
+"""What is smaller comes of rounding, and is told as 0."""
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
@@ -30,3 +33,8 @@ def in_words(metres: float) -> str:
         if metres >= size * (1 - 1e-9):
             return f"{metres / size:g} {unit}"
     return f"{metres * 1000:g} mm"
+
+
+def percent(share: float) -> str:
+    """A share in per cent, with one digit; never "-0.0 %"."""
+    return f"{round(100.0 * share, 1) + 0.0:.1f} %"

@@ -12,6 +12,7 @@ from amorsim.contracts import Controller, Motion
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
 from amorsim.core.ways import shut_off
+from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 
@@ -42,6 +43,7 @@ def advice(scenario: Scenario) -> list[str]:
                 )
         if robot.controller is None:
             remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
+        remarks += _factors(robot)
     remarks += _unreachable(scenario)
     remarks += _alike(scenario)
     for i, mark in enumerate(scenario.landmarks):
@@ -55,6 +57,23 @@ def advice(scenario: Scenario) -> list[str]:
         if scenario.map.occupied([[light.x, light.y]])[0]:
             remarks.append(
                 f"lights.{i}: ({light.x:g}, {light.y:g}) m is in a wall or outside the map; the lamp lights nothing"
+            )
+    return remarks
+
+
+def _factors(robot: Robot) -> list[str]:
+    """Errors whose true value is near 1 and far from the nominal one: hardly a value, but a factor."""
+    remarks = []
+    for path, error in robot.errors.items():
+        if not isinstance(error.value, float) or not 0.5 <= error.value <= 2.0:
+            continue
+        found: list[float] = []
+        changed(robot, path.split("."), lambda value, found=found: found.append(value) or value)  # type: ignore[misc]
+        nominal = float(found[0])
+        if nominal > 0.0 and not 0.5 <= error.value / nominal <= 2.0:
+            remarks.append(
+                f"robots.{robot.name}.errors.{path}: the true value is {error.value:g}, where the robot believes in "
+                f"{nominal:g}; a factor is written {{ scale = {error.value:g} }}"
             )
     return remarks
 

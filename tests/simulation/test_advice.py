@@ -22,6 +22,22 @@ def test_marks_and_lamps_that_nobody_can_see_are_remarked_on(landmarks, lights, 
     assert [remark.partition(":")[0] for remark in found] == paths
 
 
+@pytest.mark.parametrize(
+    ("error", "remark"),
+    [
+        ({"value": 1.02}, "robots.rover.errors.drive.track: the true value is 1.02, where the robot believes in 0.33; "
+                          "a factor is written { scale = 1.02 }"),
+        ({"value": 0.34}, ""),
+        ({"value": 0.6}, ""),  # a wide robot
+        ({"scale": 1.02}, ""),
+        ({"value": am.Distribution(kind="normal", values=(1.0, 0.1))}, ""),
+    ],
+)  # fmt: skip
+def test_a_value_that_is_hardly_one_but_a_factor_is_remarked_on(error, remark):
+    found = advice(scenario(robot(name="rover", errors={"drive.track": am.Deviation(**error)}), map=room()))
+    assert found == ([remark] if remark else [])
+
+
 def remarks(*robots, **changes):
     return advice(scenario(*robots, map=room(), **changes))
 
