@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from amorsim.scenario.devices import load_device
     from amorsim.scenario.maps import load_map, save_map
     from amorsim.scenario.read import load
+    from amorsim.scenario.robots import load_robot
     from amorsim.scenario.spec import (
         Deviation,
         Distribution,
@@ -107,6 +108,7 @@ _MODULES = {
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map save_map",
     "amorsim.scenario.devices": "load_device",
+    "amorsim.scenario.robots": "load_robot",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
         "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose RandomStart "
@@ -198,6 +200,7 @@ __all__ = [
     "load",
     "load_device",
     "load_map",
+    "load_robot",
     "logarithm",
     "motions",
     "noise",

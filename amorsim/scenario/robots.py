@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import attrs
+
 from amorsim.contracts import Drive
+from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.plugins.checks import check_name
+from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import read_pose, read_shape
 from amorsim.scenario.components import (
@@ -20,13 +25,13 @@ from amorsim.scenario.components import (
     read_sensor,
 )
 from amorsim.scenario.deviations import read_deviations
-from amorsim.scenario.faults import Node
+from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_fields
-from amorsim.scenario.models import LOOKS
+from amorsim.scenario.models import LOOKS, merge_models
 from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
 
-__all__ = ["read_obstacle", "read_robot", "read_zone"]
+__all__ = ["load_robot", "read_obstacle", "read_robot", "read_zone"]
 
 _ROBOT_KEYS = (
     "name",
@@ -48,6 +53,39 @@ _ROBOT_KEYS = (
 )
 _OBSTACLE_KEYS = ("name", "count", "shape", "pose", "start", "motion", *LOOKS)
 _ZONE_KEYS = ("name", "shape", "pose", "ground")
+
+
+def load_robot(model: str | Path, *, registry: Registry | None = None, **changes: Any) -> Robot:
+    """The robot of a model: its registered name such as ``"pioneer2dx"``, or the path of its ``.toml`` file.
+
+    Parameters
+    ----------
+    changes
+        Fields of `Robot` in place of the model's: ``name``, ``pose``, ``controller``, ``errors`` ...; without a name it
+        is called "robot". A table such as ``sensors`` replaces the whole one:
+        ``sensors=robot.sensors | {"marks": am.sensors.Fiducial()}`` adds to it.
+
+    Raises
+    ------
+    ScenarioError
+        With all the faults of the model that were found.
+    ParameterError
+        If a field does not take its value.
+    AmorsimError
+        If a robot has no such field.
+    """
+    known = attrs.fields_dict(Robot)
+    for name in changes:
+        if name not in known:
+            raise AmorsimError(f"a robot has no field {name!r}, but: {', '.join(known)}.{did_you_mean(name, known)}")
+    registry = registry or default_registry()
+    book = Book(Source(file="", folder=Path()))
+    document: dict[str, Any] = {"robots": [{"model": str(model)}]}
+    merge_models(document, book, registry)
+    robot = read_robot(Node(document["robots"][0], ("robots", "0"), book), Maps(registry), None, registry)
+    book.raise_if_any()
+    assert robot is not None
+    return attrs.evolve(robot, **changes)
 
 
 def read_robot(
