@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import collections
 import math
+import operator
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -24,6 +25,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
 from amorsim.motions.user import UserMotion
+from amorsim.scenario.kinds import by_name, is_a, many
 
 __all__ = [
     "Deviation",
@@ -43,6 +45,7 @@ __all__ = [
     "column_problem",
 ]
 
+_SHAPE, _POSE, _START = "am.Shape.circle(0.2)", "am.Pose(x=1.0)", "am.RandomStart()"
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 
 
@@ -110,7 +113,7 @@ def _check_number(_: Any, attribute: Any, value: Any) -> None:
     if value is None and attribute.name == "value":
         return
     if not isinstance(value, Distribution):
-        check_value(describe(Pose)["x"], value)
+        check_value(attrs.evolve(describe(Pose)["x"], name=attribute.name, unit=""), value)
 
 
 @attrs.frozen(kw_only=True)
@@ -141,7 +144,11 @@ class NoiseElement:
 def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
     """A chain whose bare elements are called after their classes, numbered where one comes again."""
     made: list[NoiseElement] = []
+    if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
+        raise ParameterError("noise", f"expected a list of noises, as [am.noise.Gaussian(std=0.01)], got {given!r}")
     for element in given:
+        if not isinstance(element, (Noise, NoiseElement)):
+            raise ParameterError("noise", f"expected a list of noises, got one with {element!r}")
         if isinstance(element, Noise):
             name = type(element).__name__.lower()
             count = sum(other.name.partition("_")[0] == name for other in made)
@@ -159,8 +166,8 @@ def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
 class MountedSensor:
     """A sensor on a robot: the device, where it sits, how often it reads, and what it does to the quantity."""
 
-    sensor: Sensor
-    mount: Mount = attrs.field(factory=Mount)
+    sensor: Sensor = attrs.field(validator=is_a(Sensor, "am.sensors.Laser(...)"))
+    mount: Mount = attrs.field(factory=Mount, validator=is_a(Mount, "am.Mount(x=0.1)"))
     rate: float | None = parameter(None, unit="Hz", gt=0, help="readings a second; none: one every step")
     latency: float = parameter(0.0, unit="s", ge=0, le=60, live=False, help="until a reading arrives")
     noise: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
@@ -223,6 +230,23 @@ def _check_colour(colour: str | None) -> None:
         raise ParameterError("colour", f"expected a colour's name in CSS, or '#rrggbb', got {colour!r}") from None
 
 
+def _places(given: Iterable[Iterable[float]]) -> tuple[tuple[float, float], ...]:
+    try:
+        places = np.array([tuple(place) for place in given], dtype=np.float64)
+    except (TypeError, ValueError):
+        places = np.empty((1, 0))
+    if len(places) and (places.ndim != 2 or places.shape[1] != 2 or not np.isfinite(places).all()):
+        raise ParameterError("landmarks", f"expected points [(x, y), ...] of finite numbers [m], got {given!r}")
+    return tuple((x, y) for x, y in places.tolist())
+
+
+def _ids(given: Iterable[int]) -> tuple[int, ...]:
+    try:
+        return tuple(operator.index(number) for number in given)
+    except TypeError:
+        raise ParameterError("landmark_ids", f"expected whole numbers, got {given!r}") from None
+
+
 @attrs.frozen(kw_only=True)
 class Knowledge:
     """What a robot is told of the world; it may differ from it.
@@ -231,8 +255,8 @@ class Knowledge:
     """
 
     map: Map | None = None
-    landmarks: tuple[tuple[float, float], ...] = ()
-    landmark_ids: tuple[int, ...] = ()
+    landmarks: tuple[tuple[float, float], ...] = attrs.field(default=(), converter=_places)
+    landmark_ids: tuple[int, ...] = attrs.field(default=(), converter=_ids)
 
     def __attrs_post_init__(self) -> None:
         if self.landmark_ids and len(self.landmark_ids) != len(self.landmarks):
@@ -242,6 +266,10 @@ class Knowledge:
 
 
 def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, MountedSensor]:
+    if not isinstance(sensors, Mapping):
+        raise ParameterError(
+            "sensors", f"expected a dict by names, as {{'laser': am.sensors.Laser()}}, got {sensors!r}"
+        )
     return {
         name: given if isinstance(given, MountedSensor) else MountedSensor(sensor=given)
         for name, given in sensors.items()
@@ -259,7 +287,7 @@ def _check_errors(_: Any, __: Any, value: Any) -> None:
 def _controller(given: Controller | Callable[..., Any] | None) -> Controller | None:
     if given is None or isinstance(given, Controller):
         return given
-    if not callable(given):
+    if not callable(given) or (isinstance(given, type) and issubclass(given, Controller)):
         raise ParameterError("controller", f"expected a controller, a function or a class, got {given!r}")
     return UserController(source="", function=given)
 
@@ -289,17 +317,19 @@ class Robot:
 
     name: str = attrs.field(default="robot", validator=_check_name)
     model: str = ""
-    shape: Shape
-    drive: Drive
+    shape: Shape = attrs.field(validator=is_a(Shape, _SHAPE))
+    drive: Drive = attrs.field(validator=is_a(Drive, "am.drives.Differential(...)"))
     sensors: dict[str, MountedSensor] = attrs.field(factory=dict, converter=_mounted)
     ground: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
-    estimators: dict[str, Estimator] = attrs.field(factory=dict)
+    estimators: dict[str, Estimator] = attrs.field(
+        factory=dict, validator=by_name(Estimator, "am.estimators.DeadReckoning()")
+    )
     controller: Controller | None = attrs.field(default=None, converter=_controller)
     on_collision: str = parameter("end", choices=("end", "continue"), help="what a collision does to the controller")
     errors: dict[str, Deviation] = attrs.field(factory=dict, validator=_check_errors)
-    pose: Pose | None = None
-    start: RandomStart | None = None
-    knowledge: Knowledge = attrs.field(factory=Knowledge)
+    pose: Pose | None = attrs.field(default=None, validator=is_a(Pose, _POSE, optional=True))
+    start: RandomStart | None = attrs.field(default=None, validator=is_a(RandomStart, _START, optional=True))
+    knowledge: Knowledge = attrs.field(factory=Knowledge, validator=is_a(Knowledge, "am.Knowledge(map=...)"))
     fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
     height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
@@ -313,7 +343,7 @@ class Robot:
 def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:
     if given is None or isinstance(given, Motion):
         return given
-    if not callable(given):
+    if not callable(given) or (isinstance(given, type) and issubclass(given, Motion)):
         raise ParameterError("motion", f"expected a motion, a function or a class, got {given!r}")
     return UserMotion(source="", function=given)
 
@@ -328,10 +358,10 @@ class Obstacle:
     """
 
     name: str = attrs.field(validator=_check_name)
-    shape: Shape
+    shape: Shape = attrs.field(validator=is_a(Shape, _SHAPE))
     motion: Motion | None = attrs.field(default=None, converter=_motion)
-    pose: Pose = attrs.field()
-    start: RandomStart | None = None
+    pose: Pose = attrs.field(validator=is_a(Pose, _POSE))
+    start: RandomStart | None = attrs.field(default=None, validator=is_a(RandomStart, _START, optional=True))
     fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
     height: float = parameter(1.0, unit="m", gt=0, help="above the ground, to its top; for cameras")
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
@@ -365,8 +395,8 @@ class Zone:
     """
 
     name: str = attrs.field(validator=_check_name)
-    shape: Shape = attrs.field(validator=_check_zone_shape)
-    pose: Pose = attrs.field(factory=Pose)
+    shape: Shape = attrs.field(validator=[is_a(Shape, _SHAPE), _check_zone_shape])
+    pose: Pose = attrs.field(factory=Pose, validator=is_a(Pose, _POSE))
     ground: tuple[NoiseElement, ...] = attrs.field(default=(), converter=_chain)
 
     @property
@@ -392,23 +422,23 @@ class Recording:
 
 
 def _robots(given: Iterable[Robot]) -> tuple[Robot, ...]:
-    return tuple(given)
+    return many("robots", Robot, given)
 
 
 def _obstacles(given: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
-    return tuple(given)
+    return many("obstacles", Obstacle, given)
 
 
 def _landmarks(given: Iterable[Landmark]) -> tuple[Landmark, ...]:
-    return tuple(given)
+    return many("landmarks", Landmark, given)
 
 
 def _lights(given: Iterable[Light]) -> tuple[Light, ...]:
-    return tuple(given)
+    return many("lights", Light, given)
 
 
 def _zones(given: Iterable[Zone]) -> tuple[Zone, ...]:
-    return tuple(given)
+    return many("zones", Zone, given)
 
 
 @attrs.frozen(kw_only=True, eq=False)
@@ -419,7 +449,7 @@ class Scenario:
     files named (what a run's folder keeps); both are none for a scenario built in Python.
     """
 
-    map: Map
+    map: Map = attrs.field(validator=is_a(Map, "am.load_map('room.wld')"))
     robots: tuple[Robot, ...] = attrs.field(converter=_robots)
     obstacles: tuple[Obstacle, ...] = attrs.field(default=(), converter=_obstacles)
     landmarks: tuple[Landmark, ...] = attrs.field(default=(), converter=_landmarks)

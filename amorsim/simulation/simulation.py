@@ -13,7 +13,7 @@ import numpy.typing as npt
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_you_mean
 from amorsim.core.memory import too_large
-from amorsim.core.parameters import ParameterError
+from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.starts import outside
 from amorsim.kernels.ahead import compile_at_first
 from amorsim.scenario.needs import least_bytes
@@ -71,10 +71,15 @@ class Simulation:
         self.scenario = scenario
         self.threads = threads
         self.dt = scenario.dt
+        replicas = _plain(replicas)
+        if not isinstance(replicas, int) and not hasattr(replicas, "__len__"):
+            raise AmorsimError(f"expected a number of replicas > 0, or a list of their numbers, got {replicas!r}")
         _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
         compile_at_first()
-        self._build(scenario.seed if seed is None else seed)
+        seed = scenario.seed if seed is None else _plain(seed)
+        check_value(describe(Scenario)["seed"], seed)
+        self._build(seed)
 
     def _build(self, seed: int) -> None:
         self._fleet = Fleet(self.scenario, seed, self.replicas, self.threads)
@@ -419,6 +424,11 @@ class Simulation:
         A cell of `resolution` [m] is occupied if anything in it is.
         """
         return occupancy(self._fleet.world, self._replica_index(replica), resolution)
+
+
+def _plain(number: Any) -> Any:
+    """A whole number of NumPy's as one of Python's; anything else as it is."""
+    return int(number) if isinstance(number, np.integer) else number
 
 
 def _check_memory(scenario: Scenario, replicas: int) -> None:
