@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import math
 import sys
 import time
 import warnings
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["command"]
 
 Progress = Callable[[float], None]
+GIF_SIZE, GIF_RATE = 480, 10.0
 
 
 def command(
@@ -72,8 +74,8 @@ def command(
     gif: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also make a moving picture of the first replica: a .gif file.")
     ] = None,
-    gif_size: Annotated[int, typer.Option(metavar="PIXELS", help="Longer side of the moving picture.")] = 480,
-    gif_rate: Annotated[float, typer.Option(metavar="N", help="Its frames a second, at most 25.")] = 10.0,
+    gif_size: Annotated[int, typer.Option(metavar="PIXELS", help="Longer side of the moving picture.")] = GIF_SIZE,
+    gif_rate: Annotated[float, typer.Option(metavar="N", help="Its frames a second, at most 25.")] = GIF_RATE,
     gif_speed: Annotated[
         float | None,
         typer.Option(
@@ -100,6 +102,8 @@ def command(
     if quiet:
         warnings.simplefilter("ignore")
     check_free(out)
+    if gif is None and (gif_size, gif_rate, gif_speed) != (GIF_SIZE, GIF_RATE, None):
+        raise AmorsimError("--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE makes one")
     if gif is not None:
         from amorsim.runs.film import Film, check_film
 
@@ -185,6 +189,21 @@ class _PlainProgress:
             self._told = quarter
 
 
+def _all_together(summary: RunSummary, ended: int) -> str:
+    """What all robots did, where there are too many for a line each."""
+    distance, errors = summary.distance.values(), summary.final_error
+    worst = max(errors, key=errors.__getitem__)
+    rms = math.sqrt(math.fsum(error**2 for error in errors.values()) / len(errors))
+    hits = sum(summary.collisions.values())
+    who = sum(count > 0 for count in summary.collisions.values())
+    stopped = f", which ended {ended} controllers" if ended else ""
+    return (
+        f"all {len(errors)} robots: drove {math.fsum(distance) / len(errors):.2f} m on the mean; "
+        f"{hits or 'no'} collision{'' if hits == 1 else 's'}{f' of {who} robots' if hits > 1 else ''}{stopped}; "
+        f"at the end estimates are off by {rms:.3f} m (root mean square), {worst}'s the most, by {errors[worst]:.3f} m"
+    )
+
+
 def _report(simulation: Simulation, summary: RunSummary) -> None:
     time_ = summary.steps * simulation.dt
     if not summary.is_complete:
@@ -207,7 +226,7 @@ def _report(simulation: Simulation, summary: RunSummary) -> None:
             f"at the end the estimate is off by {summary.final_error[name]:.3f} m"
         )
     if len(names) > 5:
-        say(f"... and {len(names) - 5} robots more")
+        say(_all_together(summary, len(ended)))
     if simulation.scenario.recording.sensors == "auto" and not (summary.folder / "sensors").exists():
         say("sensors are left out, there being so many replicas; --set recording.sensors=all writes them too")
     picture = summary.folder / "picture.png"

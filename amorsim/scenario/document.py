@@ -94,7 +94,7 @@ class _Writer:
             what = f"{type(component).__module__}.{type(component).__qualname__}"
             self._fault(
                 path,
-                f"{what} is not registered as a {kind}, so a file cannot name it; register it in a plugin",
+                f"{what} is no {kind} that is registered, so a file cannot name it; register it in a plugin",
             )
             return {}
         return {"use": name, **write_fields(component, unit)}

@@ -187,3 +187,30 @@ def test_compiling_is_announced(amorsim: Command, study: Path, monkeypatch: pyte
     assert amorsim("run", study, "--duration", "0.1").out.startswith("compiling the kernels, once")
     assert beside == [True]
     assert amorsim("run", study, "--duration", "0.1", "-q").out == ""
+
+
+def test_many_robots_are_summed_up(amorsim: Command, tmp_path: Path) -> None:
+    changes = ("--set", "robots.0.count=40", "--set", "robots.0.start.clearance=0.3", "--duration", "3")
+    result = amorsim("run", "swarm", "--out", "run", *changes)
+    about = json.loads((tmp_path / "run" / "run.json").read_text())
+    errors = about["final_error"]
+    worst = max(errors, key=errors.get)
+    mean = sum(about["distance"].values()) / 40
+    rms = (sum(error**2 for error in errors.values()) / 40) ** 0.5
+    assert result.out.count(": drove ") == 6
+    line = next(line for line in result.out.splitlines() if line.startswith("all 40 robots: "))
+    assert f"drove {mean:.2f} m on the mean; " in line
+    assert f"off by {rms:.3f} m (root mean square), {worst}'s the most, by {errors[worst]:.3f} m" in line
+
+
+def test_a_collision_that_ended_a_controller_is_told_with_its_time(amorsim: Command, study: Path) -> None:
+    result = amorsim("run", study, "--duration", "20", "--out", "run", "--set", "robots.rover.controller.speed=1.2")
+    line = (study.parent.parent / "run" / "events.csv").read_text().splitlines()[1]
+    time = float(line.split(",")[0])
+    assert f"1 collision, which ended its controller at {time:.1f} s; " in result.out
+
+
+def test_how_a_film_is_needs_a_film(amorsim: Command) -> None:
+    result = amorsim("run", "demo", "--gif-speed", "4")
+    assert (result.status, result.out) == (2, "")
+    assert result.err.startswith("--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE")
