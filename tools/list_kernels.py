@@ -22,7 +22,7 @@ def record() -> None:
     import amorsim as am
     from amorsim.kernels import compile as compiling
     from amorsim.kernels.ahead import describe
-    from amorsim.kernels.cache import mark_warm
+    from amorsim.kernels.folder import mark_warm
 
     mark_warm()  # so that nothing is compiled but what is asked for
     rows: set[str] = set()

@@ -28,13 +28,20 @@ def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
     `look` raises what is wrong with what was asked for, as far as that can be told before, and is called only then:
     where nothing is to be compiled, what follows tells it as soon.
     """
-    from amorsim.kernels.ahead import compile_together
-    from amorsim.kernels.cache import is_cold
+    from amorsim.kernels import beside
+    from amorsim.kernels.folder import is_cold
 
     if not is_cold():
         return False
-    look()
+    beside.begin()  # it imports numba while this process looks
+    try:
+        look()
+    except BaseException:
+        beside.stop()
+        raise
     if not quiet:
         say(COMPILING)
+    from amorsim.kernels.ahead import compile_together
+
     compile_together()
     return True

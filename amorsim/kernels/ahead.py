@@ -15,10 +15,6 @@ import contextlib
 import gc
 import importlib
 import json
-import os
-import subprocess
-import sys
-import threading
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -26,20 +22,22 @@ from typing import Any
 
 import attrs
 from numba.core import types as numba_types
-from numba.core.registry import CPUDispatcher
+from numba.core.registry import CPUDispatcher, cpu_target
 
-from amorsim.kernels.cache import cache_folder, is_cold, mark_warm, no_garbage_collected, take_turns
+from amorsim.kernels.beside import begin
+from amorsim.kernels.cache import no_garbage_collected, take_turns
 from amorsim.kernels.claims import PAUSE
+from amorsim.kernels.folder import cache_folder, is_cold, mark_warm
 
 __all__ = [
     "LIST",
     "Task",
+    "begin_ahead",
     "compile_ahead",
+    "compile_at_first",
     "compile_together",
-    "deadline",
     "describe",
     "in_order",
-    "main",
     "read_list",
     "type_of",
 ]
@@ -47,8 +45,6 @@ __all__ = [
 LIST = Path(__file__).with_name("ahead.jsonl")
 types: Any = numba_types  # its names are made when it is imported, so that type checkers know none of them
 _SCALARS = ("boolean", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "float32", "float64")
-_LONGEST = 120.0  # [s]
-_beside: list[subprocess.Popen[bytes]] = []
 
 
 @attrs.frozen
@@ -172,6 +168,12 @@ def _called_by(function: Any) -> list[Any]:
     return [one.py_func for one in found if isinstance(one, CPUDispatcher) and one.py_func is not function]
 
 
+def begin_ahead() -> None:
+    """Have it begun in a process beside this one, if no process has done so yet; nobody waits for it here."""
+    if begin():
+        take_turns()
+
+
 def compile_at_first() -> None:
     """Compile what is listed, if no process has done so yet."""
     if is_cold():
@@ -179,37 +181,11 @@ def compile_at_first() -> None:
 
 
 def compile_together() -> None:
-    """Compile what is listed, in this process and another one that is started for it, and leave word that it is."""
-    if (os.cpu_count() or 1) > 1:
-        with contextlib.suppress(OSError):  # it only saves time
-            # Held, for nobody waits for it, and one that is let go while it runs is warned about.
-            _beside.append(
-                subprocess.Popen(
-                    [sys.executable, "-c", f"from {__name__} import main; main()"],
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                )
-            )
+    """Compile what is listed, in this process and the one beside it, and leave word that it is."""
+    begin()
     take_turns()
     compile_ahead()
     mark_warm()
-
-
-def main() -> None:
-    """Compile what is listed, with whoever started this process."""
-    last = deadline()
-    take_turns()
-    compile_ahead()
-    last.cancel()
-
-
-def deadline() -> threading.Timer:
-    """Let this process end by itself after a while, for nobody waits for it; until it is cancelled."""
-    last = threading.Timer(_LONGEST, os._exit, (1,))
-    last.daemon = True
-    last.start()
-    return last
 
 
 def compile_ahead(tasks: Sequence[Task] | None = None) -> None:
@@ -220,6 +196,9 @@ def compile_ahead(tasks: Sequence[Task] | None = None) -> None:
     if cache_folder() is None:
         return
     with no_garbage_collected():
+        # Which takes a while, and would be done holding the claim on the first function.
+        cpu_target.typing_context.refresh()
+        cpu_target.target_context.refresh()
         _share(dict(enumerate(in_order(read_list() if tasks is None else tasks))))
         gc.freeze()  # or all that was made would be looked through now, for half a second
 

@@ -28,7 +28,7 @@ _sizes: dict[str, int] = {}
 def kept_answers(target: Any) -> Iterator[None]:
     """Keep numba's answers to what is asked meanwhile, by one thread alone; `target` is its context for lowering."""
     before = _Function.get_call_type, base._has_loc
-    get_abi_sizeof = target.get_abi_sizeof
+    get_abi_sizeof, is_outermost = target.get_abi_sizeof, "get_abi_sizeof" not in vars(target)
 
     def size_of(type_: Any) -> int:
         """The size of a type of LLVM's [bytes], for which a module is made each time."""
@@ -38,12 +38,14 @@ def kept_answers(target: Any) -> Iterator[None]:
         return _sizes[name]
 
     _Function.get_call_type, base._has_loc = _call_type, _has_loc
-    target.get_abi_sizeof = size_of
+    if is_outermost:
+        target.get_abi_sizeof = size_of
     try:
         yield
     finally:
         _Function.get_call_type, base._has_loc = before
-        target.get_abi_sizeof = get_abi_sizeof
+        if is_outermost:  # else whoever compiles what calls this goes on
+            del target.get_abi_sizeof
 
 
 def _call_type(function: Any, context: Any, args: tuple[Any, ...], kws: dict[str, Any]) -> Any:

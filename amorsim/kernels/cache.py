@@ -1,4 +1,4 @@
-"""The cache of compiled kernels: where it lies, what it depends on, and how it is read.
+"""The cache of compiled kernels: how it is read and written (`amorsim.kernels.folder` says where it lies).
 
 numba's own cache looks only at the file of the function it compiles, so a change in a callee of another file would
 leave old machine code in use. Here a kernel goes stale with its source and that of every kernel file that it imports.
@@ -7,129 +7,21 @@ leave old machine code in use. Here a kernel goes stale with its source and that
 from __future__ import annotations
 
 import contextlib
-import functools
 import gc
-import hashlib
-import os
-import re
-import sys
-import tempfile
 import time
-import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numba
 from numba.core import caching, compiler
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 
 from amorsim.kernels.claims import PAUSE, Claims
+from amorsim.kernels.folder import cache_folder, source_stamp
 from amorsim.kernels.parts import KIND, rebuild_library
 
-__all__ = [
-    "KernelCache",
-    "PartCache",
-    "cache_folder",
-    "is_cold",
-    "mark_warm",
-    "no_garbage_collected",
-    "sources_of",
-    "stamp_file",
-    "take_turns",
-]
-
-_HERE = Path(__file__).resolve().parent
-
-
-# Every mention counts, in a comment too: one too many compiles once more, one too few would run stale code.
-_MENTION = re.compile(rb"amorsim\.kernels\.(\w+)")
-
-
-def sources_of(path: Path) -> tuple[Path, ...]:
-    """The file of a kernel and all files of kernels that it reaches through imports, itself first."""
-    found = {path.resolve(): None}
-    waiting = list(found)
-    while waiting:
-        text = waiting.pop().read_bytes()
-        named = {_HERE / f"{name.decode()}.py" for name in _MENTION.findall(text)}
-        if re.search(rb"from\s+amorsim\.kernels\s+import|import\s+amorsim\.kernels\s", text):
-            named.update(_HERE.glob("*.py"))  # whole modules by name: which of them is used is not worth finding out
-        for callee in sorted(named):
-            if callee.exists() and callee not in found:
-                found[callee] = None
-                waiting.append(callee)
-    return tuple(found)
-
-
-def _digest_of(paths: Iterable[Path]) -> str:
-    digest = hashlib.blake2b(digest_size=16)
-    for path in paths:
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    digest.update(numba.__version__.encode())
-    return digest.hexdigest()
-
-
-@functools.cache
-def _source_stamp(path: Path) -> str:
-    """Digest of what the compiled code of one file depends on: its sources and numba's version."""
-    return _digest_of(sources_of(path))
-
-
-@functools.cache
-def _all_sources_stamp() -> str:
-    return _digest_of(sorted(_HERE.rglob("*.py")))
-
-
-def _is_writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def _candidates() -> Iterator[Path]:
-    if given := os.environ.get("NUMBA_CACHE_DIR"):
-        yield Path(given) / "amorsim"
-    yield _HERE / "__pycache__"
-    with contextlib.suppress(RuntimeError):  # no home folder is known
-        base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
-        yield Path(base) / "amorsim" / "kernels"
-    # One folder a user: a shared one could hold another user's code.
-    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
-    yield Path(tempfile.gettempdir()) / f"amorsim-kernels-{user}"
-
-
-def _is_private(folder: Path) -> bool:
-    """Whether nobody else could have put code there: matters for the world-writable temporary folder only."""
-    if not hasattr(os, "getuid"):
-        return True
-    status = folder.stat()
-    return status.st_uid == os.getuid() and not status.st_mode & 0o022
-
-
-@functools.cache
-def cache_folder() -> Path | None:
-    """The first folder that can be written of those that may hold compiled kernels, or none, with a warning."""
-    for folder in _candidates():
-        if _is_writable(folder):
-            if folder.parent == Path(tempfile.gettempdir()):
-                with contextlib.suppress(OSError):
-                    folder.chmod(0o700)
-                if not _is_private(folder):
-                    continue
-            return folder
-    warnings.warn(
-        "no folder can be written for compiled kernels, so every start compiles them anew (some seconds); "
-        "set NUMBA_CACHE_DIR to a folder that can be written",
-        RuntimeWarning,
-        stacklevel=2,
-    )
-    return None
+__all__ = ["KernelCache", "PartCache", "no_garbage_collected", "take_turns"]
 
 
 class _KernelLocator(caching._CacheLocator):  # type: ignore[misc, unused-ignore]
@@ -143,7 +35,7 @@ class _KernelLocator(caching._CacheLocator):  # type: ignore[misc, unused-ignore
         return str(cache_folder())
 
     def get_source_stamp(self) -> str:
-        return _source_stamp(self._file)
+        return source_stamp(self._file)
 
     def get_disambiguator(self) -> str:
         return str(self._line)
@@ -300,27 +192,3 @@ def take_turns() -> None:
     folder = cache_folder()
     if folder is not None and KernelCache.claims is None:
         KernelCache.claims = Claims(folder)
-
-
-def stamp_file() -> Path | None:
-    """The file whose presence says that the kernels of the present sources are compiled."""
-    folder = cache_folder()
-    return (
-        None if folder is None else folder / f"warm-{_all_sources_stamp()}-{sys.version_info[0]}{sys.version_info[1]}"
-    )
-
-
-def is_cold() -> bool:
-    """Whether no process has yet compiled the present sources and said so, so that a first step will take a while."""
-    stamp = stamp_file()
-    return stamp is None or not stamp.exists()
-
-
-def mark_warm() -> None:
-    """Leave word that the kernels are compiled; stamps of other sources go."""
-    stamp = stamp_file()
-    if stamp is not None and not stamp.exists():
-        with contextlib.suppress(OSError):
-            for stale in stamp.parent.glob("warm-*"):
-                stale.unlink(missing_ok=True)
-            stamp.touch()

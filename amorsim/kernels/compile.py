@@ -16,7 +16,8 @@ from numba.core import config
 from numba.core import types as numba_types
 from numba.core.registry import CPUDispatcher
 
-from amorsim.kernels.cache import KernelCache, PartCache, cache_folder, no_garbage_collected
+from amorsim.kernels.cache import KernelCache, PartCache, no_garbage_collected
+from amorsim.kernels.folder import cache_folder
 from amorsim.kernels.parts import KernelCompiler, PartCompiler
 
 __all__ = ["inlined", "kernel", "part"]

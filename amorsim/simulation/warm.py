@@ -13,8 +13,8 @@ import sys
 import threading
 from pathlib import Path
 
-from amorsim.kernels import cache as compiling
-from amorsim.kernels.ahead import deadline
+from amorsim.kernels import folder as compiling
+from amorsim.kernels.beside import deadline
 from amorsim.kernels.cache import take_turns
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.read import loads

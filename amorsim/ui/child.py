@@ -27,7 +27,7 @@ import numba
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
-from amorsim.kernels.cache import mark_warm
+from amorsim.kernels.folder import mark_warm
 from amorsim.simulation.warm import compile_contact_beside
 from amorsim.ui.carried import Carried, Carrier
 from amorsim.ui.commands import Commands

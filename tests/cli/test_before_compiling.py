@@ -20,7 +20,7 @@ def just_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     def compile_together() -> None:
         raise AssertionError("compiled for nothing")
 
-    monkeypatch.setattr("amorsim.kernels.cache.is_cold", lambda: True)
+    monkeypatch.setattr("amorsim.kernels.folder.is_cold", lambda: True)
     monkeypatch.setattr("amorsim.kernels.ahead.compile_together", compile_together)
 
 

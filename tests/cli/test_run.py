@@ -182,7 +182,7 @@ def test_the_progress_bar_is_drawn_on_a_terminal(
 
 def test_compiling_is_announced(amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     beside: list[bool] = []
-    monkeypatch.setattr("amorsim.kernels.cache.is_cold", lambda: True)
+    monkeypatch.setattr("amorsim.kernels.folder.is_cold", lambda: True)
     monkeypatch.setattr("amorsim.kernels.ahead.compile_together", lambda: beside.append(True))
     assert amorsim("run", study, "--duration", "0.1").out.startswith("compiling the kernels, once")
     assert beside == [True]

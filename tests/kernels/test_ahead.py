@@ -55,6 +55,30 @@ assert all(task.dispatcher()._cache.holds(task.signature) for task in few)
 """
 
 
+# Two functions to share instead of all, for it is the sharing that is tried.
+FEW = """
+from amorsim.kernels import ahead
+few = [task for task, _, callees in ahead.in_order(ahead.read_list()) if not callees and task.is_part][:2]
+ahead.read_list = lambda: few
+"""
+
+SCRIPT = f"""
+import os
+os.cpu_count = lambda: 2
+{FEW}
+import amorsim as am
+from amorsim.kernels import beside, cache, folder
+beside._COMMAND = {FEW!r} + beside._COMMAND
+am.Map.from_array([[0, 1], [0, 0]], resolution=0.1)
+assert cache.KernelCache.claims is not None and len(beside._beside) == 1
+print("begun")
+ahead.compile_at_first()
+assert len(beside._beside) == 1 and beside._beside[0].wait() == 0
+assert folder.stamp_file().exists() and not folder.is_cold()
+print("shared")
+"""
+
+
 def test_types_are_read_as_they_were_described() -> None:
     array = types.Array(types.float64, 2, "C")
     named = types.BaseTuple.from_types([types.float64] + [types.int64] * 3 + [array] * 4, Grid)
@@ -123,24 +147,26 @@ def test_what_is_no_more_is_left_out() -> None:
     )
 
 
-def test_one_process_is_started_and_none_on_one_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    started: list[list[str]] = []
-    compiled: list[int] = []
-    monkeypatch.setattr(subprocess, "Popen", lambda command, **_: started.append(command))
-    monkeypatch.setattr(ahead, "take_turns", lambda: None)
-    monkeypatch.setattr(ahead, "compile_ahead", lambda: compiled.append(len(started)))
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
-    ahead.compile_together()
-    assert started == []
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
-    ahead.compile_together()
-    assert started == [[sys.executable, "-c", "from amorsim.kernels.ahead import main; main()"]]
-    assert compiled == [0, 1]  # in this process too, once the other is on its way
-
-
-def test_the_process_beside_compiles_what_is_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_compiled_is_not_compiled_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
     done: list[str] = []
+    monkeypatch.setattr(ahead, "begin", lambda: done.append("begin"))
     monkeypatch.setattr(ahead, "take_turns", lambda: done.append("turns"))
     monkeypatch.setattr(ahead, "compile_ahead", lambda: done.append("ahead"))
-    ahead.main()
-    assert done == ["turns", "ahead"]
+    monkeypatch.setattr(ahead, "mark_warm", lambda: done.append("warm"))
+    monkeypatch.setattr(ahead, "is_cold", lambda: False)
+    ahead.compile_at_first()
+    assert done == []
+    monkeypatch.setattr(ahead, "is_cold", lambda: True)
+    ahead.compile_at_first()
+    assert done == ["begin", "turns", "ahead", "warm"]
+
+
+def test_a_script_has_it_compiled_beside_from_its_first_map_on(tmp_path: Path) -> None:
+    """By one process, and waits for what it compiles; its own main module is not run again."""
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    told = subprocess.run(
+        [sys.executable, str(script)], env=environment, check=True, stdout=subprocess.PIPE, text=True, timeout=300
+    ).stdout.split()
+    assert told == ["begun", "shared"]

@@ -5,10 +5,10 @@ import pkgutil
 from pathlib import Path
 
 import amorsim.kernels
-from amorsim.kernels.cache import sources_of
+from amorsim.kernels.folder import sources_of
 
 HERE = Path(amorsim.kernels.__file__).parent
-COMPILING = {"answers", "compile", "cache", "claims", "parts"}  # how a kernel is compiled and kept
+COMPILING = {"answers", "compile", "cache", "claims", "folder", "parts"}  # how a kernel is compiled and kept
 
 
 def names(path):
