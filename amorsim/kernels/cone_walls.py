@@ -223,22 +223,22 @@ def _cast_about(
     sin_b: Floats,
     range_max: float,
     least: float,
-    casts: int,
-) -> tuple[float, int]:
-    """The less of `least` and the distance along the rays that wall `m` bounds nearer; and how many more may be cast.
+    casts: bool,
+) -> float:
+    """The less of `least` and the distance along the rays that wall `m` bounds nearer.
 
-    Less than none where that was not enough, or where the point may be within what the wall occupies.
+    Less than 0 where rays are needed and none `casts`, or where the point may be within what the wall occupies.
     """
     what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, least * (1.0 + SAFETY))
     if what == PASSED:
-        return least, casts
+        return least
     if what == INSIDE:
-        return least, -1
+        return -1.0
     rays = cos_b.shape[1]
     step = 2.0 * half_angle / (rays - 1)
     first, last = _rays_between(x0, y0, x1, y1, half_angle, step, rays)
     if first > last:
-        return least, casts
+        return least
     # The nearness of the line is a sine over the rays, and less than half of its turn is here.
     best = first
     if a * sin_b[0, first] < b * cos_b[0, first]:
@@ -247,7 +247,7 @@ def _cast_about(
             best = min(max(int(np.rint((bearing_of(a, b) + half_angle) / step)), first), last)
     nearness = a * cos_b[0, best] + b * sin_b[0, best]
     if nearness * least * (1.0 + SAFETY) < 1.0:
-        return least, casts
+        return least
     free = (1.0 - SAFETY) / nearness
     # From the nearest ray outward to either side, as far as the bound stays below what was found.
     for way in (-1, 1):
@@ -255,13 +255,12 @@ def _cast_about(
         while first <= k <= last:
             if (a * cos_b[0, k] + b * sin_b[0, k]) * least * (1.0 + SAFETY) < 1.0:
                 break
-            if casts == 0:
-                return least, -1
-            casts -= 1
+            if not casts:
+                return -1.0
             dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
             least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
             k += way
-    return least, casts
+    return least
 
 
 @part
@@ -284,15 +283,15 @@ def hear_walls(
     away: Floats,
     count: int,
     aside: float,
-    casts: int,
+    casts: bool,
     f: Floats,
     bits: Integers,
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
 
     The first `count` of `found`, `about` and `away` are of `lines.walls_about`, told from `aside` [m] of here; `about`
-    has `AT_ONCE` columns more. More than so many `casts` are not made: then they cannot tell, either. `f` (`ROOM`,),
-    which is also `bits`, is room to work in.
+    has `AT_ONCE` columns more. Where rays are needed and none `casts`, they cannot tell, either. `f` (`ROOM`,) is room
+    to work in, and `bits` the same.
     """
     walls = lines.walls
     step = 2.0 * half_angle / (cos_b.shape[1] - 1)
@@ -326,9 +325,10 @@ def hear_walls(
             if m == cast:
                 continue
             cast = m
-            least, casts = _cast_about(
+            nearest = _cast_about(
                 grid, walls, m, x, y, col, row, cos_h, sin_h, half_angle, cos_b, sin_b, range_max, least, casts
             )
-            if casts < 0:
+            if nearest < 0.0:
                 return False, 0.0
+            least = nearest
     return True, least + 0.0 if least <= range_max else np.inf

@@ -27,8 +27,6 @@ Integers = NDArray[np.int64]
 _FEW = 8  # rays of a cone up to which all are cast
 _NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
 _FINE = 400  # cells in the range, from which on looking up walls is sooner done than asking cells, come what may
-_CASTS, _MANY = 32, 1 << 60  # rays that walls may ask for where cells are soon asked, and else
-_TRIES = 2  # cones of a call whose walls may fail to tell, until cells are asked for the others at once
 
 
 @part
@@ -64,7 +62,6 @@ def hear(
     has_lines = lines.walls.shape[1] > 0 and half_angle < WIDEST and cos_b.shape[1] > _FEW
     # Where walls were put in order, how far out, and how many there are.
     here_x, here_y, here_reach, count = 0.0, 0.0, -1.0, 0
-    left = _TRIES
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
         cos_h = math.cos(poses[n, 2] - yaw)
@@ -72,8 +69,7 @@ def hear(
         reach = range_max[n]
         inside = 0.0 <= x < grid.cols * resolution and 0.0 <= y < grid.rows * resolution
         is_fine = _FINE * resolution < reach
-        if has_lines and inside and (is_fine or left > 0) and cos_h == cos_h:  # not of nan
-            casts = _MANY if is_fine else _CASTS
+        if has_lines and inside and cos_h == cos_h:  # not of nan
             col = cell_of(x, resolution)
             row = cell_of(y, resolution)
             if is_occupied(grid, row, col):
@@ -102,14 +98,13 @@ def hear(
                 away,
                 count,
                 aside * (1.0 + SAFETY),
-                casts,
+                is_fine,
                 f,
                 bits,
             )
             if heard:
                 out[n] = least
                 continue
-            left -= 1
         out[n] = ask_cells(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, reach)
 
 

@@ -180,7 +180,7 @@ def walls_about(
         at = np.uint64(ends[ring])
         ends[ring] += 1
         found[at] = candidates[c]
-        away[at] = ring / scale * (1.0 - SAFETY)
+        away[at] = ring / scale * (1.0 - SAFETY) if ring > 0 else 0.0  # of an infinite reach too
     for i in range(6):
         for c in range(count):
             about[i, c] = walls[i, np.uint64(found[c])]
