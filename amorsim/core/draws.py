@@ -98,7 +98,7 @@ class Draws:
         return kept
 
     def share(self, work_per_row: int, work: Callable[[int], None]) -> None:
-        """Call ``work(share)``, on all of the engine's threads where that pays; see `Workers.share`.
+        """Call ``work(share)``, which a kernel spreads over the engine's threads where that pays; see `Workers.share`.
 
         For kernels that work on each row by itself; `work_per_row` is about how many rays a row costs as much as.
         """

@@ -4,7 +4,8 @@ Kernels release Python's global lock and write each row by itself, so rows can b
 bits that one thread gives, whoever takes which (`amorsim.kernels.shares`). No kernel is compiled a second time for it,
 and no thread is shared between simulations, so there is nothing to lock.
 
-A thread that has done its rows looks for other work for a while before it goes to sleep, for to be woken takes long.
+The other threads are inside a kernel while they work and for a while after that, and get work there without Python.
+Then they go to sleep.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import threading
 import time
 import weakref
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 
@@ -35,10 +37,10 @@ _WAITS = 400e-6
 _PAUSE = 50e-6
 _LAST = 5.0  # [s] that a thread gets to end with the process
 _TURNS = 1 << 18
-_ROWS = (1 << shares.ROW_BITS) - 1
 _MOST = 1 << (shares.ROW_BITS - 1)  # units that a ticket can count, and room
 
-Work = Callable[[int], None]
+R = TypeVar("R")
+_Slices = Callable[[int], None]
 
 
 def cores() -> int:
@@ -59,25 +61,35 @@ class Workers:
     def __reduce__(self) -> tuple[type[Workers], tuple[int]]:
         return Workers, (self._asked,)
 
-    def share(self, rows: int, work_per_row: int, work: Work) -> None:
-        """Call ``work(share)``, on all threads where it pays.
+    def share(self, rows: int, work_per_row: int, work: Callable[[int], R]) -> R:
+        """What ``work(share)`` gives: one call of one kernel, which spreads its rows where that pays.
 
-        Work is one call of one kernel that asks `shares.take_rows` for its rows until there are none. An error that is
-        raised in any thread is raised once all have ended.
+        It is called with `ALONE` where it does not, and else hands the share on to `shares.spread`.
         """
-        if self.threads == 1 or rows < 2 or rows * work_per_row < LEAST_WORK:
-            work(ALONE)
-            return
+        if not self._pays(rows, work_per_row):
+            return work(ALONE)
+        return self._found().lend(rows, work_per_row, work)
+
+    def share_slices(self, rows: int, work_per_row: int, work: Callable[[int, int], None]) -> None:
+        """Call ``work(first, end)`` for slices that make up all `rows`; for kernels that take no shares.
+
+        An error that is raised in any thread is raised once all have ended.
+        """
+        if self._pays(rows, work_per_row):
+            self._found().share(rows, work_per_row, lambda share: _by_slices(share, rows, work))
+        elif rows:
+            work(0, rows)
+
+    def _pays(self, rows: int, work_per_row: int) -> bool:
+        return self.threads > 1 and rows > 1 and rows * work_per_row >= LEAST_WORK
+
+    def _found(self) -> _Crew:
         crew = self._crew
         if crew is None or crew.process != os.getpid():  # threads do not come along when a process forks
             crew = self._crew = _Crew(self.threads)
             _crews.add(crew)
             weakref.finalize(self, crew.dismiss).atexit = False
-        crew.share(rows, work_per_row, work)
-
-    def share_slices(self, rows: int, work_per_row: int, work: Callable[[int, int], None]) -> None:
-        """Call ``work(first, end)`` for slices that make up all `rows`; for kernels that take no shares."""
-        self.share(rows, work_per_row, lambda share: _by_slices(share, rows, work))
+        return crew
 
 
 def _by_slices(share: int, rows: int, work: Callable[[int, int], None]) -> None:
@@ -105,8 +117,8 @@ class _Crew:
             self._note(number, shares.BASE, self._base)
             self._note(number, shares.NUMBER, number)
             self._note(number, shares.PATIENCE, int((_LOOKS if number else _WAITS) * looks))
-        self._turn = 0
-        self._task: tuple[int, Work | None] = 0, None
+        self._task: tuple[int, _Slices | None] = 0, None  # Python's work, and at which turn
+        self._called = 0  # how often there was work
         self._is_engaged = False
         self._is_dismissed = False
         self._errors: list[BaseException] = []
@@ -119,41 +131,57 @@ class _Crew:
         for other in self._others:
             other.start()
 
+    def _place(self, number: int, what: int) -> int:
+        return (shares.RECORDS + number * shares.LINE + what) // 8
+
     def _note(self, number: int, what: int, word: int) -> None:
-        self._words[(self._share_of(number) - self._base + what) // 8] = word
+        self._words[self._place(number, what)] = word
 
     def _share_of(self, number: int) -> int:
         return self._base + shares.RECORDS + number * shares.LINE
 
-    def share(self, rows: int, work_per_row: int, work: Work) -> None:
-        if self._is_engaged:  # by work that has work to share itself
-            work(ALONE)
-            return
-        self._is_engaged = True
-        turn = self._turn = self._turn % _TURNS + 1
+    def _call_together(self, rows: int, work_per_row: int) -> int:
+        """Say how rows are to be parted, and wake who sleeps; rows that a ticket counts as one."""
         words = self._words
         unit = 1 + rows // _MOST
-        units = -(-rows // unit)
         words[shares.UNIT // 8] = unit
         words[shares.GRAIN // 8] = 1 + _GRAIN_WORK // (work_per_row * unit)
-        words[shares.TICKET // 8] = turn << 2 * shares.ROW_BITS | units
-        self._note(0, shares.TURN, turn)
-        self._task = turn, work
+        self._called += 1
         for number in range(1, self._threads):
             if self._asleep[number]:
                 self._asleep[number] = False
                 self._calls[number].put(None)
-        is_whole = True
+        return unit
+
+    def lend(self, rows: int, work_per_row: int, work: Callable[[int], R]) -> R:
+        if self._is_engaged:  # by work that has work to share itself
+            return work(ALONE)
+        self._is_engaged = True
+        try:
+            self._call_together(rows, work_per_row)
+            return work(self._share_of(0))
+        finally:
+            self._is_engaged = False
+
+    def share(self, rows: int, work_per_row: int, work: _Slices) -> None:
+        if self._is_engaged:
+            work(ALONE)
+            return
+        self._is_engaged = True
+        words = self._words
+        turn = words[self._place(0, shares.TURN)] % _TURNS + 1
+        self._task = turn, work
+        unit = self._call_together(rows, work_per_row)
+        words[shares.WORK // 8] = 0
+        words[shares.TICKET // 8] = turn << 2 * shares.ROW_BITS | -(-rows // unit)
+        self._note(0, shares.TURN, turn)
         try:
             work(self._share_of(0))
-            is_whole = words[shares.TICKET // 8] & _ROWS == words[shares.TICKET // 8] >> shares.ROW_BITS & _ROWS
         finally:
             self._settle(turn)
         if self._errors:
             errors, self._errors = self._errors, []
             raise errors[0]
-        if not is_whole:
-            raise RuntimeError("expected work that takes rows until none are left (shares.take_rows)")
 
     def _settle(self, turn: int) -> None:
         """Wait until nobody works any more; whatever was not taken will not be."""
@@ -172,24 +200,23 @@ class _Crew:
 
     def _serve(self, number: int) -> None:
         """What the thread of a number does, until it is dismissed."""
-        done = 0
         share = self._share_of(number)
         while not self._is_dismissed:
-            turn, work = self._task
-            if turn == done:
+            called = self._called
+            if not shares.serve(share):
                 self._asleep[number] = True
-                if self._task[0] == done and not self._is_dismissed:
+                if self._called == called and not self._is_dismissed:
                     self._calls[number].get()
                 self._asleep[number] = False
                 continue
-            done = turn
+            turn, work = self._task
             if work is None:
                 continue
             self._note(number, shares.TURN, turn)
             try:
                 work(share)
             except BaseException as error:
-                if self._words[(share - self._base + shares.BUSY) // 8]:  # else others have done it all
+                if self._words[self._place(number, shares.BUSY)]:  # else others have done it all
                     self._errors.append(error)
             self._note(number, shares.BUSY, 0)
             del work

@@ -13,7 +13,7 @@ from amorsim.kernels.concluding import conclude
 from amorsim.kernels.known import known_at
 from amorsim.kernels.rolling import ROLLING
 from amorsim.kernels.sensing import LIMITS, sense
-from amorsim.kernels.shares import take_rows
+from amorsim.kernels.shares import offer, spread, take_rows
 
 __all__ = ["FINDER_COLUMNS", "sense_among"]
 
@@ -27,7 +27,7 @@ FINDER_COLUMNS = 6
 
 
 @kernel
-def sense_among(
+def _sense_among(
     share: int,
     concludes: bool,
     bodies: Bodies,
@@ -54,25 +54,7 @@ def sense_among(
     values: Floats,
     fingerprint: NDArray[np.uint64],
 ) -> None:
-    """What `sensing.sense` does to look, `body_rays.cast_bodies` of all range finders, and `sense` to read.
-
-    And then, if it `concludes`, what `concluding.conclude` does.
-
-    Parameters
-    ----------
-    share
-        Of the rows, see `shares.take_rows`.
-    bodies, body_pose, edge_rows, by_place, widest
-        As `cast_bodies` takes them.
-    finders
-        (F, FINDER_COLUMNS), the range finders.
-    own, replica
-        (L * N,): of each place that is looked from, the body that it is on, and the replica.
-    cos_b, sin_b
-        Of the finders' beams, one device after another, as `cast_bodies` takes them.
-    table, ..., fingerprint
-        As `stepping.advance` takes them.
-    """
+    """The share of a thread of `sense_among`."""
     rows = pose.shape[0]
     known = known_at(table)
     true = values[0]
@@ -148,3 +130,79 @@ def sense_among(
                 fingerprint,
             )
         first, end = take_rows(share, rows, end)
+
+
+@kernel
+def sense_among(
+    share: int,
+    concludes: bool,
+    bodies: Bodies,
+    body_pose: Floats,
+    edge_rows: int,
+    by_place: BodyHash,
+    widest: float,
+    finders: Ints,
+    own: Ints,
+    replica: Ints,
+    cos_b: Floats,
+    sin_b: Floats,
+    table: Ints,
+    pose: Floats,
+    twist: Floats,
+    joints: Floats,
+    command: Floats,
+    believed: Floats,
+    covariance: Floats,
+    reckoned: Floats,
+    poses_out: Floats,
+    joints_out: Floats,
+    covariance_out: Floats,
+    values: Floats,
+    fingerprint: NDArray[np.uint64],
+) -> None:
+    """What `sensing.sense` does to look, `body_rays.cast_bodies` of all range finders, and `sense` to read.
+
+    And then, if it `concludes`, what `concluding.conclude` does.
+
+    Parameters
+    ----------
+    share
+        `ALONE`, or for `shares.spread`.
+    bodies, body_pose, edge_rows, by_place, widest
+        As `cast_bodies` takes them.
+    finders
+        (F, FINDER_COLUMNS), the range finders.
+    own, replica
+        (L * N,): of each place that is looked from, the body that it is on, and the replica.
+    cos_b, sin_b
+        Of the finders' beams, one device after another, as `cast_bodies` takes them.
+    table, ..., fingerprint
+        As `stepping.advance` takes them.
+    """
+    given = (
+        concludes,
+        bodies,
+        body_pose,
+        edge_rows,
+        by_place,
+        widest,
+        finders,
+        own,
+        replica,
+        cos_b,
+        sin_b,
+        table,
+        pose,
+        twist,
+        joints,
+        command,
+        believed,
+        covariance,
+        reckoned,
+        poses_out,
+        joints_out,
+        covariance_out,
+        values,
+        fingerprint,
+    )
+    spread(share, pose.shape[0], offer(_sense_among, given))

@@ -1,12 +1,14 @@
 """Rows shared among threads: whoever has nothing to do takes some of what is left, until nothing is.
 
-A kernel that can be shared is called by each thread with the same arguments but for `share`, an address, and asks
-`take_rows` again and again for rows to work on. The thread that calls the work takes them from the first on, the others
-from the last on, so each finds in its cache what it worked on before; and nobody waits for one that has not begun. All
-words of an address are written one at a time (`amorsim.core.workers` lays them out), so there is nothing to lock.
+A kernel that can be shared is called once, by the thread whose work it is, with a `share`, an address. What all
+threads are to do it writes as a function of a share and of whatever else it needs; `offer` says where that function and
+that are, and `spread` has the others call it too. Each asks `take_rows` again and again for rows to work on. The thread
+whose work it is takes them from the first on, the others from the last on, so each finds in its cache what it worked on
+before; and nobody waits for one that has not begun. All words of an address are written one at a time
+(`amorsim.core.workers` lays them out), so there is nothing to lock.
 
-No thread needs Python's global lock for that: work is begun once the caller has given it up, the end is awaited
-without it, and so is the next work, for a while.
+No thread needs Python, nor its global lock, for that: the others are in a kernel too (`serve`), where they look for
+work for a while. Work that is Python's own, which calls kernels slice by slice, takes its rows here as well.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils
+from numba.core import cgutils, config
 from numba.core import types as numba_types
 from numba.extending import intrinsic
 
@@ -29,17 +31,23 @@ __all__ = [
     "BUSY",
     "GRAIN",
     "LINE",
+    "LOOKED",
     "NUMBER",
     "PATIENCE",
     "RAISED",
     "RECORDS",
     "ROW_BITS",
+    "SPREADS",
     "THREADS",
     "TICKET",
     "TURN",
     "UNIT",
+    "WORK",
     "is_done",
     "linger",
+    "offer",
+    "serve",
+    "spread",
     "take_rows",
 ]
 
@@ -56,6 +64,9 @@ LINE = 128
 TICKET, RAISED, GRAIN = 0, LINE, 2 * LINE
 THREADS = GRAIN + 8
 UNIT = GRAIN + 16  # rows that a ticket counts as one
+WORK = GRAIN + 24  # where the function is that is the work, 0 for Python's; what it is given; whether it failed
+GIVEN = GRAIN + 32
+FAILED = GRAIN + 40
 # From here on a record for each thread, the caller's first; a share is the address of one.
 RECORDS = 3 * LINE
 BUSY = 0  # whether it has taken rows that are not done yet
@@ -63,9 +74,13 @@ BASE = 8  # where the words of the work begin
 NUMBER = 16
 TURN = 24  # at which it works
 PATIENCE = 32  # how often it looks before it gives up waiting
+LOOKED = 40  # how often it has since it worked last
+SPREADS = 48  # whether it does what was spread, and not Python's
 
 ROW_BITS = 22
 _ROWS = (1 << ROW_BITS) - 1
+_TURNS = 1 << 18
+_WORDS = (types.int64, types.int64)
 _WORD = ir.IntType(64)
 _LOOKS = 64  # after which others get the processor, if they wait for it
 # By machine: LLVM's name of the instruction, and its arguments.
@@ -126,13 +141,78 @@ def _giving_way(_typing: Any) -> Any:
     return types.none(), code
 
 
+def _calling(_typing: Any, _work: Any, _share: Any, _given: Any) -> Any:
+    def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        convention = context.call_conv
+        told = convention.get_function_type(types.none, _WORDS)
+        work = builder.inttoptr(arguments[0], told.as_pointer())
+        status, _ = convention.call_function(builder, work, types.none, _WORDS, arguments[1:])
+        return builder.zext(status.is_error, _WORD)
+
+    return types.int64(types.int64, types.int64, types.int64), code
+
+
+def _uncounted(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    """The same value, of whose arrays nobody counts references."""
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        for place, member in enumerate(kind):
+            made = _uncounted(context, builder, member, builder.extract_value(value, place))
+            value = builder.insert_value(value, made, place)
+    return value
+
+
+def _offering(typing: Any, work: Any, given: Any) -> Any:
+    if not isinstance(work, types.Dispatcher) or not isinstance(given, types.BaseTuple):
+        return None
+    kind = typing.resolve_function_type(work, (types.int64, *map(types.unliteral, given)), {})
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        # A function of two addresses, that all works are called as: it finds at the second what the work is given.
+        convention = context.call_conv
+        told = convention.get_function_type(types.none, _WORDS)
+        function = ir.Function(builder.module, told, builder.module.get_unique_name("work"))
+        function.linkage = "internal"
+        convention.decorate_function(function, ("share", "given"), _WORDS)
+        inner = ir.IRBuilder(function.append_basic_block())
+        share, place = convention.get_arguments(function)
+        values = cgutils.unpack_tuple(inner, inner.load(inner.inttoptr(place, arguments[1].type.as_pointer())))
+        call = context.get_function(work, kind)
+        call(inner, (share, *(_uncounted(context, inner, *each) for each in zip(given, values, strict=True))))
+        convention.return_value(inner, context.get_dummy_value())
+        kept = cgutils.alloca_once_value(builder, arguments[1])
+        both = [builder.ptrtoint(each, _WORD) for each in (function, kept)]
+        return context.make_tuple(builder, signature.return_type, both)
+
+    return types.UniTuple(types.int64, 2)(work, given), code
+
+
 # The word at an address; to write one; to write one if it is the old one still, and whether it was; to tell the
-# processor that somebody waits here; and to let others have it, where that can be told.
+# processor that somebody waits here; to let others have it, where that can be told; to call a work with a share and
+# what it is given, and whether that failed.
 _load: Callable[[int], int] = intrinsic(_loading)
 _store: Callable[[int, int], None] = intrinsic(_storing)
 _exchange: Callable[[int, int, int], int] = intrinsic(_exchanging)
 _pause: Callable[[], None] = intrinsic(_pausing)
 _give_way: Callable[[], None] = intrinsic(_giving_way)
+_call: Callable[[int, int, int], int] = intrinsic(_calling)
+offer: Callable[[Callable[..., None], tuple[Any, ...]], tuple[int, int]] = intrinsic(_offering)
+"""Work for `spread`: a kernel, that takes a share first, and what it is given beside it, in a tuple.
+
+It may be spread until the function returns that has offered it, which has to hold the arrays: nobody who works counts
+references to them. Threads that count the same ones wait for each other.
+"""
+if config.DISABLE_JIT:
+
+    def _call(work: Any, share: int, given: Any) -> int:
+        work(share, *given)
+        return 0
+
+    def offer(work: Any, given: Any) -> Any:  # noqa: D103 - as above
+        return work, given
 
 
 @part
@@ -151,21 +231,113 @@ def _wait(looked: int) -> int:
 
 @part
 def _finish(share: int, base: int) -> None:
-    """There are no rows left: as the caller wait until all are done, as another until there is other work, for a while.
+    """There are no rows left of Python's work: wait, as the caller until all are done, as another for other work.
 
-    Before that, as another, say that one's own are done.
+    The latter for a while, and when one has said that one's own rows are done.
     """
+    if _load(share + SPREADS) != 0:  # whoever called it sees to that
+        return
     patience = _load(share + PATIENCE)
     looked = 0
     if _load(share + NUMBER) == 0:
-        for other in range(1, _load(base + THREADS)):
-            while looked < patience and _load(base + RECORDS + other * LINE + BUSY) != 0:
-                looked = _wait(looked)
+        while looked < patience and _are_busy(base):
+            looked = _wait(looked)
         return
     _store(share + BUSY, 0)
     turn = _load(share + TURN)
     while looked < patience and -1 <= _load(base + RAISED) - turn <= 0:
         looked = _wait(looked)
+    _store(share + LOOKED, looked)
+
+
+@part
+def _are_busy(base: int) -> bool:
+    """Whether anybody but the caller has rows that are not done yet."""
+    busy = 0
+    for other in range(1, _load(base + THREADS)):
+        busy |= _load(base + RECORDS + other * LINE + BUSY)
+    return busy != 0
+
+
+@part
+def _is_open(base: int, turn: int) -> bool:
+    """Whether there are rows left of the work of a turn."""
+    ticket = _load(base + TICKET)
+    return ticket >> (2 * ROW_BITS) == turn and (ticket >> ROW_BITS) & _ROWS != ticket & _ROWS
+
+
+@part
+def spread(share: int, rows: int, offered: tuple[int, int]) -> None:
+    """Have all threads do what was offered (`offer`), and return when it is done; nobody begins before.
+
+    Parameters
+    ----------
+    share
+        What `amorsim.core.workers.Workers.share` gave; where that is `ALONE`, nobody else does anything.
+    rows
+        How many there are in all.
+    """
+    if share == ALONE:
+        if _call(offered[0], ALONE, offered[1]) != 0:
+            raise MemoryError  # nothing else goes wrong in kernels than that there is no room for an array
+        return
+    base = _load(share + BASE)
+    turn = _load(share + TURN) % _TURNS + 1
+    unit = _load(base + UNIT)
+    _store(base + WORK, offered[0])
+    _store(base + GIVEN, offered[1])
+    _store(base + FAILED, 0)
+    _store(share + TURN, turn)
+    _store(base + TICKET, turn << (2 * ROW_BITS) | (rows + unit - 1) // unit)
+    _store(base + RAISED, turn)
+    _store(share + SPREADS, 1)
+    failed = _call(offered[0], share, offered[1])
+    _store(share + SPREADS, 0)
+    were_left = _is_open(base, turn)
+    _store(base + TICKET, turn << (2 * ROW_BITS))  # whatever was not taken will not be
+    looked = 0
+    while _are_busy(base):
+        looked = _wait(looked)
+    if failed != 0 or _load(base + FAILED) != 0:
+        raise MemoryError
+    if were_left:
+        raise RuntimeError("expected work that takes rows until none are left (shares.take_rows)")
+
+
+@kernel
+def serve(share: int) -> int:
+    """Do whatever is spread, as another thread than the caller's, until there is Python's work: the turn of that.
+
+    Or 0, if for a while there was nothing to do.
+    """
+    base = _load(share + BASE)
+    patience = _load(share + PATIENCE)
+    looked = _load(share + LOOKED)
+    while looked < patience:
+        turn = _load(base + RAISED)
+        if turn < 0:
+            return 0
+        if turn == _load(share + TURN):
+            looked = _wait(looked)
+            continue
+        looked = 0
+        _store(share + TURN, turn)
+        # The caller looks whether anybody is busy when no rows are left; so if some are left after this has been said,
+        # what it has offered stays.
+        _store(share + BUSY, turn)
+        if _is_open(base, turn):
+            work = _load(base + WORK)
+            if work == 0:
+                _store(share + BUSY, 0)
+                _store(share + LOOKED, 0)
+                return turn
+            _store(share + SPREADS, 1)
+            if _call(work, share, _load(base + GIVEN)) != 0:
+                _store(base + FAILED, 1)
+            _store(share + SPREADS, 0)
+        _store(share + BUSY, 0)
+    _store(share + LOOKED, 0)
+    return 0
 
 
 @part
@@ -175,7 +347,7 @@ def take_rows(share: int, rows: int, end: int) -> tuple[int, int]:
     Parameters
     ----------
     share
-        `ALONE`, or what `amorsim.core.workers.Workers.share` gave.
+        `ALONE`, or that of the thread.
     rows
         How many there are in all.
     end
@@ -194,7 +366,9 @@ def take_rows(share: int, rows: int, end: int) -> tuple[int, int]:
         high = ticket & _ROWS
         if ticket >> (2 * ROW_BITS) != turn or low == high:
             break
-        taken = max(_load(base + GRAIN), 3 * (high - low) // (4 * _load(base + THREADS)))
+        # To begin is not for nothing: at first nearly all that will be one's own, then less and less.
+        share_of_all = (rows // _load(base + UNIT) if end == 0 else high - low) // _load(base + THREADS)
+        taken = max(_load(base + GRAIN), share_of_all * 7 // 8 if end == 0 else share_of_all * 3 // 4)
         taken = min(taken, high - low)
         first = low if number == 0 else high - taken
         left = ticket + (taken << ROW_BITS) if number == 0 else ticket - taken
@@ -208,10 +382,7 @@ def take_rows(share: int, rows: int, end: int) -> tuple[int, int]:
 @kernel
 def is_done(base: int) -> bool:
     """Whether nobody but the caller has rows that are not done yet."""
-    busy = 0
-    for other in range(1, _load(base + THREADS)):
-        busy |= _load(base + RECORDS + other * LINE + BUSY)
-    return busy == 0
+    return not _are_busy(base)
 
 
 @kernel

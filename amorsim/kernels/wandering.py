@@ -18,7 +18,7 @@ from amorsim.kernels.free_space import (
     nearest_side,
     see_points,
 )
-from amorsim.kernels.shares import take_rows
+from amorsim.kernels.shares import offer, spread, take_rows
 
 __all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "wander"]
 
@@ -251,15 +251,15 @@ def _wander_row(
     out[2] = w
 
 
-@part
-def _wander_rows(
-    points: Floats,
-    weights: Floats,
+@kernel
+def _wander(
+    share: int,
     ranges: Floats,
     age: Floats,
     pose: Floats,
     beams: Floats,
     half_angle: Column,
+    samples: int,
     body: Floats,
     speed: Column,
     turn_rate: Column,
@@ -268,28 +268,35 @@ def _wander_rows(
     dt: float,
     memory: Floats,
     trail: Floats,
-    first: int,
-    end: int,
     out: Floats,
 ) -> None:
-    """What `wander` does for some rows, with room to work in."""
-    for i in range(first, end):
-        see_points(ranges[i], beams[i], half_angle[i, 0], points)
-        _wander_row(
-            points,
-            weights,
-            age[i, 0],
-            pose[i],
-            body[i],
-            speed[i, 0],
-            turn_rate[i, 0],
-            clearance[i, 0],
-            draws[i],
-            dt,
-            memory[i],
-            trail[i],
-            out[i],
-        )
+    """The share of a thread of `wander`."""
+    rows = ranges.shape[0]
+    points = np.empty((3, ranges.shape[1] * samples))
+    most = 1
+    for i in range(rows):
+        most = max(most, directions_within(body[i, _VIEW:]))
+    weights = np.empty(most)
+    first, end = take_rows(share, rows, 0)
+    while first < end:
+        for i in range(first, end):
+            see_points(ranges[i], beams[i], half_angle[i, 0], points)
+            _wander_row(
+                points,
+                weights,
+                age[i, 0],
+                pose[i],
+                body[i],
+                speed[i, 0],
+                turn_rate[i, 0],
+                clearance[i, 0],
+                draws[i],
+                dt,
+                memory[i],
+                trail[i],
+                out[i],
+            )
+        first, end = take_rows(share, rows, end)
 
 
 @kernel
@@ -332,34 +339,23 @@ def wander(
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
     share
-        Of the rows, see `shares.take_rows`.
+        `ALONE`, or for `shares.spread`.
     """
-    rows = ranges.shape[0]
-    points = np.empty((3, ranges.shape[1] * samples))
-    most = 1
-    for i in range(rows):
-        most = max(most, directions_within(body[i, _VIEW:]))
-    weights = np.empty(most)
-    first, end = take_rows(share, rows, 0)
-    while first < end:
-        _wander_rows(
-            points,
-            weights,
-            ranges,
-            age,
-            pose,
-            beams,
-            half_angle,
-            body,
-            speed,
-            turn_rate,
-            clearance,
-            draws,
-            dt,
-            memory,
-            trail,
-            first,
-            end,
-            out,
-        )
-        first, end = take_rows(share, rows, end)
+    given = (
+        ranges,
+        age,
+        pose,
+        beams,
+        half_angle,
+        samples,
+        body,
+        speed,
+        turn_rate,
+        clearance,
+        draws,
+        dt,
+        memory,
+        trail,
+        out,
+    )
+    spread(share, ranges.shape[0], offer(_wander, given))

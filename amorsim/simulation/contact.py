@@ -18,18 +18,19 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.kernels.body_hash import BodyHash
 from amorsim.kernels.meeting import FINEST, ROUNDING, TOUCH, WALL, resolve
-from amorsim.kernels.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
-from amorsim.kernels.setting_out import NEAR_BODY, NEAR_WALL, look_out
+from amorsim.kernels.paths import ARC, LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
+from amorsim.kernels.setting_out import NEAR_BODY, NEAR_WALL, look_out, roll_out
 from amorsim.simulation.bodies import World
 
-__all__ = ["WALL", "Contact", "Mover", "move"]
+__all__ = ["WALL", "Contact", "Mover", "Rolling", "move", "roll"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -63,6 +64,16 @@ class Mover(Protocol):
         """Take where they are after the step `(M, 3)`, and the fraction after which they stood still `(M,)`."""
 
 
+class Rolling(NamedTuple):
+    """Robots on two driven wheels that are all the bodies there are, as `kernels.setting_out.roll_out` takes them."""
+
+    joints: Array
+    rates: Array
+    command: Array
+    numbers: Array
+    dt: float
+
+
 @attrs.frozen(kw_only=True)
 class Contact:
     """Two bodies, or a body and a wall (`other` is `WALL`), that met at a fraction of the step.
@@ -83,41 +94,55 @@ class _Paths:
     `close` who might meet another body that reaches no farther.
     """
 
-    def __init__(self, world: World, movers: Sequence[Mover], told: Sequence[tuple[int, Array]]) -> None:
+    def __init__(self, world: World, motion: Array, form: npt.NDArray[np.uint8]) -> None:
         count = len(world.poses)
         self.start = world.poses
         self.stop = np.empty(count)
         self.bound = np.empty(count)
+        self.end = np.empty((count, 3))
         self.others: list[Mover] = []
+        self.arrays = Paths(self.start, motion, form, self.bound, self.stop)
+        self.scene = Scene(world.map.grid, *world.map.origin, world.bodies, world.edge_rows, self.arrays)
+        self.near = self.close = world.everyone[:0]
+
+    @classmethod
+    def of(cls, world: World, movers: Sequence[Mover], told: Sequence[tuple[int, Array]]) -> _Paths:
+        """The paths of movers, that have told what their own are made of."""
+        count = len(world.poses)
         if len(movers) == 1 and len(movers[0].bodies) == count:
             # One mover of all bodies, in their order.
             kind, motion = told[0]
             form = _one_form(count, kind)
-            if kind == OTHER:
-                self._add_other(world, movers[0])
         else:
             form = np.full(count, STANDS, dtype=np.uint8)
             motion = np.zeros((count, 3))
             for mover, (kind, its) in zip(movers, told, strict=True):
                 form[mover.bodies] = kind
                 motion[mover.bodies] = its
-                if kind == OTHER:
-                    self._add_other(world, mover)
-        self.arrays = Paths(self.start, _floats(motion), form, self.bound, self.stop)
-        self.scene = Scene(world.map.grid, *world.map.origin, world.bodies, world.edge_rows, self.arrays)
-        self.end = np.empty((count, 3))
-        self.close = world.everyone[:0]
+        paths = cls(world, _floats(motion), form)
+        for mover, (kind, _) in zip(movers, told, strict=True):
+            if kind == OTHER:
+                paths._add_other(world, mover)
         if world.has_company:
-            near, table = np.empty(count, dtype=np.uint8), world.by_place(self.start)
-            given = self.scene, world.replica_index, world.owner, table, self.end, near
-            world.workers.share(count, LOOK_WORK, lambda share: look_out(share, *given))
-            self.near = np.flatnonzero(near & NEAR_WALL)
-            self.close = np.flatnonzero(near & NEAR_BODY)
+            near = np.empty(count, dtype=np.uint8)
+            given = *paths.seen(world), paths.end, near
+            if world.workers.share(count, LOOK_WORK, lambda share: look_out(share, *given)):
+                paths.notice(near)
         else:
-            set_out(self.arrays, world.bodies.reach, self.end)
-            self.near = self._look_around(world)
+            set_out(paths.arrays, world.bodies.reach, paths.end)
+            paths.near = paths._look_around(world)
         if world.has_parts:
-            self.end[world.parts] = self.at(world.parts, np.ones(len(world.parts)))
+            paths.end[world.parts] = paths.at(world.parts, np.ones(len(world.parts)))
+        return paths
+
+    def seen(self, world: World) -> tuple[Scene, Ints, Ints, BodyHash]:
+        """What is looked at to tell who has something near."""
+        return self.scene, world.replica_index, world.owner, world.by_place(self.start)
+
+    def notice(self, near: npt.NDArray[np.uint8]) -> None:
+        """Take who has something near, as kernels tell it."""
+        self.near = np.flatnonzero(near & NEAR_WALL)
+        self.close = np.flatnonzero(near & NEAR_BODY)
 
     def _look_around(self, world: World) -> Ints:
         """Who might meet a wall, in order; being without company they look further, and keep what room they have."""
@@ -191,7 +216,26 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
         if go_free(world.poses, _floats(motion), kind, world.bodies.reach, world.room, end, stop):
             world.room_at = end
             return end, stop, []
-    paths = _Paths(world, movers, told)
+    return _meet(world, _Paths.of(world, movers, told))
+
+
+def roll(world: World, rolling: Rolling, wheels: Array, twists: Array) -> tuple[Array, Array, list[Contact], Array]:
+    """What `move` does, of robots on two driven wheels, and what wheels do in `kernels.setting_out.roll_out`.
+
+    `wheels` and `twists` are written as there; told are also the twists over the whole step `(T, 3)` that the paths
+    are made of.
+    """
+    count = len(world.poses)
+    motion, near = np.empty((count, 3)), np.empty(count, dtype=np.uint8)
+    paths = _Paths(world, motion, _one_form(count, ARC))
+    given = *paths.seen(world), *rolling, wheels, twists, paths.end, near
+    if world.workers.share(count, LOOK_WORK, lambda share: roll_out(share, *given)):
+        paths.notice(near)
+    return *_meet(world, paths), motion
+
+
+def _meet(world: World, paths: _Paths) -> tuple[Array, Array, list[Contact]]:
+    """What `move` tells, of those who have set out."""
     if not len(paths.near) and not len(paths.close):
         return paths.end, paths.stop, []
     a, b = _candidates(world, paths)

@@ -45,8 +45,10 @@ class Fleet:
         `(R,)` of each replica.
     events
         What happened, in order.
+    only
+        The group of robots, where there are no others, no obstacles and no parts.
     alone
-        The group of robots, where there are no others, no obstacles and no company.
+        The same, if each robot is without company.
     is_whole, rolls
         Whether the latest step was made in one call, and else whether the robots moved as they actuated: nothing was in
         the way.
@@ -103,8 +105,8 @@ class Fleet:
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()
-        is_alone = len(self.everything) == 1 and bool(self.groups) and not self.world.has_company
-        self.alone = self.groups[0] if is_alone else None
+        self.only = self.groups[0] if len(self.everything) == 1 and self.groups and not self.parts else None
+        self.alone = None if self.world.has_company else self.only
         self.is_whole = self.rolls = False
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
@@ -124,6 +126,9 @@ class Fleet:
 
     def place(self) -> None:
         """Put the bodies of the world where the groups have them."""
+        if self.only is not None:  # its rows are the bodies, in their order
+            self.world.poses, self.world.twists = self.only.true_pose, self.only.true_twist
+            return
         poses, twists = self.world.poses.copy(), self.world.twists.copy()
         for group in self.everything:
             poses[group.bodies] = group.true_pose

@@ -252,6 +252,13 @@ class Group:
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
         return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
 
+    def set_off(self, joints: Array, rates: Array, motion: Array) -> None:
+        """Take what a kernel has made of actuating: joints and rates a step later, and the twists of arcs `(N, 3)`."""
+        self._before = self.joints
+        self._after = self._ground_after = joints
+        self.joint_rates = rates
+        self._motion = ARC, motion
+
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
         form, motion = self._motion

@@ -36,10 +36,12 @@ class Moment:
 
     def advance(self) -> None:
         """Put every row to the next tick."""
-        self.set_tick(self.tick + 1)
+        tick = self.tick + 1
+        self.take(tick, np.multiply(tick, self.dt, dtype=np.float64))
+        self.counter[:, 2] = tick[:, 0]
 
     def take(self, tick: npt.NDArray[np.int64], time: npt.NDArray[np.float64]) -> None:
-        """Take the next tick of every row, which a kernel has told, to `counter` too."""
+        """Take the next tick of every row, and its time; `counter` is told it by others."""
         self.tick, self.time, self.elapsed = tick, time, self.step
         self.clock = Clock(tick, time, self.dt)
 

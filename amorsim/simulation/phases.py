@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -81,10 +81,20 @@ def _actuate(fleet: Fleet) -> None:
 
 
 def _roll(fleet: Fleet) -> bool:
-    """Let the wheels take the only group of robots on, where no wall is near."""
-    group, before = fleet.alone, fleet.world.poses
-    if group is None or group.together.is_whole or not group.together.rolls:
-        return False  # what goes whole would not have come here, had it had room
+    """Let the wheels take the only group of robots on; one without company where no wall is near."""
+    group, before = fleet.only, fleet.world.poses
+    if group is None or not group.together.rolls:
+        return False
+    if fleet.world.has_company:
+        poses, stop, contacts = group.together.set_out(fleet.world)
+        _meet(fleet, poses, contacts)
+        if contacts:
+            group.arrive(poses, stop)
+        fleet.place()
+        fleet.advance()
+        return True
+    if group.together.is_whole:
+        return False  # it would not have come here, had it had room
     if not _knows_room(fleet) or not group.together.roll(fleet):
         return False
     _touch(fleet, NOBODY, before)
@@ -96,12 +106,7 @@ def _move(fleet: Fleet) -> None:
         return
     movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
-    for contact in contacts:
-        # A contact that goes on is no further collision.
-        if (contact.body, contact.other) not in fleet.contacts:
-            _log_contact(fleet, contact)
-    before, fleet.world.poses = fleet.world.poses, poses
-    _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY, before)
+    _meet(fleet, poses, contacts)
     if len(movers) == 1 and len(movers[0].bodies) == len(poses):
         movers[0].arrive(poses, stop)
     else:
@@ -110,6 +115,16 @@ def _move(fleet: Fleet) -> None:
     if fleet.world.has_company or fleet.parts:
         fleet.place()
     fleet.advance()
+
+
+def _meet(fleet: Fleet, poses: Array, contacts: Sequence[Contact]) -> None:
+    """Put all bodies where they are after a step in which there were such contacts."""
+    for contact in contacts:
+        # A contact that goes on is no further collision.
+        if (contact.body, contact.other) not in fleet.contacts:
+            _log_contact(fleet, contact)
+    before, fleet.world.poses = fleet.world.poses, poses
+    _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY, before)
 
 
 def _sense(fleet: Fleet) -> None:

@@ -19,7 +19,6 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Noise, Sensor
-from amorsim.core.workers import Work
 from amorsim.kernels import digest, scans, sensing
 from amorsim.kernels.known import Known
 from amorsim.noise.bias import Bias
@@ -176,7 +175,7 @@ class SensePlan:
         """Share rows among threads for all the work of sensing where there is no company."""
         self._share(self._look_work + self._read_work, part)
 
-    def share_meeting(self, work: Work) -> None:
+    def share_meeting(self, work: Callable[[int], None]) -> None:
         """Share rows among threads for all the work of sensing among others."""
         self._world.workers.share(self._rows, self._look_work + self._meet_work + self._read_work, work)
 

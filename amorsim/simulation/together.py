@@ -22,7 +22,7 @@ from amorsim.kernels.known import lay_out
 from amorsim.kernels.sensing_among import sense_among
 from amorsim.sensors.encoder import Encoder
 from amorsim.simulation.bodies import World
-from amorsim.simulation.contact import LOOK
+from amorsim.simulation.contact import LOOK, Contact, Rolling, roll
 
 if TYPE_CHECKING:
     from amorsim.simulation.fleet import Fleet
@@ -58,7 +58,7 @@ class Together:
         self._group = group
         self._plan = plan = group.sensing
         self._rows = rows = group.rows
-        wheels = np.zeros((stepping.ROLLING + stepping.RECKONING, rows, 1))
+        self._wheels = wheels = np.zeros((stepping.ROLLING + stepping.RECKONING, rows, 1))
         self.rolls = _tell_rolling(group, wheels[: stepping.ROLLING])
         self._estimator, encoder = _tell_reckoning(group, wheels[stepping.ROLLING :])
         self.concludes = bool(self._estimator)
@@ -127,6 +127,20 @@ class Together:
             return False
         self._roll(fleet.world, poses, joints, tick, time)
         return True
+
+    def set_out(self, world: World) -> tuple[Array, Array, list[Contact]]:
+        """Let wheels and bodies move among others, as `contact.move` tells; for a group that rolls, and is all bodies.
+
+        Without contacts the group is where that led.
+        """
+        group = self._group
+        wheels, twists = np.empty((2, *group.joints.shape)), np.empty((self._rows, 3))
+        rolling = Rolling(group.joints, group.joint_rates, group.command, self._wheels, group.dt)
+        poses, stop, contacts, motion = roll(world, rolling, wheels, twists)
+        group.set_off(wheels[0], wheels[1], motion)
+        if not contacts:
+            group.true_pose, group.true_twist, group.joints = poses, twists, wheels[0]
+        return poses, stop, contacts
 
     def sense(self) -> bool:
         """Sense where the group is now, and whether that concluded the step, where that goes by this road."""

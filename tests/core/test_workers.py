@@ -17,11 +17,16 @@ import pytest
 
 from amorsim.core.workers import ALONE, LEAST_WORK, Workers
 from amorsim.kernels.compile import kernel
-from amorsim.kernels.shares import take_rows
+from amorsim.kernels.shares import offer, spread, take_rows
 
 
 @kernel
 def _count(share: int, out: np.ndarray) -> None:
+    spread(share, out.shape[0], offer(_add, (out,)))
+
+
+@kernel
+def _add(share: int, out: np.ndarray) -> None:
     """Add 1 to each row, the slower the later it is."""
     first, end = take_rows(share, out.shape[0], 0)
     while first < end:
@@ -124,9 +129,22 @@ def test_an_error_in_any_thread_is_raised_and_the_next_work_is_done(bad: str) ->
     assert (out == 1).all()
 
 
+@kernel
+def _nothing(share: int, out: np.ndarray) -> None:
+    pass
+
+
+@kernel
+def _spread_nothing(share: int, out: np.ndarray) -> None:
+    spread(share, out.shape[0], offer(_nothing, (out,)))
+
+
 def test_work_that_takes_no_rows_is_an_error() -> None:
+    crew, out = workers(2), np.zeros(100)
     with pytest.raises(RuntimeError, match="until none are left"):
-        workers(2).share(100, LEAST_WORK, lambda share: None)
+        crew.share(100, LEAST_WORK, lambda share: _spread_nothing(share, out))
+    crew.share(100, LEAST_WORK, lambda share: _count(share, out))
+    assert (out == 1).all()
 
 
 def test_work_within_work_is_done_by_who_asks() -> None:
