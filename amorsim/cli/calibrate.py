@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import say
+from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import claim_folder, read_study, table, write_text
 from amorsim.core.errors import AmorsimError
 
@@ -32,10 +33,7 @@ class What(enum.StrEnum):
 
 
 def command(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file (.toml), the name of a bundled one, or a map alone."),
-    ],
+    scenario: Studied,
     what: Annotated[
         What,
         typer.Option(
@@ -47,7 +45,7 @@ def command(
         Path | None,
         typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-<what>-<number>]"),
     ] = None,
-    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    robot: RobotName = None,
     sensor: Annotated[
         str | None, typer.Option(metavar="NAME", help="Which sensor. [default: the first of that kind]")
     ] = None,
@@ -56,13 +54,8 @@ def command(
         typer.Option(metavar="N", help="For range: which beam or transducer. [default: the one that looks ahead]"),
     ] = None,
     runs: Annotated[int, typer.Option(metavar="N", help="How often the experiment is made, twice at least.")] = 10,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Seed of all draws, in place of the scenario's.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
-    ] = None,
+    seed: Seed = None,
+    changes: Changes = None,
 ) -> None:
     """Find the errors of a gyro, a compass or a range sensor on a test bench, with their 95 % intervals."""
     from amorsim.runs.folder import check_free

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import complain, say
+from amorsim.cli.options import Changes, Resolution
 
 __all__ = ["command"]
 
@@ -22,14 +23,8 @@ def command(
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the scenario with its models and all defaults filled in.")
     ] = False,
-    resolution: Annotated[
-        float | None,
-        typer.Option(metavar="METRES", help="For a map alone: the side of a cell (of a picture: of a pixel)."),
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
-    ] = None,
+    resolution: Resolution = None,
+    changes: Changes = None,
 ) -> None:
     """Report all that is wrong with a scenario or a robot's model: file, key, value, and what would be right.
 

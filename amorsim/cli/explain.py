@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import say
+from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import claim_folder, draw, read_study, significant, table, write_text
 from amorsim.render.words import percent
 
@@ -20,27 +21,19 @@ __all__ = ["command"]
 
 
 def command(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file (.toml), the name of a bundled one, or a map alone."),
-    ],
+    scenario: Studied,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-errors-<number>]"),
     ] = None,
-    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    robot: RobotName = None,
     sensor: Annotated[
         str | None,
         typer.Option(metavar="NAME", help="Explain the readings of this sensor, in place of odometry."),
     ] = None,
     replicas: Annotated[int, typer.Option(metavar="N", help="How often what is random is drawn.")] = 20,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Seed of all draws, in place of the scenario's.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
-    ] = None,
+    seed: Seed = None,
+    changes: Changes = None,
 ) -> None:
     """Show what each error does to odometry, or to a sensor's readings: each alone, and all together.
 

@@ -8,17 +8,18 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import say
+from amorsim.cli.options import RobotName, RunFolder
 from amorsim.core.errors import AmorsimError
 
 __all__ = ["command"]
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of a run.")],
+    folder: RunFolder,
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for the pictures. [default: plots, in the run's folder]")
     ] = None,
-    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    robot: RobotName = None,
     replica: Annotated[int | None, typer.Option(metavar="N", help="Which replica. [default: the first]")] = None,
 ) -> None:
     """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated."""

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from amorsim.cli.console import say
+from amorsim.cli.options import RunFolder
 
 __all__ = ["command"]
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of a run.")],
+    folder: RunFolder,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing; only the exit status tells.")] = False,
 ) -> None:
     """Run a run again, from what its folder holds, and compare all exact results.

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
 
 if TYPE_CHECKING:
     from amorsim.runs.film import Film
@@ -28,26 +29,15 @@ GIF_SIZE, GIF_RATE = 480, 10.0
 
 
 def command(
-    scenario: Annotated[
-        str,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file (.toml), the name of a bundled scenario (such as demo), or a map alone (such as "
-            "lab.wld or plan.bmp), in which a Pioneer 2DX then wanders.",
-        ),
-    ],
+    scenario: Played,
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="DIR", help="Folder for the run's files, new or empty. [default: amorsim-runs/<name>-<number>]"
         ),
     ] = None,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Seed of all random draws, in place of the scenario's.")
-    ] = None,
-    duration: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="Simulated time, in place of the scenario's.")
-    ] = None,
+    seed: Seed = None,
+    duration: Duration = None,
     replicas: Annotated[
         int | None, typer.Option(metavar="N", help="How many replicas to simulate, each with draws of its own.")
     ] = None,
@@ -58,19 +48,8 @@ def command(
         list[int] | None,
         typer.Option(metavar="N", help="The number of one replica to simulate; may be given again."),
     ] = None,
-    resolution: Annotated[
-        float | None,
-        typer.Option(metavar="METRES", help="For a map alone: the side of a cell (of a picture: of a pixel)."),
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change a value of the scenario, as in robots.0.errors.drive.track.scale=1.02; may be given again. "
-            "`amorsim check SCENARIO --resolved` prints all there are.",
-        ),
-    ] = None,
+    resolution: Resolution = None,
+    changes: Changes = None,
     gif: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also make a moving picture of the first replica: a .gif file.")
     ] = None,

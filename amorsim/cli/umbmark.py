@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from amorsim.cli.console import say
+from amorsim.cli.options import Changes, RobotName, Seed, Studied
 from amorsim.cli.study import claim_folder, draw, read_study, table, write_text
 
 if TYPE_CHECKING:
@@ -24,28 +25,20 @@ _OF_MODEL = ("shape", "on_collision", "ground", "drive", "sensors", "estimators"
 
 
 def command(
-    scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="A scenario file (.toml), the name of a bundled one, or a map alone."),
-    ],
+    scenario: Studied,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-umbmark-<number>]"),
     ] = None,
-    robot: Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")] = None,
+    robot: RobotName = None,
     side: Annotated[float, typer.Option(metavar="METRES", help="Side of the square.")] = 4.0,
     speed: Annotated[float, typer.Option(metavar="M/S", help="At which it drives, 0.2 m/s at most.")] = 0.2,
     runs: Annotated[int, typer.Option(metavar="N", help="Squares each way round, two at least.")] = 5,
     in_its_world: Annotated[
         bool, typer.Option("--in-its-world", help="Drive on the scenario's map, from the robot's start.")
     ] = False,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Seed of all draws, in place of the scenario's.")
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change a value first, as `amorsim run` does."),
-    ] = None,
+    seed: Seed = None,
+    changes: Changes = None,
 ) -> None:
     """Measure the systematic errors of a differential drive by squares both ways round, and correct them.
 

@@ -8,19 +8,13 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
 
 __all__ = ["command"]
 
 
 def command(
-    scenario: Annotated[
-        str,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file (.toml), the name of a bundled scenario (such as demo), or a map alone (such as "
-            "lab.wld or plan.bmp), in which a Pioneer 2DX then wanders.",
-        ),
-    ],
+    scenario: Played,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder that the run is written into as it goes, new or empty."),
@@ -33,24 +27,10 @@ def command(
         ),
     ] = "127.0.0.1",
     open_: Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")] = True,
-    seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Seed of all random draws, in place of the scenario's.")
-    ] = None,
-    duration: Annotated[
-        float | None, typer.Option(metavar="SECONDS", help="Simulated time, in place of the scenario's.")
-    ] = None,
-    resolution: Annotated[
-        float | None,
-        typer.Option(metavar="METRES", help="For a map alone: the side of a cell (of a picture: of a pixel)."),
-    ] = None,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change a value of the scenario, as in robots.0.errors.drive.track.scale=1.02; may be given again.",
-        ),
-    ] = None,
+    seed: Seed = None,
+    duration: Duration = None,
+    resolution: Resolution = None,
+    changes: Changes = None,
 ) -> None:
     """Open the Simulator in the browser: what is true beside what the robot knows.
 
