@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.ui.sessions import start as start  # a fixture
+from tests.ui.views import views as views  # a fixture
 from tests.ui.windows import CHROMIUM, FLAGS, Server, Window, new_user, write_scenario
 
 

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -17,82 +16,10 @@ import pytest
 
 import amorsim as am
 from amorsim.cli import main
-from amorsim.ui.packing import FRAME_HEADER
-from tests.ui.aside import aside
 from tests.ui.sessions import in_time, write_project
+from tests.ui.views import View, children_of, cookie_of, drive, until_gone
 
 pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
-
-
-class View:
-    """`amorsim view` with these arguments, once it has told its address; `first` is done by the process before.
-
-    Or a script that opens a window.
-    """
-
-    def __init__(self, *arguments: str, cwd: Path, command: str = "view", first: str = "", script: str = "") -> None:
-        main = f"import sys\n{first}\nfrom amorsim.cli import main\nmain()"
-        self.process = subprocess.Popen(
-            [sys.executable, script] if script else [sys.executable, "-c", main, command, *arguments, "--no-open"],
-            cwd=cwd,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        )
-        assert self.process.stdout is not None
-        self.lines = []
-        while line := self.process.stdout.readline():
-            self.lines.append(line)
-            if line.startswith("http://"):
-                break
-        else:
-            raise AssertionError(self.process.communicate())
-        self.address = line.strip()
-        # The child that it started, and none else.
-        self.children = [int(pid) for pid in _children(self.process.pid)]
-
-    def end(self, number: signal.Signals) -> tuple[float, str]:
-        """Send a signal; how long it took until the process and its child were gone [s], and what it said then."""
-        began = time.monotonic()
-        self.process.send_signal(number)
-        said, _ = self.process.communicate(timeout=60.0)
-        _until_gone(self.children)
-        return time.monotonic() - began, said
-
-
-def _children(pid: int) -> list[str]:
-    return [
-        word
-        for task in Path(f"/proc/{pid}/task").iterdir()
-        for word in (task / "children").read_text(encoding="ascii").split()
-    ]
-
-
-def _until_gone(pids: list[int]) -> float:
-    """Wait until none of these processes is left; how long it took [s]."""
-    began = time.monotonic()
-    while any(_is_running(pid) for pid in pids):
-        assert time.monotonic() - began < 60.0, "an orphan is left"
-        time.sleep(0.01)
-    return time.monotonic() - began
-
-
-def _is_running(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
-@pytest.fixture
-def views() -> Iterator[list[View]]:
-    started: list[View] = []
-    yield started
-    for view in started:
-        if view.process.poll() is None:
-            view.process.kill()
-            view.process.communicate()
 
 
 def get(address: str, path: str, **headers: str) -> int:
@@ -115,7 +42,7 @@ def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list
     assert address.hostname == "127.0.0.1"
     assert get(view.address, f"{address.path}?{address.query}") in (200, 303, 307)
     assert get(view.address, "/") == 401
-    _drive(view)
+    drive(view)
     seconds, said = view.end(number)
     assert seconds < in_time()
     if number == signal.SIGINT:
@@ -124,43 +51,6 @@ def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list
     outcome = am.reproduce(tmp_path / "out")
     assert outcome.is_exact
     assert outcome.steps > 3
-
-
-def _cookie(view: View) -> str:
-    parts = urlsplit(view.address)
-    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
-    connection.request("GET", f"{parts.path}?{parts.query}")
-    cookie = (connection.getresponse().getheader("set-cookie") or "").partition(";")[0]
-    connection.close()
-    return cookie
-
-
-def _drive(view: View) -> None:
-    """Let it run, as a window does."""
-    import asyncio
-    import json
-
-    import websockets
-
-    async def talk() -> None:
-        parts = urlsplit(view.address)
-        origin = f"http://{parts.netloc}"
-        async with websockets.connect(
-            f"ws://{parts.netloc}/amorsim/socket",
-            additional_headers={"Cookie": _cookie(view)},
-            origin=origin,  # type: ignore[arg-type]
-        ) as socket:
-            await socket.send(json.dumps({"id": 1, "do": "speed", "factor": 5.0}))
-            await socket.send(json.dumps({"id": 2, "do": "run"}))
-            while True:
-                said: Any = await asyncio.wait_for(socket.recv(), 60.0)
-                if isinstance(said, bytes):
-                    header = FRAME_HEADER.unpack_from(said)
-                    await socket.send(json.dumps({"drawn": header[2]}))
-                    if header[7] > 5:
-                        return
-
-    aside(talk())
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a terminal is made as on Linux")
@@ -187,11 +77,11 @@ def test_it_ends_with_its_terminal(tmp_path: Path) -> None:
         said = b""
         while b"http://" not in said:
             said += os.read(terminal, 1000)
-        pids = [process.pid, *(int(pid) for pid in _children(process.pid))]
+        pids = [process.pid, *(int(pid) for pid in children_of(process.pid))]
         assert len(pids) > 1
         os.close(terminal)
         process.wait(60.0)
-        assert _until_gone(pids) < 10.0 + in_time()
+        assert until_gone(pids) < 10.0 + in_time()
     finally:
         if process.poll() is None:
             process.kill()
@@ -229,8 +119,8 @@ def test_a_gif_that_is_being_made_does_not_hold_up_the_end(tmp_path: Path, views
     )
     view = View(scenario.name, "--out", "out", cwd=tmp_path, first=first)
     views.append(view)
-    _drive(view)
-    cookie, parts = _cookie(view), urlsplit(view.address)
+    drive(view)
+    cookie, parts = cookie_of(view), urlsplit(view.address)
     connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
     body = (3).to_bytes(4, "little") + b"png"
     headers = {"Cookie": cookie, "Origin": f"http://{parts.netloc}"}

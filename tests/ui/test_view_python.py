@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from amorsim.scenario.write import with_maps, write_document
 from amorsim.ui.recipe import Recipe
 from amorsim.ui.session import Session
 from tests import building
-from tests.ui.test_view import View, _drive
+from tests.ui.views import View, drive
 
 pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
 
@@ -78,16 +78,6 @@ for name in ("one", "two"):
 """
 
 
-@pytest.fixture
-def views() -> Iterator[list[View]]:
-    started: list[View] = []
-    yield started
-    for view in started:
-        if view.process.poll() is None:
-            view.process.kill()
-            view.process.communicate()
-
-
 def write(folder: Path, rest: str) -> None:
     (folder / "cart.py").write_text(CART)
     (folder / "script.py").write_text(SCRIPT + rest)
@@ -100,7 +90,7 @@ def test_a_scenario_made_in_python_is_shown_until_ctrl_c(
     write(tmp_path, GUARDED)
     view = View(cwd=tmp_path, script="script.py")
     views.append(view)
-    _drive(view)
+    drive(view)
     _, said = view.end(signal.SIGINT)
     assert view.process.returncode == 0
     assert said.splitlines() == ["results: out", "done"]

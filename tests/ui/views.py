@@ -16,6 +16,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from amorsim.cli.console import compile_once
 from amorsim.ui.packing import FRAME_HEADER
 from tests.ui.aside import aside
 
@@ -83,6 +84,8 @@ def is_running(pid: int) -> bool:
 
 @pytest.fixture
 def views() -> Iterator[list[View]]:
+    """Views that end with the test. Kernels are compiled before: a view that does so has more children for a while."""
+    compile_once(lambda: None, quiet=True)
     started: list[View] = []
     yield started
     for view in started:
