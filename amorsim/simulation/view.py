@@ -5,12 +5,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import BodyStates, Emissions, Lights, Sightings
+from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers
@@ -82,6 +83,11 @@ class GroupView:
         self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
     ) -> Array:
         """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
+        _check_origins("cast", origins)
+        if not isinstance(bearings, np.ndarray) or bearings.ndim != 2 or len(bearings) not in (1, len(origins)):
+            raise ComponentError(
+                f"view.cast: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_told(bearings)}"
+            )
         table = self._table(bearings)
         out = np.empty((len(origins), bearings.shape[1]))
         per_row = len(origins) // self.rows
@@ -195,6 +201,7 @@ class GroupView:
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
+        _check_origins("cone", origins)
         per_row = len(origins) // self.rows
         angles = self._per_row(half_angle)
         limits = np.repeat(self._per_row(range_max), per_row)
@@ -246,6 +253,19 @@ class GroupView:
             own = np.repeat(self._bodies, per_row)
             known = self._carriers[per_row] = own, self._world.replica_index[own]
         return known
+
+
+def _check_origins(asked: str, origins: Any) -> None:
+    """Complain of what a component of a user's took for poses, before a kernel does in words of its own."""
+    if not isinstance(origins, np.ndarray) or origins.ndim != 2 or origins.shape[1] != 3:
+        raise ComponentError(
+            f"view.{asked}: origins: expected poses in the world, an array (N * m, 3) such as view.pose, "
+            f"got {_told(origins)}"
+        )
+
+
+def _told(value: Any) -> str:
+    return f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"{value!r:.60}"
 
 
 @functools.lru_cache(maxsize=64)
