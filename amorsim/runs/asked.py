@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from amorsim.core.errors import AmorsimError
+from amorsim.core.errors import AmorsimError, MapError
 from amorsim.core.parameters import ParameterError, check_value, describe
 
 if TYPE_CHECKING:
@@ -31,16 +31,12 @@ def look_up(
 
     Nothing is compiled for it: who has just installed hears of a slip of the pen before the long wait, not after it.
     """
-    from amorsim.plugins.manager import default_registry
-    from amorsim.scenario.maps import find_loader
     from amorsim.scenario.read import check_words
 
     options = _options(name, resolution)
     for key, value in (("seed", seed), ("duration", duration)):
         if value is not None:
             _check_option(key, value)
-    if options is not None:
-        find_loader(Path(name), None, default_registry())
     check_words(name, changes, of_map=options)
 
 
@@ -65,12 +61,26 @@ def _check_option(name: str, value: float) -> None:
 def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
     """The options of the map that a user means, or None if he means a scenario."""
     if _is_map(name):
+        _check_map(Path(name))
         return {} if resolution is None else {"resolution": resolution}
     if resolution is not None:
         raise AmorsimError(
             "--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)"
         )
     return None
+
+
+def _check_map(path: Path) -> None:
+    """Complain of a file that no loader of maps knows, in words for who may have meant a scenario."""
+    from amorsim.plugins.manager import default_registry
+    from amorsim.scenario.maps import find_loader
+
+    try:
+        find_loader(path, None, default_registry())
+    except MapError as error:
+        if path.is_file():
+            raise AmorsimError(f"{error}; a scenario is a .toml file") from None
+        raise
 
 
 def _is_map(name: str) -> bool:

@@ -173,3 +173,12 @@ def test_warnings_are_one_line_each(amorsim: Command, study: Path) -> None:
     assert result.err == (
         "warning: robots.rover.sensors.laser.rate: 30 Hz is faster than the steps (10 Hz); it reads once every step\n"
     )
+
+
+def test_a_scenario_of_another_format_is_told_what_one_is(amorsim: Command, tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text("world:\n  map: rooms.wld\n")
+    result = amorsim("run", "study.yaml")
+    assert (result.status, result.out) == (2, "")
+    assert result.err == (
+        "study.yaml: no map of a known format; known extensions: .bmp, .png, .wld; a scenario is a .toml file\n"
+    )
