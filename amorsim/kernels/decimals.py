@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.shortest import put_shortest
+from amorsim.kernels.shortest import put_not_finite, put_shortest
 
 __all__ = ["EMPTY", "EXACT", "MISSING", "NAME", "SPAN", "WIDEST", "write_lines"]
 
@@ -83,16 +83,12 @@ def _put_digits(n: int, count: int, out: NDArray[np.uint8], at: int) -> None:
 @part
 def _put_number(value: float, decimals: int, out: NDArray[np.uint8], at: int) -> int:
     """Write a number with some decimals; where it ends, or -1 if it has more digits than can be told exactly."""
-    if value != value:
-        out[at], out[at + 1], out[at + 2] = 110, 97, 110  # nan
-        return at + 3
+    if not abs(value) < np.inf:
+        return put_not_finite(value, out, at)
     if math.copysign(1.0, value) < 0.0:
         out[at] = 45
         at += 1
         value = -value
-    if value == np.inf:
-        out[at], out[at + 1], out[at + 2] = 105, 110, 102  # inf
-        return at + 3
     unit = 1
     for _ in range(decimals):
         unit *= 10

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import part
 
-__all__ = ["powers_of_ten", "put_shortest"]
+__all__ = ["powers_of_ten", "put_not_finite", "put_shortest"]
 
 _LEAST, _GREATEST = -292, 324  # exponents of the powers that doubles need
 _ONE, _FOUR, _TEN, _NOUGHT = np.uint64(1), np.uint64(4), np.uint64(10), np.uint64(48)
@@ -93,18 +93,27 @@ def _decimal_of(value: float, powers: NDArray[np.uint64]) -> Any:
 
 
 @part
-def put_shortest(value: float, powers: NDArray[np.uint64], out: NDArray[np.uint8], at: int) -> int:
-    """Write a number; where it ends, after 24 bytes at most: -1.2345678901234567e-308."""
+def put_not_finite(value: float, out: NDArray[np.uint8], at: int) -> int:
+    """Write nan, inf or -inf; where it ends."""
     if value != value:
         out[at], out[at + 1], out[at + 2] = 110, 97, 110  # nan
         return at + 3
+    if value < 0.0:
+        out[at] = 45
+        at += 1
+    out[at], out[at + 1], out[at + 2] = 105, 110, 102  # inf
+    return at + 3
+
+
+@part
+def put_shortest(value: float, powers: NDArray[np.uint64], out: NDArray[np.uint8], at: int) -> int:
+    """Write a number; where it ends, after 24 bytes at most: -1.2345678901234567e-308."""
+    if not abs(value) < np.inf:
+        return put_not_finite(value, out, at)
     if math.copysign(1.0, value) < 0.0:
         out[at] = 45
         at += 1
         value = -value
-    if value == np.inf:
-        out[at], out[at + 1], out[at + 2] = 105, 110, 102  # inf
-        return at + 3
     if value == 0.0:
         out[at], out[at + 1], out[at + 2] = 48, 46, 48  # 0.0
         return at + 3
