@@ -22,6 +22,7 @@ from typing import TypeVar
 import numpy as np
 
 from amorsim.kernels import shares
+from amorsim.kernels.beside import cores
 from amorsim.kernels.shares import ALONE
 
 __all__ = ["ALONE", "Workers", "cores"]
@@ -41,13 +42,6 @@ _MOST = 1 << (shares.ROW_BITS - 1)  # units that a ticket can count, and room
 
 R = TypeVar("R")
 _Slices = Callable[[int], None]
-
-
-def cores() -> int:
-    """How many processors this process may run on."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 class Workers:

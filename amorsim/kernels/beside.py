@@ -1,6 +1,6 @@
-"""A process beside this one that compiles what nearly every run asks for; numba is imported there, and not here.
+"""Processes beside this one that compile what nearly every run asks for; numba is imported there, and not here.
 
-It runs none of the user's code, and may be started at any time: what it compiles, others find in the cache.
+They run none of the user's code, and may be started at any time: what they compile, others find in the cache.
 """
 
 from __future__ import annotations
@@ -14,32 +14,45 @@ import threading
 from amorsim.kernels.claims import Claims
 from amorsim.kernels.folder import cache_folder, is_cold, mark_warm
 
-__all__ = ["begin", "deadline", "main", "stop"]
+__all__ = ["begin", "cores", "deadline", "main", "stop"]
 
 _COMMAND = f"from {__name__} import main; main()"
 _LONGEST = 120.0  # [s]
+_MOST = 3  # beside this one: more would wait for the longest chain of functions that call each other
 _beside: list[subprocess.Popen[bytes]] = []
 
 
 def begin() -> bool:
-    """Start it, if no process has compiled all yet, and this one has started none; whether it did."""
-    if _beside or (os.cpu_count() or 1) < 2 or not is_cold():
+    """Start one on each processor that is left, if none has compiled all yet and none was started; whether it did."""
+    if _beside or not is_cold():
         return False
     with contextlib.suppress(OSError):  # it only saves time
-        # Held, for nobody waits for it, and one that is let go while it runs is warned about.
-        _beside.append(
-            subprocess.Popen(
-                [sys.executable, "-c", _COMMAND],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
+        for _ in range(_places()):
+            # Held, for nobody waits for it, and one that is let go while it runs is warned about.
+            _beside.append(
+                subprocess.Popen(
+                    [sys.executable, "-c", _COMMAND],
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL,
+                )
             )
-        )
     return bool(_beside)
 
 
+def cores() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _places() -> int:
+    return min(cores() - 1, _MOST)
+
+
 def stop() -> None:
-    """End it, for it was started for nothing."""
+    """End what was started for nothing."""
     while _beside:
         process = _beside.pop()
         process.terminate()
@@ -52,8 +65,10 @@ def main() -> None:
     folder = cache_folder()
     if folder is not None:
         claims = Claims(folder)
-        mine = claims.path(__name__, "")
-        if claims.try_for(mine):  # one is enough
+        places = [claims.path(__name__, str(number)) for number in range(_places())]
+        # Several that begin at once start no more than one of them would.
+        mine = next((place for place in places if claims.try_for(place)), None)
+        if mine is not None:
             try:
                 _compile()
             finally:

@@ -63,11 +63,10 @@ ahead.read_list = lambda: few
 """
 
 SCRIPT = f"""
-import os
-os.cpu_count = lambda: 2
 {FEW}
 import amorsim as am
 from amorsim.kernels import beside, cache, folder
+beside.cores = lambda: 2
 beside._COMMAND = {FEW!r} + beside._COMMAND
 am.Map.from_array([[0, 1], [0, 0]], resolution=0.1)
 assert cache.KernelCache.claims is not None and len(beside._beside) == 1

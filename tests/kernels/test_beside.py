@@ -26,7 +26,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
     monkeypatch.setattr(subprocess, "Popen", start)
     monkeypatch.setattr(beside, "_beside", [])
     monkeypatch.setattr(beside, "is_cold", lambda: True)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr(beside, "cores", lambda: 2)
     return commands
 
 
@@ -36,12 +36,22 @@ def test_one_is_started_and_no_second(started: list[list[str]]) -> None:
     assert started == [[sys.executable, "-c", "from amorsim.kernels.beside import main; main()"]]
 
 
+@pytest.mark.parametrize(("cores", "count"), [(3, 2), (4, 3), (64, 3)])
+def test_one_is_started_for_each_core_that_is_left(
+    started: list[list[str]], monkeypatch: pytest.MonkeyPatch, cores: int, count: int
+) -> None:
+    monkeypatch.setattr(beside, "cores", lambda: cores)
+    assert beside.begin()
+    assert not beside.begin()
+    assert len(started) == count
+
+
 def test_none_is_started_on_one_core_or_when_all_is_compiled(
     started: list[list[str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("os.cpu_count", lambda: 1)
+    monkeypatch.setattr(beside, "cores", lambda: 1)
     assert not beside.begin()
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr(beside, "cores", lambda: 2)
     monkeypatch.setattr(beside, "is_cold", lambda: False)
     assert not beside.begin()
     assert started == []
@@ -51,7 +61,7 @@ def test_it_ends_when_it_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(beside, "_beside", [])
     monkeypatch.setattr(beside, "_COMMAND", "import time; time.sleep(60)")
     monkeypatch.setattr(beside, "is_cold", lambda: True)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr(beside, "cores", lambda: 2)
     assert beside.begin()
     process = beside._beside[0]
     beside.stop()
@@ -64,12 +74,13 @@ def test_it_compiles_what_is_listed_and_says_so_unless_another_does(
 ) -> None:
     done: list[str] = []
     monkeypatch.setattr(beside, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(beside, "cores", lambda: 2)
     monkeypatch.setattr(beside, "mark_warm", lambda: done.append("warm"))
     monkeypatch.setattr("amorsim.kernels.cache.take_turns", lambda: done.append("turns"))
     monkeypatch.setattr(ahead, "compile_ahead", lambda: done.append("ahead"))
     monkeypatch.setattr(sys, "modules", dict(sys.modules))
     another = Claims(tmp_path)
-    claim = another.path("amorsim.kernels.beside", "")
+    claim = another.path("amorsim.kernels.beside", "0")
     assert another.try_for(claim)
     beside.main()
     assert done == []
