@@ -45,7 +45,7 @@ def record() -> None:
 
 def main() -> None:
     """Record in a process of its own, for kernels that are loaded are not compiled."""
-    from amorsim.kernels.ahead import LIST
+    from amorsim.kernels.ahead import LIST, read_list
 
     with tempfile.TemporaryDirectory() as cache:
         environment = os.environ | {"NUMBA_CACHE_DIR": cache}
@@ -53,7 +53,7 @@ def main() -> None:
             [sys.executable, str(HERE), "record"], env=environment, check=True, stdout=subprocess.PIPE, text=True
         ).stdout
     LIST.write_text(told[told.index("[") :], encoding="utf-8")
-    print(f"{LIST}: {len(LIST.read_text(encoding='utf-8').splitlines())} functions")
+    print(f"{LIST}: {len(read_list())} functions")
 
 
 if __name__ == "__main__":

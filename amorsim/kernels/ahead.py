@@ -1,11 +1,11 @@
-"""Compile ahead, in two processes, what nearly every run asks for: the list of it, and how they share it.
+"""Compile ahead, in several processes, what nearly every run asks for: the list of it, and how they share it.
 
-On a machine of two cores this shortens the wait after installing. A run asks for kernels one after the other, and a
-caller for its callees; two processes that follow it wait for each other half of the time. The list (`ahead.jsonl`,
-written by ``tools/list_kernels.py`` from a run of the demo) has a line for each function and the types of its
-arguments, in the alphabet's order, so that changes of kernels that know nothing of each other merge. Callees are taken
-before callers and, where the order is free, that first after which the most is to be done. Each process takes the
-first function that nobody has taken and whose callees are there.
+This shortens the wait after installing. A run asks for kernels one after the other, and a caller for its callees; two
+processes that follow it wait for each other half of the time. The list (`ahead.jsonl`, written by
+``tools/list_kernels.py`` from a run of the demo) has a line for each function and the types of its arguments, in the
+alphabet's order, so that changes of kernels that know nothing of each other merge. Callees are taken before callers
+and, where the order is free, that first after which the most is to be done. Each process takes the first function that
+nobody has taken and whose callees are there.
 A list that has grown old costs time and nothing else: what it lacks is compiled when it is asked for.
 """
 
