@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -15,9 +15,10 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
+from amorsim.render.legend import Item, items_of
 from amorsim.render.marks import COLOURS
-from amorsim.render.things import Thing, draw_lamp, draw_landmark, draw_obstacle, draw_thing
-from amorsim.render.words import Font, font, in_words, round_length
+from amorsim.render.things import Thing, draw_thing
+from amorsim.render.words import font, in_words, round_length, shortened
 
 __all__ = ["RobotPath", "Thing", "draw_map", "draw_run"]
 
@@ -25,7 +26,6 @@ _SMALLEST = 240  # [px] longer side: below, title and legend leave nothing to th
 _GROWTH = 0.25  # of the map's longer side: how far beyond its edge a path is followed
 _ROOM = 0.01  # likewise, around what is shown: walls at the map's edge are seen whole
 _FAR = 1000.0  # likewise: beyond, places are as good as equal
-_NAMES_SHOWN = 5  # in the legend
 _LABELS_UP_TO = 25  # robots: each has its label where it ended
 _FULL_SIZE = 20  # robots that are drawn with lines and marks of full size
 
@@ -107,9 +107,6 @@ def draw_run(
     return page.finish()
 
 
-_SAMPLES = {"obstacle": draw_obstacle, "landmark": draw_landmark, "lamp": draw_lamp}
-
-
 class _Page:
     """The sheet: a title above, the plot, a legend and a scale bar below."""
 
@@ -141,9 +138,16 @@ class _Page:
         """Share the sheet out: the legend takes the lines that it needs, the plot what is left."""
         width, height = self._high - self._low
         top = self._margin + (round(1.3 * self._line_height) if self._title else 0)
-        items = self._legend_items()
+        items = items_of(
+            [path.name for path in self._paths],
+            true=any(len(path.true) for path in self._paths),
+            estimated=any(len(path.estimated) for path in self._paths),
+            zones=len(self._zones),
+            kinds={thing.kind for thing in self._things},
+            hits=sum(len(path.collisions) for path in self._paths),
+        )
         lines = 0
-        self._legend: list[list[_Item]] = [[]]
+        self._legend: list[list[Item]] = [[]]
         # More lines make a smaller plot and a narrower page, so that the words may need more lines still.
         while lines < len(self._legend):
             lines = len(self._legend)
@@ -264,7 +268,7 @@ class _Page:
             pen.text(place, text, COLOURS["text"], self._font, anchor=anchor)
         if self._title:
             large = font(0.85 * self._line_height)
-            title = _shortened(self._title, large, self._size[0] - 2 * self._margin)
+            title = shortened(self._title, large, self._size[0] - 2 * self._margin)
             pen.text((self._margin, 0.55 * self._plot[1]), title, COLOURS["text"], large, anchor="lm")
         if 1 < len(self._paths) <= _LABELS_UP_TO:
             self._write_names(pen)
@@ -281,38 +285,17 @@ class _Page:
                 labels.append((thing.label, (x + reach, y - 0.5 * reach), "ls"))
         return labels
 
-    def _legend_items(self) -> list[_Item]:
-        """What the legend explains: what is in the picture and nothing else."""
-        true = any(len(path.true) for path in self._paths)
-        estimated = any(len(path.estimated) for path in self._paths)
-        hits = sum(len(path.collisions) for path in self._paths)
-        names = [path.name for path in self._paths[:_NAMES_SHOWN]]
-        more = len(self._paths) - len(names)
-        heading = ", ".join(names) + (f" and {more} more" if more else "")
-        found = [
-            (bool(heading), _Item(heading + ":", None)),
-            (true, _Item("true path", _line_sample(marks.draw_true_path))),
-            (estimated, _Item("estimated path", _line_sample(marks.draw_estimated_path))),
-            (true, _Item("start", marks.draw_start)),
-            (true, _Item("end", marks.draw_true_end)),
-            (estimated, _Item("estimated end", marks.draw_estimated_end)),
-            (bool(self._zones), _Item("zone" if len(self._zones) == 1 else "zones", _zone_sample)),
-            *((any(t.kind == kind for t in self._things), _Item(kind, draw)) for kind, draw in _SAMPLES.items()),
-            (hits > 0, _Item(f"{hits} collision{'s' if hits > 1 else ''}", marks.draw_collision)),
-        ]
-        return [item for shown, item in found if shown]
-
-    def _sample_width(self, item: _Item) -> float:
+    def _sample_width(self, item: Item) -> float:
         if item.draw is None:
             return 0.0
         return (2.2 if item.text.endswith("path") else 0.9) * self._line_height
 
-    def _item_width(self, item: _Item) -> float:
+    def _item_width(self, item: Item) -> float:
         return self._sample_width(item) + float(self._font.getlength(item.text)) + 0.8 * self._line_height
 
-    def _wrapped(self, items: Sequence[_Item], width: float, reserved: float) -> list[list[_Item]]:
+    def _wrapped(self, items: Sequence[Item], width: float, reserved: float) -> list[list[Item]]:
         """The legend's lines, of at most `width` [px], the first less what is reserved, or of one item."""
-        lines: list[list[_Item]] = [[]]
+        lines: list[list[Item]] = [[]]
         left = width - reserved
         for item in items:
             needed = self._item_width(item)
@@ -336,7 +319,7 @@ class _Page:
                 if item.draw is not None:
                     middle = np.array([x + sample / 2 - 0.15 * self._line_height, y])
                     item.draw(self._canvas, middle, self._unit)
-                text = _shortened(item.text, self._font, self._size[0] - 2 * self._margin)
+                text = shortened(item.text, self._font, self._size[0] - 2 * self._margin)
                 words.append((text, (x + sample, y), "lm"))
                 x += self._item_width(item)
         return words
@@ -392,28 +375,6 @@ class _Page:
                 )
 
 
-@attrs.frozen
-class _Item:
-    """An entry of the legend: its words, and how its sample is drawn about a place."""
-
-    text: str
-    draw: Callable[[Canvas, Points, float], None] | None
-
-
-def _line_sample(draw: Callable[[Canvas, Points, float], None]) -> Callable[[Canvas, Points, float], None]:
-    """A short stretch of a path, drawn as the path is."""
-
-    def sample(canvas: Canvas, place: Points, unit: float) -> None:
-        draw(canvas, place + np.array([(-34.0, 0.0), (34.0, 0.0)]) * unit, unit)
-
-    return sample
-
-
-def _zone_sample(canvas: Canvas, place: Points, unit: float) -> None:
-    """A small zone about a place."""
-    marks.draw_zone(canvas, place + np.array([(-13.0, -11.0), (13.0, -11.0), (13.0, 11.0), (-13.0, 11.0)]) * unit, unit)
-
-
 def _finite(points: Points) -> Points:
     return points[np.all(np.isfinite(points), axis=1)]
 
@@ -430,16 +391,6 @@ def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
         for shift in range(1, by // 2 + 1):
             target[:-shift] |= source[shift:]
     return grown
-
-
-def _shortened(text: str, font: Font, width: float) -> str:
-    """The text on one line, its end left out if it is too wide."""
-    text = " ".join(text.split())
-    if font.getlength(text) <= width:
-        return text
-    while text and font.getlength(text + "...") > width:
-        text = text[:-1]
-    return text + "..."
 
 
 def _overlap(a: _Box, b: _Box) -> bool:

@@ -7,7 +7,7 @@ import math
 
 from PIL import ImageFont
 
-__all__ = ["NOTHING", "Font", "font", "in_words", "percent", "round_length"]
+__all__ = ["NOTHING", "Font", "font", "in_words", "percent", "round_length", "shortened"]
 
 NOTHING = 1e-12
 """What is smaller comes of rounding, and is told as 0."""
@@ -38,3 +38,13 @@ def in_words(metres: float) -> str:
 def percent(share: float) -> str:
     """A share in per cent, with one digit; never "-0.0 %"."""
     return f"{round(100.0 * share, 1) + 0.0:.1f} %"
+
+
+def shortened(text: str, font: Font, width: float) -> str:
+    """The text on one line, its end left out if it is too wide."""
+    text = " ".join(text.split())
+    if font.getlength(text) <= width:
+        return text
+    while text and font.getlength(text + "...") > width:
+        text = text[:-1]
+    return text + "..."

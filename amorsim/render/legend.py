@@ -1,0 +1,75 @@
+"""What the legend of a run's picture explains, and how a sample of each thing is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.render import marks
+from amorsim.render.canvas import Canvas
+from amorsim.render.things import draw_lamp, draw_landmark, draw_obstacle
+
+__all__ = ["Item", "items_of"]
+
+_NAMES_SHOWN = 5
+_SAMPLES = {"obstacle": draw_obstacle, "landmark": draw_landmark, "lamp": draw_lamp}
+
+Points = NDArray[np.float64]
+Draw = Callable[[Canvas, Points, float], None]
+
+
+@attrs.frozen
+class Item:
+    """An entry of the legend: its words, and how its sample is drawn about a place."""
+
+    text: str
+    draw: Draw | None
+
+
+def items_of(
+    names: Sequence[str], *, true: bool, estimated: bool, zones: int, kinds: Collection[str], hits: int
+) -> list[Item]:
+    """The entries for what is in a picture and nothing else.
+
+    Parameters
+    ----------
+    names
+        The robots'.
+    true, estimated
+        Whether there are such paths.
+    zones, hits
+        How many zones and collisions there are.
+    kinds
+        Which things stand in it: obstacle, landmark, lamp.
+    """
+    more = len(names) - _NAMES_SHOWN
+    heading = ", ".join(names[:_NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")
+    found = [
+        (bool(heading), Item(heading + ":", None)),
+        (true, Item("true path", _line_sample(marks.draw_true_path))),
+        (estimated, Item("estimated path", _line_sample(marks.draw_estimated_path))),
+        (true, Item("start", marks.draw_start)),
+        (true, Item("end", marks.draw_true_end)),
+        (estimated, Item("estimated end", marks.draw_estimated_end)),
+        (zones > 0, Item("zone" if zones == 1 else "zones", _zone_sample)),
+        *((kind in kinds, Item(kind, draw)) for kind, draw in _SAMPLES.items()),
+        (hits > 0, Item(f"{hits} collision{'s' if hits > 1 else ''}", marks.draw_collision)),
+    ]
+    return [item for shown, item in found if shown]
+
+
+def _line_sample(draw: Draw) -> Draw:
+    """A short stretch of a path, drawn as the path is."""
+
+    def sample(canvas: Canvas, place: Points, unit: float) -> None:
+        draw(canvas, place + np.array([(-34.0, 0.0), (34.0, 0.0)]) * unit, unit)
+
+    return sample
+
+
+def _zone_sample(canvas: Canvas, place: Points, unit: float) -> None:
+    """A small zone about a place."""
+    marks.draw_zone(canvas, place + np.array([(-13.0, -11.0), (13.0, -11.0), (13.0, 11.0), (-13.0, 11.0)]) * unit, unit)
