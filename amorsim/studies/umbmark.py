@@ -224,9 +224,15 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
     late = simulation.steps_of(specified.latency + (1.0 / specified.rate if specified.rate else 0.0)) + 1
     while late:
         if simulation.tick > most:
+            lag = getattr(scenario.robots[0].drive, "lag", 0.0)
+            why = (
+                f"its motors lag by {lag:g} s, longer than a step of {scenario.dt:g} s, and the controller does not "
+                f"reckon with that: take a lag of {scenario.dt:g} s at the most, or longer steps"
+                if lag > scenario.dt
+                else "its steps may be too long for its speed, or its drive too slow"
+            )
             raise AmorsimError(
-                f"robot {scenario.robots[0].name!r} did not come round the square in {simulation.time:.0f} s; "
-                "its steps may be too long for its speed, or its drive too slow"
+                f"robot {scenario.robots[0].name!r} did not come round the square in {simulation.time:.0f} s; {why}"
             )
         simulation.step()
         angles.append(sensor.angles(group.readings[encoder].measured))

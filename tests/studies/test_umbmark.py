@@ -212,3 +212,10 @@ def test_nothing_hangs_on_which_sensors_the_robot_has_besides() -> None:
     full = attrs.evolve(bare.robots[0], sensors=building.all_sensors() | bare.robots[0].sensors)
     found = umbmark(attrs.evolve(bare, robots=[full]), runs=2, side=2.0)
     assert found.clockwise.tobytes() == umbmark(bare, runs=2, side=2.0).clockwise.tobytes()
+
+
+def test_motors_that_lag_too_much_are_told_as_the_reason() -> None:
+    slow = attrs.evolve(building.drive(), lag=0.4)
+    scenario = building.scenario(building.robot(drive=slow), dt=0.2)
+    with pytest.raises(am.AmorsimError, match=r"its motors lag by 0\.4 s, longer than a step of 0\.2 s"):
+        umbmark(scenario, side=0.5, runs=2)
