@@ -24,7 +24,7 @@ _beside: list[subprocess.Popen[bytes]] = []
 
 def begin() -> bool:
     """Start one on each processor that is left, if none has compiled all yet and none was started; whether it did."""
-    if _beside or not is_cold():
+    if _beside or not sys.executable or not is_cold():  # a program that Python is part of may name none
         return False
     with contextlib.suppress(OSError):  # it only saves time
         for _ in range(_places()):

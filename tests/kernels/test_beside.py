@@ -54,6 +54,9 @@ def test_none_is_started_on_one_core_or_when_all_is_compiled(
     monkeypatch.setattr(beside, "cores", lambda: 2)
     monkeypatch.setattr(beside, "is_cold", lambda: False)
     assert not beside.begin()
+    monkeypatch.setattr(beside, "is_cold", lambda: True)
+    monkeypatch.setattr(sys, "executable", None)
+    assert not beside.begin()
     assert started == []
 
 
