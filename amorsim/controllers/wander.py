@@ -33,6 +33,7 @@ from amorsim.controllers.driving import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels import wandering, wandering_car
+from amorsim.kernels.philox import fill_uniform
 from amorsim.kernels.shares import ALONE
 
 __all__ = ["Wander"]
@@ -146,7 +147,7 @@ class Wander(Controller):
             self.speed,
             self.turn_rate,
             self.clearance,
-            draws.uniform(2),
+            *draws.reserve(2),
             clock.dt,
             state["memory"],
             state["trail"],
@@ -160,8 +161,9 @@ class Wander(Controller):
 
     def _as_cars(self, robot: RobotModel, asked: Any, state: State) -> Array:
         """The twists `(N, 3)` of robots that cannot turn in place."""
-        readings, _, poses, beams, half_angle, samples, body, speed, _, clearance, uniform, dt, *_ = asked
-        outline, twist = robot.shape.outline, np.empty((robot.rows, 3))
+        readings, _, poses, beams, half_angle, samples, body, speed, _, clearance, keys, counter, block, dt, *_ = asked
+        outline, twist, uniform = robot.shape.outline, np.empty((robot.rows, 3)), np.empty((robot.rows, 2))
+        fill_uniform(keys, counter, block, uniform)
         wandering_car.wander_car(
             readings,
             poses,

@@ -115,13 +115,21 @@ class Draws:
         """Uniform draws in (0, 1), `(N, k)`, independent in all rows, columns, calls and ticks."""
         return self._fill(philox.fill_uniform, k)
 
-    def _fill(self, fill: Callable[..., None], k: int) -> Array:
+    def reserve(self, k: int) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.uint32], int]:
+        """What a kernel draws the next `k` numbers of each row by: keys, counter, and the number of their first block.
+
+        As `normal` and `uniform` do, see `amorsim.kernels.philox.pairs`; neither array is to be changed.
+        """
         if self._round != self._rounds[0]:
             self._round = self._rounds[0]
             self._block = 0
-        keys, counter, block = self._keys, self._counter, self._block
-        out = np.empty((len(keys), k))
+        block = self._block
         self._block += (k + 1) // 2
+        return self._keys, self._counter, block
+
+    def _fill(self, fill: Callable[..., None], k: int) -> Array:
+        keys, counter, block = self.reserve(k)
+        out = np.empty((len(keys), k))
         if self._workers is None or self._workers.threads == 1:
             fill(keys, counter, block, out)
         else:

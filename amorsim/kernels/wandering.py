@@ -18,6 +18,7 @@ from amorsim.kernels.free_space import (
     nearest_side,
     see_points,
 )
+from amorsim.kernels.philox import pairs
 from amorsim.kernels.shares import offer, spread, take_rows
 
 __all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "wander"]
@@ -264,7 +265,9 @@ def _wander(
     speed: Column,
     turn_rate: Column,
     clearance: Column,
-    draws: Floats,
+    keys: npt.NDArray[np.uint64],
+    counter: npt.NDArray[np.uint32],
+    block: int,
     dt: float,
     memory: Floats,
     trail: Floats,
@@ -277,9 +280,13 @@ def _wander(
     for i in range(rows):
         most = max(most, directions_within(body[i, _VIEW:]))
     weights = np.empty(most)
+    drawn = np.empty(2)
+    one = drawn[:1]
+    other = drawn[1:]
     first, end = take_rows(share, rows, 0)
     while first < end:
         for i in range(first, end):
+            pairs(keys[i], counter, i, block, one, other)
             see_points(ranges[i], beams[i], half_angle[i, 0], points)
             _wander_row(
                 points,
@@ -290,7 +297,7 @@ def _wander(
                 speed[i, 0],
                 turn_rate[i, 0],
                 clearance[i, 0],
-                draws[i],
+                drawn,
                 dt,
                 memory[i],
                 trail[i],
@@ -311,7 +318,9 @@ def wander(
     speed: Column,
     turn_rate: Column,
     clearance: Column,
-    draws: Floats,
+    keys: npt.NDArray[np.uint64],
+    counter: npt.NDArray[np.uint32],
+    block: int,
     dt: float,
     memory: Floats,
     trail: Floats,
@@ -334,8 +343,8 @@ def wander(
         What the robot knows of its own body, (N, BODY_COLUMNS).
     speed, turn_rate, clearance
         How fast it drives [m/s] and turns [rad/s], and what it keeps free around it [m], each (N, 1).
-    draws
-        Uniform random numbers, (N, 2).
+    keys, counter, block
+        What two uniform random numbers of each row are drawn by, as `philox.pairs` takes them: (N,), (N, 3).
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
     share
@@ -352,7 +361,9 @@ def wander(
         speed,
         turn_rate,
         clearance,
-        draws,
+        keys,
+        counter,
+        block,
         dt,
         memory,
         trail,
