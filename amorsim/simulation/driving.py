@@ -72,8 +72,9 @@ def _bad_command(group: Group, command: Array, names: Sequence[str]) -> Componen
 
 
 def _all_finite(array: Array) -> bool:
-    if array.size <= _FEW:  # NumPy takes longer to begin than these do
-        return all(map(math.isfinite, array.ravel().tolist()))
+    # NumPy takes longer to begin than a few numbers to add up; of finite ones the sum may be infinite all the same.
+    if array.size <= _FEW and math.isfinite(sum(array.ravel().tolist())):
+        return True
     return bool(np.isfinite(array).all())
 
 

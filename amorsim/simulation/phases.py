@@ -37,15 +37,15 @@ def step(fleet: Fleet) -> None:
 
 def _goes_whole(fleet: Fleet) -> bool:
     """Make all other phases in one call, where the only group of robots can (`amorsim.simulation.together`)."""
-    group, before = fleet.alone, fleet.world.poses
+    group, world = fleet.alone, fleet.world
     if group is None or not group.together.is_whole:
         return False
-    together = group.together
-    if not (
-        (_knows_room(fleet) and together.step(fleet)) or (together.look_ahead(fleet.world) and together.step(fleet))
-    ):
+    together, before = group.together, world.poses
+    is_made = world.room_at is before and together.step(fleet)
+    if not is_made and not (together.look_ahead(world) and together.step(fleet)):
         return False
-    _touch(fleet, NOBODY, before)
+    if fleet.touching or fleet.contacts:
+        _touch(fleet, NOBODY, before)
     return True
 
 

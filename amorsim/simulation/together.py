@@ -89,17 +89,40 @@ class Together:
 
         For a group that is all there is, and of whom is known how far from walls it is.
         """
-        group, batch = self._group, self._plan.batch
-        state = group.estimator_states[self._estimator]
-        poses, joints, covariances = np.empty(self._poses), np.empty(self._joints), np.empty(self._covariances)
-        tick, time, values = np.empty(self._column, _WHOLE), np.empty(self._column), np.empty(batch.shape)
-        room, about = fleet.world.room, self._about(state)
-        results = poses, joints, covariances, tick, time, values
-        if not self._whole(room, fleet.ticks, *about, *results, group.fingerprint):
+        # Written out, and not by way of `_about`, `_roll` and `_conclude`: every call counts here.
+        group, world, batch, empty = self._group, fleet.world, self._plan.batch, np.empty
+        moment, state = group.moment, group.estimator_states[self._estimator]
+        poses, joints, covariances = empty(self._poses), empty(self._joints), empty(self._covariances)
+        tick, time, values = empty(self._column, _WHOLE), empty(self._column), empty(batch.shape)
+        if not self._whole(
+            world.room,
+            fleet.ticks,
+            moment.tick,
+            group.true_pose,
+            group.true_twist,
+            group.joints,
+            group.joint_rates,
+            group.command,
+            state["pose"],
+            state["covariance"],
+            state["joints"],
+            poses,
+            joints,
+            covariances,
+            tick,
+            time,
+            values,
+            group.fingerprint,
+        ):
             return False
-        self._roll(fleet.world, poses, joints, tick, time)
-        batch.take(values, group.moment)
-        self._conclude(state, poses, joints, covariances)
+        world.poses = world.room_at = group.true_pose = poses[0]
+        group.true_twist, group.joints, group.joint_rates = poses[1], joints[0], joints[1]
+        moment.take(tick, time)
+        group.streams.rewind()
+        batch.take(values, moment)
+        pose = poses[2]
+        state["pose"], state["covariance"], state["joints"] = pose, covariances, joints[2]
+        group.estimates[self._estimator] = Estimate(pose, covariances)
         return True
 
     def look_ahead(self, world: World) -> bool:
