@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli import calibrate, check, explain, new, plot, plugins, reproduce, run, umbmark, view
+from amorsim.cli import calibrate, check, compile_, explain, new, plot, plugins, reproduce, run, umbmark, view
 from amorsim.cli.console import complain
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain as in_words
@@ -32,6 +32,7 @@ app.command("view", short_help="Open the Simulator in the browser.")(view.comman
 app.command("runsim", short_help="The same as view.", hidden=True)(view.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
+app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
 app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)
 app.command("calibrate", short_help="Find the errors of a gyro, a compass or a range sensor.")(calibrate.command)

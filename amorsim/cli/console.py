@@ -23,25 +23,28 @@ def complain(text: str) -> None:
 
 
 def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
-    """Say so and compile what nearly every command needs, if no process has done so yet; whether none had.
+    """Compile what nearly every command needs, if that was not done before, and show how far it is; whether it was due.
 
-    `look` raises what is wrong with what was asked for, as far as that can be told before, and is called only then:
-    where nothing is to be compiled, what follows tells it as soon.
+    `look` raises what is wrong with the user's words, as far as that is known without compiling. It is called only
+    where something is to be compiled; elsewhere the command itself finds it as soon.
     """
-    from amorsim.kernels import beside
-    from amorsim.kernels.folder import is_cold
+    from amorsim.kernels.cache_folder import is_cold
 
     if not is_cold():
         return False
-    beside.begin()  # it imports numba while this process looks
-    try:
-        look()
-    except BaseException:
-        beside.stop()
-        raise
-    if not quiet:
-        say(COMPILING)
-    from amorsim.kernels.ahead import compile_together
+    look()
+    from amorsim.runs.warm import compile_kernels
 
-    compile_together()
+    if quiet:
+        compile_kernels()
+        return True
+    say(COMPILING)
+    if not sys.stdout.isatty():
+        compile_kernels()
+        return True
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
+
+    with Progress(BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), transient=True) as bar:
+        task = bar.add_task("")
+        compile_kernels(lambda done, total: bar.update(task, completed=done, total=total))
     return True

@@ -34,7 +34,6 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels import wandering, wandering_car
 from amorsim.kernels.philox import fill_uniform
-from amorsim.kernels.shares import ALONE
 
 __all__ = ["Wander"]
 
@@ -153,10 +152,10 @@ class Wander(Controller):
             state["trail"],
         )
         if state["way"].shape[1]:
-            wandering.wander(*asked, ALONE, twist)
+            wandering.wander(*asked, 0, robot.rows, twist)
             twist = np.where(np.isinf(state["curvature"]), twist, self._as_cars(robot, asked, state))
             return command_along(robot, twist, joints)
-        draws.share(_WORK, lambda share: wandering.wander(*asked, share, twist))
+        draws.share(_WORK, lambda first, end: wandering.wander(*asked, first, end, twist))
         return command_along(robot, twist, joints)
 
     def _as_cars(self, robot: RobotModel, asked: Any, state: State) -> Array:

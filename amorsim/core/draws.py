@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.workers import ALONE, Workers
+from amorsim.core.workers import Workers
 from amorsim.kernels import philox
 
 __all__ = ["Draws", "check_collisions", "stream_key"]
@@ -97,13 +97,13 @@ class Draws:
         kept._block = self._block if self._round == self._rounds[0] else 0
         return kept
 
-    def share(self, work_per_row: int, work: Callable[[int], None]) -> None:
-        """Call ``work(share)``, which a kernel spreads over the engine's threads where that pays; see `Workers.share`.
+    def share(self, work_per_row: int, work: Callable[[int, int], None]) -> None:
+        """Call ``work(first, end)`` for slices of the rows, in the engine's threads where that pays.
 
         For kernels that work on each row by itself; `work_per_row` is about how many rays a row costs as much as.
         """
-        if self._workers is None or self._workers.threads == 1:
-            work(ALONE)
+        if self._workers is None:
+            work(0, len(self._keys))
         else:
             self._workers.share(len(self._keys), work_per_row, work)
 
@@ -133,5 +133,5 @@ class Draws:
         if self._workers is None or self._workers.threads == 1:
             fill(keys, counter, block, out)
         else:
-            self._workers.share_slices(len(keys), k, lambda a, b: fill(keys[a:b], counter[a:b], block, out[a:b]))
+            self._workers.share(len(keys), k, lambda a, b: fill(keys[a:b], counter[a:b], block, out[a:b]))
         return out

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from amorsim.core.errors import MapError
-from amorsim.kernels.ahead import begin_ahead
 from amorsim.kernels.draft import grid_from_array
 from amorsim.kernels.grid import Grid, occupied_boxes
 from amorsim.kernels.lines import Lines
@@ -120,7 +119,6 @@ class Map:
         offset = (int(low[0]), int(low[1]))
         kept = walls.copy()
         kept.flags.writeable = False
-        begin_ahead()
         grid = grid_from_segments(walls, int(rows), int(cols), side, offset)
         return cls(
             grid=grid,
@@ -172,7 +170,6 @@ class Map:
         rows, cols = cells.shape
         _refuse_too_large(rows, cols, side)
         taken = np.ascontiguousarray(cells != 0).view(np.uint8)
-        begin_ahead()
         grid = grid_from_array(taken, side)
         return cls(
             grid=grid,

@@ -2,8 +2,7 @@
 
 All devices of a group are done one after the other, and what they read lies in one array: device by device, and of each
 the values of row 0 first. The arithmetic is that of the components by themselves, in the same order, so the bits are
-the same (`amorsim.simulation.plan` tells which components have a twin here). Python enters through
-`amorsim.kernels.stepping.advance`.
+the same (`amorsim.simulation.plan` tells which components have a twin here).
 """
 
 from __future__ import annotations
@@ -41,6 +40,7 @@ __all__ = [
     "SIZES",
     "SONAR",
     "TABLE_COLUMNS",
+    "Layout",
     "Plan",
     "lay",
     "sense",
@@ -108,6 +108,22 @@ class Plan(NamedTuple):
     sines: Floats
     parameters: Floats
     """(C, N, 2): of the elements of all chains."""
+
+
+class Layout(NamedTuple):
+    """What lasts from step to step: the map, and a plan of devices."""
+
+    grid: Grid
+    lines: Lines
+    origin_x: float
+    """Where the grid lies in the world, with `origin_y` [m] and `yaw` [rad]."""
+    origin_y: float
+    yaw: float
+    ints: Ints
+    """The plan, with `floats`, as `lay` lays it."""
+    floats: Floats
+    places: Floats
+    """(L * N, 3): where range finders look from, poses in the world; written in each step."""
 
 
 def lay(plan: Plan) -> tuple[Ints, Floats]:
@@ -358,22 +374,15 @@ def _read_rows(
 
 @kernel
 def sense(
+    first: int,
+    end: int,
     looks: bool,
     reads: bool,
-    grid: Grid,
-    lines: Lines,
-    origin_x: float,
-    origin_y: float,
-    yaw: float,
-    ints: Ints,
-    floats: Floats,
-    counter: NDArray[np.uint32],
     body: Floats,
     twist: Floats,
     joints: Floats,
-    first: int,
-    end: int,
-    places: Floats,
+    layout: Layout,
+    counter: NDArray[np.uint32],
     true: Floats,
     measured: Floats,
 ) -> None:
@@ -381,19 +390,18 @@ def sense(
 
     Parameters
     ----------
-    grid, lines, origin_x, origin_y, yaw
-        The map, and where its grid lies in the world.
-    ints, floats
-        A `Plan`, as `lay` lays it.
-    counter
-        (N, 3): replica, episode and tick of each row.
+    first, end
+        The rows that are worked on.
     body, twist, joints
         True poses (N, 3), velocities (N, 3) and joints (N, j).
-    places
-        (L * N, 3), gets where range finders look from, poses in the world.
+    layout
+        The map and the devices.
+    counter
+        (N, 3): replica, episode and tick of each row.
     true, measured
         (V * N,), get what the devices truly and really read.
     """
+    ints = layout.ints
     most_rays = 1
     most_values = 0
     for at in range(ints[_TABLE], ints[_TABLE + 1], TABLE_COLUMNS):
@@ -401,10 +409,25 @@ def sense(
         most_values = max(most_values, ints[at + _SIZE])
     # One array for all there is to work in, for each takes 0.1 us to be made.
     half = (most_values + 1) // 2
-    walls = lines.walls.shape[1]
+    walls = layout.lines.walls.shape[1]
     room = np.empty(max(3 * half, _ROOM_WALLS_AT + 9 * walls + 6 * AT_ONCE + most_rays if looks else 0))
     whole = room.view(np.int64)
     if looks:
-        _look_rows(grid, lines, origin_x, origin_y, yaw, ints, floats, body, first, end, places, true, room, whole)
+        _look_rows(
+            layout.grid,
+            layout.lines,
+            layout.origin_x,
+            layout.origin_y,
+            layout.yaw,
+            ints,
+            layout.floats,
+            body,
+            first,
+            end,
+            layout.places,
+            true,
+            room,
+            whole,
+        )
     if reads:
-        _read_rows(ints, floats, counter, body, twist, joints, first, end, true, measured, room, whole, half)
+        _read_rows(ints, layout.floats, counter, body, twist, joints, first, end, true, measured, room, whole, half)

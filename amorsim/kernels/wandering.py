@@ -19,7 +19,6 @@ from amorsim.kernels.free_space import (
     see_points,
 )
 from amorsim.kernels.philox import pairs
-from amorsim.kernels.shares import offer, spread, take_rows
 
 __all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "wander"]
 
@@ -253,60 +252,6 @@ def _wander_row(
 
 
 @kernel
-def _wander(
-    share: int,
-    ranges: Floats,
-    age: Floats,
-    pose: Floats,
-    beams: Floats,
-    half_angle: Column,
-    samples: int,
-    body: Floats,
-    speed: Column,
-    turn_rate: Column,
-    clearance: Column,
-    keys: npt.NDArray[np.uint64],
-    counter: npt.NDArray[np.uint32],
-    block: int,
-    dt: float,
-    memory: Floats,
-    trail: Floats,
-    out: Floats,
-) -> None:
-    """The share of a thread of `wander`."""
-    rows = ranges.shape[0]
-    points = np.empty((3, ranges.shape[1] * samples))
-    most = 1
-    for i in range(rows):
-        most = max(most, directions_within(body[i, _VIEW:]))
-    weights = np.empty(most)
-    drawn = np.empty(2)
-    one = drawn[:1]
-    other = drawn[1:]
-    first, end = take_rows(share, rows, 0)
-    while first < end:
-        for i in range(first, end):
-            pairs(keys[i], counter, i, block, one, other)
-            see_points(ranges[i], beams[i], half_angle[i, 0], points)
-            _wander_row(
-                points,
-                weights,
-                age[i, 0],
-                pose[i],
-                body[i],
-                speed[i, 0],
-                turn_rate[i, 0],
-                clearance[i, 0],
-                drawn,
-                dt,
-                memory[i],
-                trail[i],
-                out[i],
-            )
-        first, end = take_rows(share, rows, end)
-
-
-@kernel
 def wander(
     ranges: Floats,
     age: Floats,
@@ -324,7 +269,8 @@ def wander(
     dt: float,
     memory: Floats,
     trail: Floats,
-    share: int,
+    first: int,
+    end: int,
     out: Floats,
 ) -> None:
     """Twists (forward, left, turn) [m/s, m/s, rad/s] of wandering robots, into `out` (N, 3).
@@ -347,26 +293,32 @@ def wander(
         What two uniform random numbers of each row are drawn by, as `philox.pairs` takes them: (N,), (N, 3).
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
-    share
-        `ALONE`, or for `shares.spread`.
+    first, end
+        The rows that are worked on.
     """
-    given = (
-        ranges,
-        age,
-        pose,
-        beams,
-        half_angle,
-        samples,
-        body,
-        speed,
-        turn_rate,
-        clearance,
-        keys,
-        counter,
-        block,
-        dt,
-        memory,
-        trail,
-        out,
-    )
-    spread(share, ranges.shape[0], offer(_wander, given))
+    points = np.empty((3, ranges.shape[1] * samples))
+    most = 1
+    for i in range(first, end):
+        most = max(most, directions_within(body[i, _VIEW:]))
+    weights = np.empty(most)
+    drawn = np.empty(2)
+    one = drawn[:1]
+    other = drawn[1:]
+    for i in range(first, end):
+        pairs(keys[i], counter, i, block, one, other)
+        see_points(ranges[i], beams[i], half_angle[i, 0], points)
+        _wander_row(
+            points,
+            weights,
+            age[i, 0],
+            pose[i],
+            body[i],
+            speed[i, 0],
+            turn_rate[i, 0],
+            clearance[i, 0],
+            drawn,
+            dt,
+            memory[i],
+            trail[i],
+            out[i],
+        )

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Sequence
 from types import FrameType
 
-from amorsim.kernels.folder import mark_warm
+from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
 from amorsim.runs.session import RunSession, RunSummary, steps_of
 from amorsim.scenario.spec import Scenario

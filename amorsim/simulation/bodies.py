@@ -151,10 +151,7 @@ class World:
             mine = bodies[a:b], poses[a:b], cap[a:b], out[a:b], where[a:b]
             contact_kernels.map_gaps(self.map.grid, x, y, yaw, self.bodies, *mine)
 
-        if self.workers.threads == 1:
-            part(0, len(bodies))
-        else:
-            self.workers.share_slices(len(bodies), _GAP_WORK, part)
+        self.workers.share(len(bodies), _GAP_WORK, part)
         return out, where
 
     def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
@@ -233,7 +230,7 @@ class World:
                 _NOBODY_ASKS if hit is None else hit[a:b],
             )
 
-        self.workers.share_slices(len(origins), cos_b.shape[1], part)
+        self.workers.share(len(origins), cos_b.shape[1], part)
 
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
         """The bodies where they are, as `body_rays.cast_bodies` takes them."""

@@ -18,19 +18,18 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.body_hash import BodyHash
 from amorsim.kernels.meeting import FINEST, ROUNDING, TOUCH, WALL, resolve
-from amorsim.kernels.paths import ARC, LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
-from amorsim.kernels.setting_out import NEAR_BODY, NEAR_WALL, look_out, roll_out
+from amorsim.kernels.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
+from amorsim.kernels.setting_out import NEAR_BODY, NEAR_WALL, look_out
 from amorsim.simulation.bodies import World
 
-__all__ = ["WALL", "Contact", "Mover", "Rolling", "move", "roll"]
+__all__ = ["WALL", "Contact", "Mover", "move"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -62,16 +61,6 @@ class Mover(Protocol):
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take where they are after the step `(M, 3)`, and the fraction after which they stood still `(M,)`."""
-
-
-class Rolling(NamedTuple):
-    """Robots on two driven wheels that are all the bodies there are, as `kernels.setting_out.roll_out` takes them."""
-
-    joints: Array
-    rates: Array
-    command: Array
-    numbers: Array
-    dt: float
 
 
 @attrs.frozen(kw_only=True)
@@ -125,24 +114,16 @@ class _Paths:
                 paths._add_other(world, mover)
         if world.has_company:
             near = np.empty(count, dtype=np.uint8)
-            given = *paths.seen(world), paths.end, near
-            if world.workers.share(count, LOOK_WORK, lambda share: look_out(share, *given)):
-                paths.notice(near)
+            looked = paths.scene, world.replica_index, world.owner, world.by_place(paths.start), paths.end, near
+            world.workers.share(count, LOOK_WORK, lambda first, last: look_out(first, last, *looked))
+            paths.near = np.flatnonzero(near & NEAR_WALL)
+            paths.close = np.flatnonzero(near & NEAR_BODY)
         else:
             set_out(paths.arrays, world.bodies.reach, paths.end)
             paths.near = paths._look_around(world)
         if world.has_parts:
             paths.end[world.parts] = paths.at(world.parts, np.ones(len(world.parts)))
         return paths
-
-    def seen(self, world: World) -> tuple[Scene, Ints, Ints, BodyHash]:
-        """What is looked at to tell who has something near."""
-        return self.scene, world.replica_index, world.owner, world.by_place(self.start)
-
-    def notice(self, near: npt.NDArray[np.uint8]) -> None:
-        """Take who has something near, as kernels tell it."""
-        self.near = np.flatnonzero(near & NEAR_WALL)
-        self.close = np.flatnonzero(near & NEAR_BODY)
 
     def _look_around(self, world: World) -> Ints:
         """Who might meet a wall, in order; being without company they look further, and keep what room they have."""
@@ -217,21 +198,6 @@ def move(world: World, movers: Sequence[Mover]) -> tuple[Array, Array, list[Cont
             world.room_at = end
             return end, stop, []
     return _meet(world, _Paths.of(world, movers, told))
-
-
-def roll(world: World, rolling: Rolling, wheels: Array, twists: Array) -> tuple[Array, Array, list[Contact], Array]:
-    """What `move` does, of robots on two driven wheels, and what wheels do in `kernels.setting_out.roll_out`.
-
-    `wheels` and `twists` are written as there; told are also the twists over the whole step `(T, 3)` that the paths
-    are made of.
-    """
-    count = len(world.poses)
-    motion, near = np.empty((count, 3)), np.empty(count, dtype=np.uint8)
-    paths = _Paths(world, motion, _one_form(count, ARC))
-    given = *paths.seen(world), *rolling, wheels, twists, paths.end, near
-    if world.workers.share(count, LOOK_WORK, lambda share: roll_out(share, *given)):
-        paths.notice(near)
-    return *_meet(world, paths), motion
 
 
 def _meet(world: World, paths: _Paths) -> tuple[Array, Array, list[Contact]]:

@@ -47,11 +47,6 @@ class Fleet:
         What happened, in order.
     only
         The group of robots, where there are no others, no obstacles and no parts.
-    alone
-        The same, if each robot is without company.
-    is_whole, rolls
-        Whether the latest step was made in one call, and else whether the robots moved as they actuated: nothing was in
-        the way.
     touching
         The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
     contacts
@@ -106,8 +101,6 @@ class Fleet:
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()
         self.only = self.groups[0] if len(self.everything) == 1 and self.groups and not self.parts else None
-        self.alone = None if self.world.has_company else self.only
-        self.is_whole = self.rolls = False
         self.ticks: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.episodes: Ints = np.zeros(len(replicas), dtype=np.int64)
         self.place()

@@ -35,7 +35,6 @@ from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.showing import Showing
-from amorsim.simulation.together import Together
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.view import GroupView
 from amorsim.simulation.zones import Zones
@@ -127,7 +126,6 @@ class Group:
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
         self._showing = Showing(self)
-        self.together = Together(self)
 
     # ---------------------------------------------------------------------------------------------------- episodes
 
@@ -252,13 +250,6 @@ class Group:
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
         return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
 
-    def set_off(self, joints: Array, rates: Array, motion: Array) -> None:
-        """Take what a kernel has made of actuating: joints and rates a step later, and the twists of arcs `(N, 3)`."""
-        self._before = self.joints
-        self._after = self._ground_after = joints
-        self.joint_rates = rates
-        self._motion = ARC, motion
-
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
         form, motion = self._motion
@@ -300,15 +291,13 @@ class Group:
         view.joint_rates = self.joint_rates
 
     def sense(self) -> None:
-        """Read all sensors, and conclude the step where that goes in the same call."""
-        self._is_recorded = self.together.sense()
+        """Read all sensors."""
+        self.sensing.read(self.view, self.moment)
         for unit in self.sensing.others:
             unit.sample(self.view, self.moment)
 
     def estimate_pose(self) -> None:
-        """Let every estimator make of the readings what it can, unless that is done already."""
-        if self._is_recorded:
-            return
+        """Let every estimator make of the readings what it can."""
         elapsed = self.moment.elapsed
         for name, estimator in self.estimators.items():
             self.estimates[name] = estimator.update(
@@ -321,9 +310,7 @@ class Group:
             )
 
     def record(self) -> None:
-        """Mix the step's exact results into the fingerprint of each row, unless that is done already."""
-        if self._is_recorded:
-            return
+        """Mix the step's exact results into the fingerprint of each row."""
         results = [self.true_pose, self.joints, np.ascontiguousarray(self.command)]
         for estimate in self.estimates.values():
             covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)

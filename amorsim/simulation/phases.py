@@ -28,29 +28,8 @@ PHASES = ("control", "actuate", "move", "sense", "estimate", "record")
 
 def step(fleet: Fleet) -> None:
     """Make one step."""
-    _DOES["control"](fleet)
-    fleet.is_whole = _goes_whole(fleet)
-    if not fleet.is_whole:
-        for phase in PHASES[1:]:
-            _DOES[phase](fleet)
-
-
-def _goes_whole(fleet: Fleet) -> bool:
-    """Make all other phases in one call, where the only group of robots can (`amorsim.simulation.together`)."""
-    group, world = fleet.alone, fleet.world
-    if group is None or not group.together.is_whole:
-        return False
-    together, before = group.together, world.poses
-    is_made = world.room_at is before and together.step(fleet)
-    if not is_made and not (together.look_ahead(world) and together.step(fleet)):
-        return False
-    if fleet.touching or fleet.contacts:
-        _touch(fleet, NOBODY, before)
-    return True
-
-
-def _knows_room(fleet: Fleet) -> bool:
-    return fleet.world.room_at is fleet.world.poses
+    for phase in PHASES:
+        _DOES[phase](fleet)
 
 
 def _touch(fleet: Fleet, touching: frozenset[tuple[int, int]], before: Array) -> None:
@@ -73,37 +52,11 @@ def _control(fleet: Fleet) -> None:
 
 
 def _actuate(fleet: Fleet) -> None:
-    fleet.rolls = _roll(fleet)
-    if fleet.rolls:
-        return
     for group in fleet.everything:
         group.actuate()
 
 
-def _roll(fleet: Fleet) -> bool:
-    """Let the wheels take the only group of robots on; one without company where no wall is near."""
-    group, before = fleet.only, fleet.world.poses
-    if group is None or not group.together.rolls:
-        return False
-    if fleet.world.has_company:
-        poses, stop, contacts = group.together.set_out(fleet.world)
-        _meet(fleet, poses, contacts)
-        if contacts:
-            group.arrive(poses, stop)
-        fleet.place()
-        fleet.advance()
-        return True
-    if group.together.is_whole:
-        return False  # it would not have come here, had it had room
-    if not _knows_room(fleet) or not group.together.roll(fleet):
-        return False
-    _touch(fleet, NOBODY, before)
-    return True
-
-
 def _move(fleet: Fleet) -> None:
-    if fleet.rolls:
-        return
     movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
     poses, stop, contacts = move(fleet.world, movers)
     _meet(fleet, poses, contacts)

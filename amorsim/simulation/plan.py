@@ -3,9 +3,9 @@
 A sensor unit reads by itself (`SensorUnit.sample`): its class senses, each element of its chain is called, and the
 reading is delivered. At one row that is mostly calls. Where all of it is of classes that have a twin in
 `amorsim.kernels.sensing`, and the reading is taken at every step and arrives at once, the unit is taken into the plan:
-its parameters are laid into tables, and all such units of the group are placed, cast and read in one call
-(`amorsim.simulation.together`). A subclass has no twin, for it may do anything; it goes the other road, and so does
-everything with a rate or a latency. Both give the same bits.
+its parameters are laid into tables, and all such units of the group are placed, cast and read in one call. A subclass
+has no twin, for it may do anything; it reads by itself, and so does everything with a rate or a latency. Both give the
+same bits.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import Noise, Sensor
 from amorsim.kernels import digest, scans, sensing
-from amorsim.kernels.known import Known
+from amorsim.kernels.sensing import Layout, sense
+from amorsim.kernels.sensing_among import sense_among
 from amorsim.noise.bias import Bias
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.quantize import Quantize
@@ -31,6 +32,7 @@ from amorsim.sensors.gyro import Gyro
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.sonar import Sonar
 from amorsim.simulation.bodies import World
+from amorsim.simulation.moment import Moment
 from amorsim.simulation.sensing import Batch, SensorUnit
 from amorsim.simulation.view import CONE_WORK, GroupView, cone_bearings, directions_of
 
@@ -117,7 +119,6 @@ class SensePlan:
             for column, value in enumerate(_link(element)[1:]):
                 parts[c, :, column] = np.asarray(value)[:, 0]
         keys = np.array([draws.keys for _, draws in links_of], dtype=np.uint64).reshape(-1, rows)
-        self.places = np.empty((rows * sum(places), 3))
         limits = np.concatenate([np.zeros(0), *(_limits(unit, n) for unit, n in zip(held, places, strict=True) if n)])
         finders = [_Finder(unit, table[d]) for d, unit in enumerate(held) if places[d]]
         beams = _Beams(finders)
@@ -144,7 +145,8 @@ class SensePlan:
             sines=beams.sines,
             parameters=parts,
         )
-        self._laid = sensing.lay(plan)
+        self.places = np.empty((rows * sum(places), 3))
+        self._layout = Layout(world.map.grid, world.map.lines, *world.map.origin, *sensing.lay(plan), self.places)
         self.reads, self.looks = bool(held), bool(finders)
         self.batch = Batch(rows, values)
         ends = np.cumsum([0, *sizes]) * rows
@@ -156,10 +158,18 @@ class SensePlan:
         self._meet_work = sum(len(finder.table[0][0]) for finder in finders) // 2  # it is less work than to meet walls
         self._look_work, self._read_work = rays, int(1.0 + _VALUE_WORK * values)
 
-    def known(self, wheels: Array, encoder: int, counter: npt.NDArray[np.uint32], dt: float) -> Known:
-        """What kernels must know of the group: the map, the units, and what is told here, as `Known` has it."""
-        place = self._world.map
-        return Known(place.grid, place.lines, *place.origin, dt, encoder, *self._laid, self.places, wheels, counter)
+    def read(self, view: GroupView, moment: Moment) -> None:
+        """Read all units of the plan at once."""
+        if not self.reads:
+            return
+        self.batch.take(np.empty(self.batch.shape), moment)
+        true, measured = self.batch.values
+        where = view.body_pose, view.twist, view.joints, self._layout, moment.counter, true, measured
+        if self.looks and self._world.has_company:
+            work, company = self._look_work + self._meet_work, (*self._world.met(), *self._finders_among(view))
+            self._share(work, lambda first, end: sense_among(first, end, *where, *company))
+        else:
+            self._share(self._look_work, lambda first, end: sense(first, end, True, True, *where))
 
     def absorb(self, results: Sequence[Array], fingerprint: npt.NDArray[np.uint64]) -> None:
         """Mix results, and then what the units read last, into the fingerprints of the rows `(N, 2)`."""
@@ -169,19 +179,7 @@ class SensePlan:
         a, b, c, d, e = results
         true, measured = self.batch.values
         mix = functools.partial(digest.absorb_together, a, b, c, d, e, self._sizes, true, measured)
-        self._share(self._read_work, lambda first, end: mix(first, end, fingerprint))
-
-    def share(self, part: Callable[[int, int], None]) -> None:
-        """Share rows among threads for all the work of sensing where there is no company."""
-        self._share(self._look_work + self._read_work, part)
-
-    def share_meeting(self, work: Callable[[int], None]) -> None:
-        """Share rows among threads for all the work of sensing among others."""
-        self._world.workers.share(self._rows, self._look_work + self._meet_work + self._read_work, work)
-
-    def company(self, view: GroupView) -> tuple[Any, ...]:
-        """What the finders need to meet bodies, as `sense_among` takes it, and what they meet."""
-        return *self._world.met(), *self._finders_among(view)
+        self._share(0, lambda first, end: mix(first, end, fingerprint))
 
     def _finders_among(self, view: GroupView) -> tuple[Any, ...]:
         if self._among is None:
@@ -200,11 +198,7 @@ class SensePlan:
         return self._among
 
     def _share(self, work: int, part: Callable[[int, int], None]) -> None:
-        workers = self._world.workers
-        if workers.threads == 1:
-            part(0, self._rows)
-        else:
-            workers.share_slices(self._rows, work, part)
+        self._world.workers.share(self._rows, work + self._read_work, part)
 
 
 class _Finder:

@@ -160,7 +160,7 @@ def look_along(
         mine = slice(a, b) if len(cos_b) > 1 else slice(None)
         scans.cast_scans(grid, segments, *origin, lines[a:b], cos_b[mine], sin_b[mine], range_max[a:b], ranges[a:b])
 
-    world.workers.share_slices(len(lines), ranges.shape[1], part)
+    world.workers.share(len(lines), ranges.shape[1], part)
     if world.has_company:
         world.cast(own, world.replica_index[own], lines, cos_b, sin_b, range_max, ranges, met)
     return ranges, met

@@ -15,7 +15,6 @@ from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.starts import outside
-from amorsim.kernels.ahead import compile_at_first
 from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
@@ -76,7 +75,6 @@ class Simulation:
             raise AmorsimError(f"expected a number of replicas > 0, or a list of their numbers, got {replicas!r}")
         _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
-        compile_at_first()
         seed = scenario.seed if seed is None else _plain(seed)
         check_value(describe(Scenario)["seed"], seed)
         self._build(seed)

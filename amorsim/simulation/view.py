@@ -121,7 +121,7 @@ class GroupView:
                 return
             scans.cast_scans(grid, lines, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
 
-        world.workers.share_slices(len(origins), out.shape[1], part)
+        world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:
             self.cast_bodies(origins, cos_b, sin_b, limits, out)
 
@@ -238,7 +238,7 @@ class GroupView:
         def part(a: int, b: int) -> None:
             cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
 
-        world.workers.share_slices(len(origins), CONE_WORK, part)
+        world.workers.share(len(origins), CONE_WORK, part)
         if world.has_company:
             self.cast_bodies(origins, *table, limits, out[:, None])
 

@@ -27,8 +27,7 @@ import numba
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
-from amorsim.kernels.folder import mark_warm
-from amorsim.simulation.warm import compile_contact_beside
+from amorsim.kernels.cache_folder import mark_warm
 from amorsim.ui.carried import Carried, Carrier
 from amorsim.ui.commands import Commands
 from amorsim.ui.inputs import Input, Inputs
@@ -166,7 +165,6 @@ class Child:
         since = ""
         try:
             self._busy_since = time.monotonic()
-            compile_contact_beside()
             simulation, remark = recipe.simulation()
             player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
             if tick or len(inputs):

@@ -17,11 +17,11 @@ from tests.cli.conftest import Command
 def just_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where nothing has been compiled yet; whoever begins to compile fails."""
 
-    def compile_together() -> None:
+    def compile_kernels(*_: object) -> None:
         raise AssertionError("compiled for nothing")
 
-    monkeypatch.setattr("amorsim.kernels.folder.is_cold", lambda: True)
-    monkeypatch.setattr("amorsim.kernels.ahead.compile_together", compile_together)
+    monkeypatch.setattr("amorsim.kernels.cache_folder.is_cold", lambda: True)
+    monkeypatch.setattr("amorsim.runs.warm.compile_kernels", compile_kernels)
 
 
 @pytest.mark.usefixtures("just_installed")

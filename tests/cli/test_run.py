@@ -181,11 +181,11 @@ def test_the_progress_bar_is_drawn_on_a_terminal(
 
 
 def test_compiling_is_announced(amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    beside: list[bool] = []
-    monkeypatch.setattr("amorsim.kernels.folder.is_cold", lambda: True)
-    monkeypatch.setattr("amorsim.kernels.ahead.compile_together", lambda: beside.append(True))
+    compiled: list[bool] = []
+    monkeypatch.setattr("amorsim.kernels.cache_folder.is_cold", lambda: True)
+    monkeypatch.setattr("amorsim.runs.warm.compile_kernels", lambda *_: compiled.append(True))
     assert amorsim("run", study, "--duration", "0.1").out.startswith("compiling the kernels, once")
-    assert beside == [True]
+    assert compiled == [True]
     assert amorsim("run", study, "--duration", "0.1", "-q").out == ""
 
 

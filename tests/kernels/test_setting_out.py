@@ -74,7 +74,7 @@ def test_it_tells_whom_looking_at_all_tells(seed, threads):
     scene.paths.bound[~other] = np.nan  # they have not set out
     scene.paths.stop[:] = np.nan
     Workers(threads, processors=threads).share(
-        len(end), 1000, lambda share: look_out(share, scene, replica, owner, table, found_end, found_near)
+        len(end), 1000, lambda first, last: look_out(first, last, scene, replica, owner, table, found_end, found_near)
     )
     np.testing.assert_array_equal(found_end, end)
     np.testing.assert_array_equal(found_near, near)

@@ -1,0 +1,22 @@
+"""``amorsim compile``: compile the kernels ahead of the first run."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from amorsim.cli.console import compile_once, say
+
+__all__ = ["command"]
+
+
+def command(
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+) -> None:
+    """Compile what usual runs need, so that the first run need not wait for it.
+
+    It takes about a minute, once after installing or updating. What is compiled already is kept.
+    """
+    if not compile_once(lambda: None, quiet) and not quiet:
+        say("the kernels are compiled already")

@@ -1,0 +1,91 @@
+"""The folder that holds compiled kernels: one for each state of their sources.
+
+numba's cache looks only at the file of the function that it loads. A change in a function that this one calls would
+leave old machine code in use. So the folder is named after a digest of all kernels' sources, and numba's version.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import numba
+
+__all__ = ["cache_folder", "is_cold", "mark_warm"]
+
+_SOURCES = Path(__file__).resolve().parent
+
+
+@functools.cache
+def cache_folder() -> Path | None:
+    """The first folder that can be written of those that may hold compiled kernels; None, with a warning, without."""
+    for parent in _candidates():
+        folder = parent / f"kernels-{_digest()}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            continue
+        if _is_private(folder):
+            _forget_old(parent, folder)
+            return folder
+    warnings.warn(
+        "no folder can be written for compiled kernels, so every start compiles them again (about a minute); "
+        "set NUMBA_CACHE_DIR to a folder that can be written",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+    return None
+
+
+def is_cold() -> bool:
+    """Whether the kernels of the usual runs have not been compiled yet (`mark_warm`)."""
+    folder = cache_folder()
+    return folder is None or not (folder / "warm").exists()
+
+
+def mark_warm() -> None:
+    """Note that the kernels of the usual runs are compiled."""
+    folder = cache_folder()
+    if folder is not None:
+        (folder / "warm").touch()
+
+
+def _candidates() -> Iterator[Path]:
+    if given := os.environ.get("NUMBA_CACHE_DIR"):
+        yield Path(given) / "amorsim"
+    yield _SOURCES / "__pycache__"
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    yield (Path(base) if base else Path.home() / ".cache") / "amorsim"
+    yield Path(tempfile.gettempdir()) / f"amorsim-{os.getuid() if hasattr(os, 'getuid') else 'kernels'}"
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether no other user can put code there, which would run as this one."""
+    if not hasattr(os, "getuid"):
+        return True
+    return all(
+        each.stat().st_uid in (0, os.getuid()) and not each.stat().st_mode & 0o002 for each in (folder, folder.parent)
+    )
+
+
+def _forget_old(parent: Path, present: Path) -> None:
+    """Remove compiled kernels of other sources that have not been added to for a week."""
+    for folder in parent.glob("kernels-*"):
+        if folder != present and time.time() - folder.stat().st_mtime > 7 * 86400:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _digest() -> str:
+    digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
+    for path in sorted(_SOURCES.rglob("*.py")):
+        digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()
