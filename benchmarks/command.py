@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import fleet, memory, rays, start
+from benchmarks import compositions, fleet, memory, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -18,7 +18,7 @@ from benchmarks.table import as_text
 
 __all__ = ["main"]
 
-SECTIONS = ("rays", "fleet", "memory", "start")
+SECTIONS = ("rays", "fleet", "compositions", "memory", "start")
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
@@ -45,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not plain_rates:
             plain_rates = rays.yardstick(given.rounds, given.quick, clock, say)
         rows += fleet.measure(given.rounds, given.quick, peers, plain_rates, clock, say, given.threads)
+    if "compositions" in given.only:
+        rows += compositions.measure(given.rounds, given.quick, clock, say)
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
     if "start" in given.only:

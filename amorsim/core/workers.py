@@ -49,7 +49,7 @@ class Workers:
             return
         ends = [rows * number // threads for number in range(threads + 1)]
         pool = self._threads()
-        others = [pool.submit(work, *slice_) for slice_ in itertools.pairwise(ends)]
+        others = [pool.submit(work, *slice_) for slice_ in itertools.pairwise(ends[1:])]
         try:
             work(0, ends[1])
         finally:
