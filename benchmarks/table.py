@@ -12,6 +12,7 @@ __all__ = ["as_text", "figure", "plain_says"]
 _TITLES = {
     "rays": "Ray casting",
     "fleet": "Robot-steps",
+    "compositions": "What a robot costs that differs from the shipped Pioneer in one thing",
     "memory": "Memory and loading",
     "start": "Start-up and files",
 }
