@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.same_cells import have_same_cells
+from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 
@@ -101,7 +101,7 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
     world
         The map.
     path
-        The file. One that is there is replaced.
+        The file. One that is there is replaced once the new one is whole.
     use
         The loader's name, where the extension does not tell.
     registry
@@ -110,8 +110,8 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
     Raises
     ------
     MapError
-        If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. There
-        is no file then.
+        If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. The
+        file that was there is there still.
     """
     path = Path(path)
     registry = registry or default_registry()
@@ -119,16 +119,23 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
         cls = _writer(path, use, registry)
     except PluginError as error:
         raise MapError(f"{path}: {error}") from error
+    with replacing(path, MapError) as new:
+        try:
+            again = read_map(_written(cls, world, new))
+            if not have_same_cells(again, world):
+                raise MapError(f"read again, it has other cells; {cls.__name__} cannot hold this map exactly")
+        except MapError as error:
+            raise MapError(f"{path}: cannot be written: {str(error).removeprefix(f'{new}: ')}") from error
+    return attrs.evolve(again, source=MapFile(path=path, loader=again.source.loader))
+
+
+def _written(cls: type[MapLoader], world: Map, path: Path) -> MapFile:
     try:
-        again = read_map(MapFile(path=path, loader=cls.save(world, path)))
-        if not have_same_cells(again, world):
-            raise MapError(f"read again, it has other cells; {cls.__name__} cannot hold this map exactly")
-    except (MapError, OSError, ValueError) as error:
-        with contextlib.suppress(OSError):
-            path.unlink()
-        problem = error.strerror or error if isinstance(error, OSError) else error
-        raise MapError(f"{path}: cannot be written: {problem}") from error
-    return again
+        return MapFile(path=path, loader=cls.save(world, path))
+    except (MapError, OSError):
+        raise
+    except Exception as error:  # a third party's loader
+        raise MapError(f"{cls.__name__} failed with {type(error).__name__}: {error}") from error
 
 
 def _writer(path: Path, use: str | None, registry: Registry) -> type[MapLoader]:

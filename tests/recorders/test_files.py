@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import resource
-import signal
 import time
 from pathlib import Path
 
@@ -11,6 +9,7 @@ import pytest
 
 from amorsim.core.errors import RunError
 from amorsim.recorders.files import LONGEST_WAIT, LineFile, LineFiles
+from tests.disks import small_disk
 
 
 def test_lines_reach_the_system_in_time_though_nobody_writes_any_more(tmp_path: Path) -> None:
@@ -56,18 +55,7 @@ def test_a_short_write_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.Monke
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "header\näöü,1\n"
 
 
-@pytest.fixture
-def small_disk() -> object:
-    """Files may have 1000 bytes, and are refused more as on a full disk."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    signal.signal(signal.SIGXFSZ, handler)
-
-
-@pytest.mark.usefixtures("small_disk")
+@small_disk()
 def test_a_full_disk_leaves_whole_lines_and_an_error_that_names_the_file(tmp_path: Path) -> None:
     file = LineFile(tmp_path / "a.csv", "head")
     file.write("0123456789012345\n" * 100)
@@ -77,7 +65,7 @@ def test_a_full_disk_leaves_whole_lines_and_an_error_that_names_the_file(tmp_pat
     assert (tmp_path / "a.csv").read_text() == "head\n" + "0123456789012345\n" * 58
 
 
-@pytest.mark.usefixtures("small_disk")
+@small_disk()
 def test_a_full_disk_that_the_thread_meets_is_told_to_the_next_writer(tmp_path: Path) -> None:
     files = LineFiles()
     files.add("a", tmp_path / "a.csv", "head")
