@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-__all__ = ["ESTIMATED", "MEASURED", "TRUE", "compare", "legend", "new_figure", "tidy", "unwrapped_gaps"]
+from amorsim.core.whole_files import write_bytes
+
+__all__ = ["ESTIMATED", "MEASURED", "TRUE", "compare", "legend", "new_figure", "save_figure", "tidy", "unwrapped_gaps"]
 
 Array = npt.NDArray[Any]
 
@@ -31,6 +35,19 @@ def new_figure(rows: int = 1, *, height: float = 5.0, ratios: list[float] | None
     for axis in axes:
         tidy(axis)
     return figure, list(axes)
+
+
+def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
+    """Write a figure as a PNG.
+
+    Raises
+    ------
+    RunError
+        If it cannot be written.
+    """
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=dpi)
+    write_bytes(path, drawn.getvalue())
 
 
 def tidy(axis: Any) -> None:

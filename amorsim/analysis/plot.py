@@ -14,7 +14,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
-from amorsim.analysis.figures import ESTIMATED, MEASURED, TRUE, compare, legend, new_figure, tidy, unwrapped_gaps
+from amorsim.analysis.figures import (
+    ESTIMATED,
+    MEASURED,
+    TRUE,
+    compare,
+    legend,
+    new_figure,
+    save_figure,
+    tidy,
+    unwrapped_gaps,
+)
 from amorsim.analysis.files import RunFiles, Table
 from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
@@ -68,16 +78,16 @@ def plot_run(
         if sensor in sensors:
             drawn[f"sensor-{sensor}"] = partial(_read_sensor, table, sensor, sensors[sensor])
     target = Path(out) if out is not None else Path(folder) / "plots"
-    made = []
     try:
         target.mkdir(parents=True, exist_ok=True)
-        for kind, draw in drawn.items():
-            figure = draw()
-            if figure is not None:
-                figure.savefig(target / f"{kind}.png", dpi=120)
-                made.append(target / f"{kind}.png")
     except OSError as error:
         raise RunError(f"{target}: cannot be written ({error.strerror or error})") from None
+    made = []
+    for kind, draw in drawn.items():
+        figure = draw()
+        if figure is not None:
+            save_figure(figure, target / f"{kind}.png", dpi=120)
+            made.append(target / f"{kind}.png")
     return made
 
 

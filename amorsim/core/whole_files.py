@@ -94,9 +94,10 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def copy_file(source: str | os.PathLike[str], path: str | os.PathLike[str]) -> None:
-    """Copy what a file says; fails as `write_bytes` does, and if `source` cannot be read."""
+    """Copy what a file holds; fails as `write_bytes` does, and if `source` cannot be read."""
     try:
         data = Path(source).read_bytes()
     except OSError as problem:
-        raise RunError(f"{source}: cannot be read ({problem.strerror or problem})") from problem
+        where = Path(path).parent
+        raise RunError(f"{source}: cannot be copied into {where} ({problem.strerror or problem})") from problem
     write_bytes(path, data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 import math
 from collections.abc import Sequence
@@ -15,6 +16,7 @@ from PIL import Image, ImageDraw
 from amorsim.core.errors import RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.whole_files import write_bytes
 from amorsim.render.marks import COLOURS
 from amorsim.render.words import font, in_words, round_length
 
@@ -117,12 +119,9 @@ class Animation:
         # GIFs count in hundredths; rounded, but never so that they add up.
         shown = [round(100.0 * (time - self._times[0]) / speed) for time in self._times]
         durations = [10 * max(2, after - before) for before, after in itertools.pairwise(shown)] + [1000]
-        try:
-            frames[0].save(
-                path, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False
-            )
-        except OSError as error:
-            raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+        made = io.BytesIO()
+        frames[0].save(made, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False)
+        write_bytes(path, made.getvalue())
 
     def _background(self) -> Image.Image:
         """Map and scale bar, in fine pixels."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import time
 from pathlib import Path
@@ -13,6 +14,7 @@ import attrs
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.errors import RunError
+from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
 from amorsim.runs.folder import FORMAT, RunFolder, circumstances, fingerprints
@@ -211,13 +213,9 @@ class RunSession:
                 things=self._traces.things(),
                 title=self._title(),
             )
-            try:
-                # Beside, and then moved over, so that a process that is killed leaves a whole one or none.
-                beside = self.folder / "picture.png.part"
-                picture.save(beside, "PNG")
-                beside.replace(self.folder / "picture.png")
-            except OSError as error:
-                raise RunError(f"{self.folder / 'picture.png'}: cannot be written ({error})") from None
+            drawn = io.BytesIO()
+            picture.save(drawn, "PNG")
+            write_bytes(self.folder / "picture.png", drawn.getvalue())
         run_finished(self._simulation, self._registry)
         return self.summary
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 from amorsim.core.errors import MapError, RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
+from amorsim.core.whole_files import copy_file, write_text
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.beside import files_beside
 from amorsim.scenario.controller_files import is_controller_file
@@ -46,13 +46,9 @@ def write_document(document: Mapping[str, Any], path: str | Path) -> None:
     Raises
     ------
     RunError
-        If the file cannot be written.
+        If the file cannot be written; one that was there is there still.
     """
-    text = document_text(document)
-    try:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from error
+    write_text(path, document_text(document))
 
 
 def document_text(document: Mapping[str, Any]) -> str:
@@ -253,9 +249,9 @@ class _Copies:
                     "another name, for a run's folder has one place for both"
                 )
             target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, target)
         except OSError as error:
-            raise RunError(f"{file}: cannot be copied into {self._folder}: {error.strerror or error}") from error
+            raise RunError(f"{file}: cannot be copied into {self._folder} ({error.strerror or error})") from error
+        copy_file(path, target)
         self._names[file] = key
 
     def of(self, file: str) -> str:
@@ -263,10 +259,7 @@ class _Copies:
         if file not in self._names:
             path = Path(file)
             name = self._free_name(path)
-            try:
-                if path.resolve() != (self._folder / name).resolve():
-                    shutil.copyfile(path, self._folder / name)
-            except OSError as error:
-                raise RunError(f"{file}: cannot be copied into {self._folder}: {error.strerror or error}") from error
+            if path.resolve() != (self._folder / name).resolve():
+                copy_file(path, self._folder / name)
             self._names[file] = name
         return self._names[file]

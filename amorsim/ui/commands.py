@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import math
-import shutil
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -13,7 +12,8 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, RunError, did_you_mean
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.whole_files import copy_file
 from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.write import document_of, write_document
 from amorsim.ui.forms import forms_of, value_at
@@ -346,10 +346,7 @@ def _copy_maps(document: dict[str, Any], passing: Path, path: Path) -> None:
             while copy.exists():
                 number += 1
                 copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
-            try:
-                shutil.copyfile(file, copy)
-            except OSError as error:
-                raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
+            copy_file(file, copy)
             copies[name] = str(copy)
         return copies[name]
 

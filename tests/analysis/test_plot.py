@@ -68,7 +68,9 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
     from matplotlib.figure import Figure
 
     drawn: dict[str, Figure] = {}
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: drawn.update({Path(path).stem: figure}))
+    monkeypatch.setattr(
+        "amorsim.analysis.plot.save_figure", lambda figure, path, **_: drawn.update({Path(path).stem: figure})
+    )
     plot_run(folder)
     files = RunFiles(folder)
     velocities, compass = files.table("velocities"), files.table("sensors/compass")
@@ -106,9 +108,7 @@ def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(tmp_path: Pat
 def test_pictures_of_one_robot_and_replica_go_where_they_are_wanted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from matplotlib.figure import Figure
-
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: path.touch())
+    monkeypatch.setattr("amorsim.analysis.plot.save_figure", lambda figure, path, **_: path.touch())
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "run", duration=0.3, replicas=2)
     made = plot_run(tmp_path / "run", out=tmp_path / "mine", robot="rover", replica=1)
