@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli.console import say
+from amorsim.cli.console import complain, say
 from amorsim.cli.options import RobotName, RunFolder
 from amorsim.core.errors import AmorsimError
 
@@ -23,11 +23,17 @@ def command(
     replica: Annotated[int | None, typer.Option(metavar="N", help="Which replica. [default: the first]")] = None,
 ) -> None:
     """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated."""
+    from amorsim.runs.folder import read_about, unfinished
+
     try:
         from amorsim.analysis.plot import plot_run
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise
         raise AmorsimError('plots need matplotlib: python -m pip install "amorsim[plot]"') from None
-    for path in plot_run(folder, out=out, robot=robot, replica=replica):
+    made = plot_run(folder, out=out, robot=robot, replica=replica)
+    ended = unfinished(read_about(folder))
+    if ended:
+        complain(f"{folder}: {ended}; the pictures show what its files hold")
+    for path in made:
         say(str(path))

@@ -14,12 +14,27 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import RunError
+from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
 
-__all__ = ["RunFolder", "check_free", "circumstances", "fingerprints", "new_folder", "next_folder", "read_about"]
+__all__ = [
+    "RunFolder",
+    "check_free",
+    "circumstances",
+    "fingerprints",
+    "last_time",
+    "new_folder",
+    "next_folder",
+    "read_about",
+    "unfinished",
+]
 
 FORMAT = 1
 ABOUT = "run.json"
+CLAIM = ".amorsim-claim"  # a folder that is there while a run takes hold of the one it is in
+ROOM = ".amorsim-room"  # a file that is there until a run ends: on a full disk, the last run.json takes its place
+_LONGEST_LINE = 1 << 20  # bytes
+_ROOM_BESIDES = 16384  # bytes: a folder, and files in whole blocks
 
 _EXPECTED: dict[str, tuple[type, str]] = {
     "status": (str, "a text"),
@@ -66,8 +81,10 @@ def next_folder(path: str | os.PathLike[str]) -> Path:
     return found
 
 
-def check_free(path: Path | None) -> None:
+def check_free(path: Path | None, besides: str = "") -> None:
     """Complain of a folder that holds something, before anything is computed for it; None is any.
+
+    What is called `besides` may be in it.
 
     Raises
     ------
@@ -79,7 +96,7 @@ def check_free(path: Path | None) -> None:
     if not path.is_dir():
         raise RunError(f"{path}: is a file; name a folder, new or empty")
     try:
-        holds_something = any(path.iterdir())
+        holds_something = any(each.name != besides for each in path.iterdir())
     except OSError as error:
         raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
     if holds_something:
@@ -87,12 +104,16 @@ def check_free(path: Path | None) -> None:
 
 
 class RunFolder:
-    """A folder that belongs to one run from now on: `path` exists and holds nothing but a new ``run.json``.
+    """A folder that belongs to one run from now on: `path` exists and holds a new, whole ``run.json``.
 
     Parameters
     ----------
     path
         The folder, which must be empty or not be there; without it, a new one is made after `name`.
+    name
+        See `path`.
+    about
+        What ``run.json`` says at first.
 
     Raises
     ------
@@ -100,7 +121,7 @@ class RunFolder:
         If it holds something, or cannot be made or written.
     """
 
-    def __init__(self, path: str | os.PathLike[str] | None, name: str = "run") -> None:
+    def __init__(self, path: str | os.PathLike[str] | None, name: str, about: Mapping[str, Any]) -> None:
         self._made: list[Path] = []  # by us, the innermost first
         if path is None:
             self.path = new_folder(name)
@@ -109,11 +130,13 @@ class RunFolder:
             self.path = Path(path)
             self._make()
         try:
-            # Only one of two that begin together makes this file.
-            (self.path / ABOUT).open("x").close()
+            self._claim(about)
         except OSError as error:
             self._remove_folders()
             raise self._failure(error) from None
+        except RunError:
+            self._remove_folders()
+            raise
 
     def _make(self) -> None:
         check_free(self.path)
@@ -125,6 +148,15 @@ class RunFolder:
             self._made = missing[:-1]
         except OSError as error:
             raise self._failure(error) from None
+
+    def _claim(self, about: Mapping[str, Any]) -> None:
+        claim = self.path / CLAIM
+        claim.mkdir()  # only one of two that begin together makes it
+        try:
+            check_free(self.path, besides=CLAIM)  # the other one may be through with this
+            self.write_about(about)
+        finally:
+            claim.rmdir()
 
     def _failure(self, error: OSError) -> RunError:
         return RunError(f"{self.path}: cannot make this folder for the run ({error.strerror or error})")
@@ -142,20 +174,33 @@ class RunFolder:
                 folder.rmdir()
 
     def write_about(self, about: Mapping[str, Any]) -> None:
-        """Write ``run.json``: beside, and then moved over, so that it is whole at any moment.
+        """Write ``run.json``, which is whole at any moment.
 
         Raises
         ------
         RunError
             If it cannot be written.
         """
-        path = self.path / ABOUT
-        beside = path.with_suffix(".json.part")
+        write_text(self.path / ABOUT, json.dumps(about, indent=2) + "\n")
+
+    def set_room_aside(self, size: int) -> None:
+        """Keep `size` bytes of the disk for `write_end`, and for what a file takes besides.
+
+        Raises
+        ------
+        RunError
+            If there is no room.
+        """
         try:
-            beside.write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
-            beside.replace(path)
+            (self.path / ROOM).write_bytes(bytes(size + _ROOM_BESIDES))
         except OSError as error:
-            raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+            raise RunError(f"{self.path}: there is no room for the run's files ({error.strerror or error})") from None
+
+    def write_end(self, about: Mapping[str, Any]) -> None:
+        """As `write_about`, on a disk that is full too, for room was set aside."""
+        with contextlib.suppress(OSError):
+            (self.path / ROOM).unlink()
+        self.write_about(about)
 
 
 def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
@@ -179,6 +224,39 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
         if not isinstance(about.get(key), kind):
             raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {about.get(key)!r}")
     return about
+
+
+def unfinished(about: Mapping[str, Any]) -> str:
+    """How a run ended that did not end in order, as a sentence; nothing for one that did.
+
+    `about` is what its ``run.json`` says.
+    """
+    status = about["status"]
+    if status == "finished":
+        return ""
+    if status == "running":
+        return "this run has not ended: it was killed, or it still goes on"
+    done = about.get("steps_done")
+    when = f" after {done * about['dt']:g} s" if isinstance(done, int) else ""
+    return f"this run did not end in order: it was {status}{when}"
+
+
+def last_time(folder: Path) -> float:
+    """The time [s] up to which all of a run's tables have lines, but for those of what happens now and then.
+
+    A slow sensor's ends before the others, though it is whole.
+    """
+    times = []
+    for path in (*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")):
+        if path.name in ("events.csv", "obstacles.csv"):
+            continue
+        with contextlib.suppress(OSError, ValueError, IndexError), path.open("rb") as file:
+            header = file.readline().rstrip(b"\n").split(b",")
+            start = file.tell()
+            file.seek(max(start, file.seek(0, os.SEEK_END) - _LONGEST_LINE))
+            last = file.read().rpartition(b"\n")[0].rpartition(b"\n")[2]
+            times.append(float(last.split(b",")[header.index(b"time")]))
+    return min(times, default=0.0)
 
 
 def circumstances() -> dict[str, Any]:

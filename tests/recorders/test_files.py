@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from amorsim.core.errors import RunError
-from amorsim.recorders.files import LONGEST_WAIT, LineFile, LineFiles
+from amorsim.recorders.files import LONGEST_WAIT, PAGE, LineFile, LineFiles
 from tests.disks import small_disk
 
 
@@ -42,7 +42,7 @@ def test_lines_are_held_back_for_few_writes(tmp_path: Path, monkeypatch: pytest.
         file.write("line\n")
     assert written == []
     file.close()
-    assert len(written) == 1
+    assert len(written) == 2  # pages
     assert (tmp_path / "a.csv").read_text().count("line\n") == 1000
 
 
@@ -61,7 +61,10 @@ def test_a_full_disk_leaves_whole_lines_and_an_error_that_names_the_file(tmp_pat
     file.write("0123456789012345\n" * 100)
     with pytest.raises(RunError, match=r"a.csv: cannot be written \(File too large\)"):
         file.flush()
-    file.close()
+    with pytest.raises(RunError, match="File too large"):  # or lines would be missing within it
+        file.write("after the gap\n")
+    with pytest.raises(RunError, match="File too large"):
+        file.close()
     assert (tmp_path / "a.csv").read_text() == "head\n" + "0123456789012345\n" * 58
 
 
@@ -78,6 +81,22 @@ def test_a_full_disk_that_the_thread_meets_is_told_to_the_next_writer(tmp_path: 
     with pytest.raises(RunError, match="File too large"):
         files.close()
     assert (tmp_path / "a.csv").read_text().endswith("5\n")
+
+
+def test_no_line_is_written_in_two_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kill breaks a write off between two pages: what is written at a time are whole lines, of a page at most."""
+    write, written = __import__("os").write, []
+    monkeypatch.setattr("os.write", lambda descriptor, data: written.append(bytes(data)) or write(descriptor, data))
+    lines = [f"{'x' * (i * 37 % 200)},{i}\n" for i in range(2000)]
+    lines[1000] = "y" * 3 * PAGE + "\n"
+    file = LineFile(tmp_path / "a.csv", "head")
+    file.write("".join(lines))  # at once, more than is held back
+    for line in lines:
+        file.write(line)
+    file.close()
+    assert (tmp_path / "a.csv").read_text() == "head\n" + 2 * "".join(lines)
+    assert all(data.endswith(b"\n") and (len(data) <= PAGE or data.count(b"\n") == 1) for data in written)
+    assert len(written) < 2.5 * sum(map(len, lines)) / (PAGE - 200)
 
 
 def test_a_file_that_cannot_be_made_is_named(tmp_path: Path) -> None:
