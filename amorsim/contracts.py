@@ -529,11 +529,20 @@ class MapLoader(abc.ABC):
     def load(self, path: Path) -> Map:
         """The map in a file; `MapError` names what is wrong with it, and the line where there is one."""
 
+    def companions(self, path: Path) -> Sequence[Path]:
+        """The other files that `load` reads for this one, such as the picture that it names.
+
+        A run's folder gets copies of all of them, in the same places relative to each other, so a file has to name
+        its companions relative to itself. `MapError` where the file cannot be read.
+        """
+        return ()
+
     @classmethod
     def save(cls, world: Map, path: Path) -> MapLoader:
         """Write a map into a file of this format, where that can be done; returns the loader that reads it again.
 
-        `amorsim.save_map` reads it again and sees whether the cells are the same.
+        Companions are written next to it, and named relative to it: all of them move to where they belong when they
+        are whole. `amorsim.save_map` reads the file again and sees whether the cells are the same.
         """
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 
-__all__ = ["MapFile", "find_loader", "load_map", "read_map", "save_map"]
+__all__ = ["MapFile", "companions_of", "find_loader", "load_map", "read_map", "save_map"]
 
 _HEAD = 4096
 
@@ -88,6 +90,31 @@ def read_map(file: MapFile) -> Map:
     if not isinstance(found, Map):
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
     return attrs.evolve(found, source=file)
+
+
+def companions_of(file: MapFile) -> list[Path]:
+    """The other files that are read for a map's file, by their absolute paths.
+
+    Raises
+    ------
+    MapError
+        If the loader cannot tell, or one of them is no file.
+    """
+    loader = type(file.loader).__name__
+    try:
+        found = file.loader.companions(file.path)
+    except MapError:
+        raise
+    except Exception as error:  # a third party's loader
+        raise MapError(f"{file.path}: {loader}.companions failed with {type(error).__name__}: {error}") from error
+    if not isinstance(found, Sequence) or not all(isinstance(path, Path) for path in found):
+        raise MapError(f"{file.path}: {loader}.companions gave {found!r}; expected a list of paths")
+    # Not resolve(), for the same reason as where a scenario names its map.
+    paths = [Path(os.path.abspath(file.path.parent / path)) for path in found]  # noqa: PTH100
+    for path in paths:
+        if not path.is_file():
+            raise MapError(f"{file.path}: {path}, which it should read, is no file")
+    return paths
 
 
 def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: Registry | None = None) -> Map:
