@@ -244,18 +244,21 @@ def unfinished(about: Mapping[str, Any]) -> str:
 def last_time(folder: Path) -> float:
     """The time [s] up to which all of a run's tables have lines, but for those of what happens now and then.
 
-    A slow sensor's ends before the others, though it is whole.
+    0 if one has none. A slow sensor's ends before the others, though it is whole.
     """
     times = []
     for path in (*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")):
         if path.name in ("events.csv", "obstacles.csv"):
             continue
-        with contextlib.suppress(OSError, ValueError, IndexError), path.open("rb") as file:
-            header = file.readline().rstrip(b"\n").split(b",")
-            start = file.tell()
-            file.seek(max(start, file.seek(0, os.SEEK_END) - _LONGEST_LINE))
-            last = file.read().rpartition(b"\n")[0].rpartition(b"\n")[2]
+        try:
+            with path.open("rb") as file:
+                header = file.readline().rstrip(b"\n").split(b",")
+                start = file.tell()
+                file.seek(max(start, file.seek(0, os.SEEK_END) - _LONGEST_LINE))
+                last = file.read().rpartition(b"\n")[0].rpartition(b"\n")[2]
             times.append(float(last.split(b",")[header.index(b"time")]))
+        except (OSError, ValueError, IndexError):  # no line
+            times.append(0.0)
     return min(times, default=0.0)
 
 

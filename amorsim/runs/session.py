@@ -291,7 +291,10 @@ class RunSession:
         dt = self._simulation.dt
         if self._has_lost_lines and self._summary is not None:
             end = self._summary.steps * dt
-            return f"the files in {self.folder} end at {end:g} s, though {self.steps * dt:g} s were simulated"
+            return (
+                f"the files in {self.folder} end early, the first of them at {end:g} s, though {self.steps * dt:g} s "
+                "were simulated"
+            )
         return f"the files up to {self.steps * dt:g} s are in {self.folder}"
 
     def give_up(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import tomllib
 from pathlib import Path
@@ -88,6 +89,26 @@ def test_reproduce_tells_a_difference_by_its_exit_status(amorsim: Command, study
     assert result.out.startswith("not the same: ")
     assert "at tick 5 (0.5 s), robot 'rover', in poses.csv, line 7: true_x was 2." in result.out
     assert amorsim("reproduce", "run", "--quiet").out == ""
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"status": "running"}, "this run has not ended: it was killed, or it still goes on; the pictures show"),
+        ({"status": "interrupted"}, "this run did not end in order: it was interrupted after 0.3 s; the pictures show"),
+        ({}, ""),
+    ],
+)
+def test_plot_says_when_a_run_is_unfinished(
+    amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch, change: dict[str, str], words: str
+) -> None:
+    monkeypatch.setattr("amorsim.analysis.plot.save_figure", lambda *_, **__: None)
+    assert amorsim("run", study, "--duration", 0.3, "--out", "run", "-q").status == 0
+    about = Path("run/run.json")
+    about.write_text(json.dumps(json.loads(about.read_text()) | change))
+    result = amorsim("plot", "run")
+    assert result.status == 0
+    assert (words in result.err) if words else (result.err == "")
 
 
 def test_plot_without_matplotlib_says_how_to_get_it(
