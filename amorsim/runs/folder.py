@@ -96,11 +96,13 @@ def check_free(path: Path | None, besides: str = "") -> None:
     if not path.is_dir():
         raise RunError(f"{path}: is a file; name a folder, new or empty")
     try:
-        holds_something = any(each.name != besides for each in path.iterdir())
+        there = next((each.name for each in path.iterdir() if each.name != besides), "")
     except OSError as error:
         raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
-    if holds_something:
-        raise RunError(f"{path}: the folder holds files already; name another one, or one that is not there")
+    if there:  # named, for it may be one that a listing leaves out
+        raise RunError(
+            f"{path}: the folder holds files already, such as {there}; name another one, or one that is not there"
+        )
 
 
 class RunFolder:

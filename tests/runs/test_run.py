@@ -128,7 +128,7 @@ def test_collisions_are_events_and_counted(study: Path, tmp_path: Path) -> None:
 def test_a_folder_that_holds_something_is_left_alone(study: Path, tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("all of it")
-    with pytest.raises(am.RunError, match=r"mine: the folder holds files already"):
+    with pytest.raises(am.RunError, match=r"mine: the folder holds files already, such as thesis\.txt;"):
         am.run(am.load(study), tmp_path / "mine")
     assert files_of(tmp_path / "mine") == {"thesis.txt"}
     with pytest.raises(am.RunError, match=r"thesis.txt: is a file"):
