@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 from pathlib import Path
 
 import pytest
 
+import amorsim
 from amorsim.core.errors import MapError, RunError
 from amorsim.core.whole_files import copy_file, replacing, write_bytes, write_text
 from tests.disks import small_disk
@@ -121,3 +123,18 @@ def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypa
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # for root may write everything
     with pytest.raises(RunError, match=r"a\.txt: cannot be written \(Permission denied\)"):
         write_text(tmp_path / "a.txt", "new")
+
+
+def test_everything_that_writes_goes_through_here() -> None:
+    """What may write otherwise: lines that a run appends, room that it keeps, copies in a folder that passes."""
+    others = ["core/whole_files.py", "kernels/", "maps/", "runs/folder.py", "testing/maps.py"]
+    writes = re.compile(r"""\.write_(text|bytes)\(|shutil\.copy|\.savefig\((?!drawn)|open\([^)]*["'][wxa]b?\+?["']""")
+    root = Path(amorsim.__file__).parent
+    found = [
+        f"{name}:{number}"
+        for path in sorted(root.rglob("*.py"))
+        if not (name := path.relative_to(root).as_posix()).startswith(tuple(others))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if writes.search(line)
+    ]
+    assert found == []
