@@ -181,6 +181,7 @@ class BodyStates(NamedTuple):
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
     own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
     is_robot: npt.NDArray[np.bool_]  # (B,) a robot or a part of one; the others are obstacles
+    owner: npt.NDArray[np.int64]  # (B,) the robot's body that a part belongs to; of all others, the body itself
 
 
 class Lights(NamedTuple):
@@ -261,10 +262,19 @@ class View(Protocol):
     def heights(self) -> Array:
         """How high each of them is `(B + L,)` [m]."""
 
-    def look(self, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+    def look(
+        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+    ) -> tuple[Array, npt.NDArray[np.int64]]:
         """What beams meet first: the distances [m] `(N * m, k)` as of `cast`, and which thing, -1 for a wall or none.
 
-        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size.
+        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size;
+        without `landmarks`, bodies alone, and the distances are those of `cast`.
+        """
+
+    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
+        """Directions [rad] `(N * m, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
+
+        `bodies` `(N * m, k)` is what `look` gave for these beams without landmarks.
         """
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
