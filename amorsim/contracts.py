@@ -44,6 +44,7 @@ __all__ = [
     "Emissions",
     "Estimate",
     "Estimator",
+    "FloorPoints",
     "Frame",
     "Joint",
     "Lights",
@@ -191,6 +192,13 @@ class Lights(NamedTuple):
     intensity: Array  # (M,) [cd]
 
 
+class FloorPoints(NamedTuple):
+    """What the floor is like at k places of each row."""
+
+    reflectance: Array  # (N, k) the part of the light that it returns, 0 to 1; 0 in a drop
+    depth: Array  # (N, k) [m] how much deeper it lies than the floor that robots roll on; 0 but in a drop
+
+
 class Sightings(NamedTuple):
     """Marks in sight of each row, the nearest first, in a fixed number of slots m; and slots that are empty."""
 
@@ -282,6 +290,9 @@ class View(Protocol):
 
         `which` `(N, s)` says which of `zones` each is.
         """
+
+    def floor(self, places: Array) -> FloorPoints:
+        """What the floor is like at places `(N, k, 2)` [m] in the world: its markings and its drops."""
 
     def lights(self) -> Lights:
         """All lamps, whether they are in sight or not: `cast` tells."""

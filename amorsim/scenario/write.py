@@ -29,6 +29,7 @@ _HEADED = (
     ("world",),
     ("simulation",),
     ("recording",),
+    ("floor",),
     ("robots", "shape"),
     ("robots", "drive"),
     ("robots", "sensors"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import BodyStates, Emissions, Lights, Sightings
+from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
@@ -188,6 +188,15 @@ class GroupView:
     def heights(self) -> Array:
         """How high all things are."""
         return self._world.surroundings.heights
+
+    def floor(self, places: Array) -> FloorPoints:
+        """What the floor is like at places; see `amorsim.contracts.View.floor`."""
+        if not isinstance(places, np.ndarray) or places.shape[:1] + places.shape[2:] != (self.rows, 2):
+            raise ComponentError(
+                f"view.floor: places: expected places in the world, an array ({self.rows}, k, 2) [m], got "
+                f"{_told(places)}"
+            )
+        return self._world.surroundings.floor.at(places)
 
     def lights(self) -> Lights:
         """All lamps; see `amorsim.contracts.View.lights`."""
