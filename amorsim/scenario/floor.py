@@ -113,4 +113,4 @@ class Floor:
     @property
     def patches(self) -> list[Patch]:
         """All of it as it is drawn, the lowest first."""
-        return [thing.patch for thing in (*self.markings, *self.drops)]
+        return [mark.patch for mark in self.markings] + [drop.patch for drop in self.drops]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from amorsim.core.parameters import ParameterError
+from amorsim.core.parameters import Parameter, ParameterError
 from amorsim.core.shapes import Shape
 from amorsim.scenario.bodies import read_pose, read_shape
 from amorsim.scenario.faults import Node
@@ -17,7 +17,11 @@ __all__ = ["read_floor", "write_floor"]
 _LISTS = ("markings", "drops")
 _PLACED = ("shape", "pose")
 _OF_LINES = ("points", "closed", "width")
-_NUMBERS = {Floor: ("reflectance",), Marking: (*_OF_LINES, "reflectance", "colour"), Drop: ("depth",)}
+_NUMBERS: dict[type, tuple[str, ...]] = {
+    Floor: ("reflectance",),
+    Marking: (*_OF_LINES, "reflectance", "colour"),
+    Drop: ("depth",),
+}
 
 Thing = TypeVar("Thing", Marking, Drop)
 WriteShape = Callable[[Shape, str], dict[str, Any]]
@@ -40,12 +44,12 @@ def read_floor(node: Node) -> Floor | None:
 
 def _read_thing(kind: type[Thing], node: Node) -> Thing | None:
     """A marking or a drop in a table; None after faults."""
-    fields = file_fields(kind, names=_NUMBERS[kind])
-    if not node.expect_table(f"a table: {', '.join((*_PLACED, *fields))}"):
+    known: dict[str, Parameter] = file_fields(kind, names=_NUMBERS[kind])
+    if not node.expect_table(f"a table: {', '.join((*_PLACED, *known))}"):
         return None
     before = node.book.count
-    node.refuse_unknown((*_PLACED, *fields))
-    values = read_fields(node, fields, skip=_PLACED)
+    node.refuse_unknown((*_PLACED, *known))
+    values = read_fields(node, known, skip=_PLACED)
     if kind is Drop or "shape" in node:
         values["shape"] = read_shape(node.child("shape"))
     if "pose" in node:

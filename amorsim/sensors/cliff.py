@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.sensors.response import ring_poses
+from amorsim.sensors.response import ring_poses, ring_size
 
 __all__ = ["Cliff"]
 
@@ -43,8 +43,7 @@ class Cliff(Sensor):
 
     def size(self, drive: Drive) -> int:
         """One value for each element."""
-        elements: Any = self.elements
-        return int(elements.x.shape[1]) if isinstance(elements, Mount) else len(elements)
+        return ring_size(self.elements)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """1 where the floor drops, else 0 `(N, k)`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import types
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.sensors.response import ring_poses
+from amorsim.sensors.response import ring_poses, ring_size
 
 __all__ = ["Line"]
 
@@ -55,8 +55,7 @@ class Line(Sensor):
 
     def size(self, drive: Drive) -> int:
         """One value for each element."""
-        elements: Any = self.elements
-        return int(elements.x.shape[1]) if isinstance(elements, Mount) else len(elements)
+        return ring_size(self.elements)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Reflectances `(N, k)`, from 0 to 1."""
