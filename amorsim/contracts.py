@@ -44,6 +44,7 @@ __all__ = [
     "Emissions",
     "Estimate",
     "Estimator",
+    "FloorPoints",
     "Frame",
     "Joint",
     "Lights",
@@ -181,6 +182,7 @@ class BodyStates(NamedTuple):
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
     own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
     is_robot: npt.NDArray[np.bool_]  # (B,) a robot or a part of one; the others are obstacles
+    owner: npt.NDArray[np.int64]  # (B,) the robot's body that a part belongs to; of all others, the body itself
 
 
 class Lights(NamedTuple):
@@ -188,6 +190,13 @@ class Lights(NamedTuple):
 
     places: Array  # (M, 2) [m] in the world
     intensity: Array  # (M,) [cd]
+
+
+class FloorPoints(NamedTuple):
+    """What the floor is like at k places of each row."""
+
+    reflectance: Array  # (N, k) the part of the light that it returns, 0 to 1; 0 in a drop
+    depth: Array  # (N, k) [m] how much deeper it lies than the floor that robots roll on; 0 but in a drop
 
 
 class Sightings(NamedTuple):
@@ -261,10 +270,19 @@ class View(Protocol):
     def heights(self) -> Array:
         """How high each of them is `(B + L,)` [m]."""
 
-    def look(self, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+    def look(
+        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+    ) -> tuple[Array, npt.NDArray[np.int64]]:
         """What beams meet first: the distances [m] `(N * m, k)` as of `cast`, and which thing, -1 for a wall or none.
 
-        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size.
+        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size;
+        without `landmarks`, bodies alone, and the distances are those of `cast`.
+        """
+
+    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
+        """Directions [rad] `(N * m, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
+
+        `bodies` `(N * m, k)` is what `look` gave for these beams without landmarks.
         """
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
@@ -272,6 +290,9 @@ class View(Protocol):
 
         `which` `(N, s)` says which of `zones` each is.
         """
+
+    def floor(self, places: Array) -> FloorPoints:
+        """What the floor is like at places `(N, k, 2)` [m] in the world: its markings and its drops."""
 
     def lights(self) -> Lights:
         """All lamps, whether they are in sight or not: `cast` tells."""

@@ -85,7 +85,9 @@ class Film:
             colour = bodies[name].colour
             shown.append(Shown(outline=shape.outline, is_robot=name in robots, colour=colour, is_part=is_part))
         try:
-            self._animation = Animation(simulation.scenario.map, shown, size=size)
+            self._animation = Animation(
+                simulation.scenario.map, shown, patches=simulation.scenario.floor.patches, size=size
+            )
         except ParameterError as error:
             raise ParameterError("gif-size", error.problem) from None
         self._take()

@@ -216,6 +216,7 @@ class RunSession:
                 self._scenario.map,
                 self._traces.paths(),
                 zones=[zone.outline for zone in self._scenario.zones],
+                patches=self._scenario.floor.patches,
                 things=self._traces.things(),
                 title=self._title(),
             )

@@ -30,6 +30,7 @@ _HEADED = (
     ("world",),
     ("simulation",),
     ("recording",),
+    ("floor",),
     ("robots", "shape"),
     ("robots", "drive"),
     ("robots", "sensors"),

@@ -26,7 +26,7 @@ from amorsim.core.poses import compose, logarithm
 from amorsim.core.rows import stack, take
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
-from amorsim.scenario.spec import Landmark, Light, Obstacle
+from amorsim.scenario.spec import Drop, Floor, Landmark, Light, Marking, Obstacle, Pose
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro
@@ -74,7 +74,15 @@ def _surroundings(landmarks: Array) -> Surroundings:
     lights = [Light(x=2.0, y=2.0), Light(x=6.0, y=4.0, intensity=3.0)]
     robot = Obstacle(name="robot", shape=_BODY)
     post = Obstacle(name="post", shape=_POST, fiducial=9, colour="red")
-    return Surroundings.of((robot, post, Obstacle(name="box", shape=_BOX, colour="green", height=0.5)), marks, lights)
+    box = Obstacle(name="box", shape=_BOX, colour="green", height=0.5)
+    return Surroundings.of((robot, post, box), marks, lights, floor=_floor())
+
+
+def _floor() -> Floor:
+    """Stripes a hand wide, so that a sensor is now on one and now beside it, and drops among them."""
+    stripes = [Marking(points=((0.0, 0.2 * i), (12.0, 0.2 * i)), width=0.1, reflectance=0.02 * i) for i in range(40)]
+    drops = [Drop(shape=Shape.rectangle(0.1, 8.0), pose=Pose(x=0.5 * i, y=4.0), depth=0.02 * i) for i in range(1, 24)]
+    return Floor(markings=stripes, drops=drops)
 
 
 class Rig:

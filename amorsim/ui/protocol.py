@@ -180,12 +180,21 @@ class ObstacleShape(TypedDict):
     colour: NotRequired[str]  # "#rrggbb", where it has one of its own
 
 
+class FloorPatch(TypedDict):
+    """A line or an area on the floor, as `amorsim.core.patches.Patch`."""
+
+    points: list[list[float]]  # x, y [m]
+    width: float  # [m] of a line, 0 for an area
+    colour: str  # "#rrggbb"
+
+
 class Floor(TypedDict):
     """What there is in the world besides walls and bodies; robots may know of it or not."""
 
     landmarks: list[list[float]]  # x, y, radius [m]
     lights: list[list[float]]  # x, y [m]
     zones: list[list[list[float]]]  # the outline of each, x, y [m]
+    patches: list[FloorPatch]  # markings and drops, the lowest first
 
 
 class Scene(TypedDict):

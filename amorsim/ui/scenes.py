@@ -76,6 +76,10 @@ class SceneBuilder:
                 "landmarks": [[mark.x, mark.y, mark.radius] for mark in scenario.landmarks],
                 "lights": [[light.x, light.y] for light in scenario.lights],
                 "zones": [zone.outline.tolist() for zone in scenario.zones],
+                "patches": [
+                    {"points": patch.points.tolist(), "width": patch.width, "colour": _rgb(patch.colour)}
+                    for patch in scenario.floor.patches
+                ],
             },
         }
 

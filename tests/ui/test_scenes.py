@@ -121,6 +121,23 @@ def attrs_without_segments(world: am.Map) -> am.Map:
     return attrs.evolve(world, segments=None)
 
 
+def test_the_floor_has_its_markings_and_drops_the_lowest_first() -> None:
+    floor = am.Floor(
+        markings=[
+            am.Marking(points=((1.0, 1.0), (2.0, 1.0), (2.0, 2.0)), closed=True, width=0.03, colour="navy"),
+            am.Marking(shape=am.Shape.rectangle(1.0, 0.5), pose=am.Pose(x=3.0, y=2.0), colour="#ffee00"),
+        ],
+        drops=[am.Drop(shape=am.Shape.rectangle(0.5, 0.5))],
+    )
+    patches = SceneBuilder(am.Simulation(building.scenario(floor=floor))).scene["floor"]["patches"]
+    line, area, drop = patches
+    assert line == {"points": [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 1.0]], "width": 0.03, "colour": "#000080"}
+    assert area["points"] == [[2.5, 1.75], [3.5, 1.75], [3.5, 2.25], [2.5, 2.25]]
+    assert (area["width"], area["colour"]) == (0.0, "#ffee00")
+    assert drop["width"] == 0.0
+    json.dumps(patches)
+
+
 def test_a_thousand_robots_of_one_kind_are_one_kind() -> None:
     robots = [building.robot(name=f"r{i}", pose=am.Pose(x=1.0 + (i % 40), y=1.0 + (i // 40))) for i in range(1000)]
     scenario = building.scenario(*robots, map=building.empty(100.0))

@@ -161,8 +161,19 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
   context.restore();
 }
 
-/** Zones of the floor, lamps and landmarks, as they truly are. */
+/** Markings and drops of the floor, its zones, lamps and landmarks, as they truly are. */
 export function drawFloor(context, camera, floor, theme) {
+  for (const { points, width, colour } of floor.patches ?? []) {
+    context.beginPath();
+    for (const [x, y] of points) context.lineTo(x, y);
+    context.fillStyle = context.strokeStyle = colour;
+    context.lineWidth = Math.max(width, px(camera, 1));
+    context.lineCap = context.lineJoin = "round";
+    if (width > 0) context.stroke();
+    else context.fill();
+  }
+  context.lineCap = "butt";
+  context.lineJoin = "miter";
   for (const zone of floor.zones) {
     context.beginPath();
     trace(context, { polygon: zone }, 0, 0, 0);
