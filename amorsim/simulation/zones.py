@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Drive, State
-from amorsim.core.crossings import contains, share_within
+from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
 from amorsim.scenario.spec import Zone
 from amorsim.simulation.chain import Chain, Streams
@@ -91,10 +91,15 @@ class Zones:
             side = {"entered": entered.astype(np.float64)}
             # Of what lies outside nothing, not even a zero with a sign.
             within = np.where(share > 0.0, travel * share, 0.0)
+            share = _cut(zone, a, b, share, within, chain.median(within, side, elapsed))
+            within = np.where(share > 0.0, travel * share, 0.0)
             passed = chain.corrupt(within, side, elapsed)
             slipped = np.where(share > 0.0, (travel - within) + passed, travel)
             if chain.slides and motion is not None:
                 slide = slide + chain.slide(motion * _mean(share), elapsed)
+            # The next zone sees the way that this one leaves.
+            over = np.where(travel != 0.0, travel, 1.0)
+            stop = start + (stop - start) * np.where(travel != 0.0, slipped / over, 1.0).reshape(-1, 1)
             travel = slipped
         return travel, slide
 
@@ -105,6 +110,18 @@ class Zones:
             for zone, chain in zip(self._zones, self._chains, strict=True)
             for name, state in zip(chain.names, chain.states, strict=True)
         }
+
+
+def _cut(zone: Zone, a: Array, b: Array, share: Array, within: Array, passed: Array) -> Array:
+    """The share `(N, r)` of what wheels roll that they roll within a zone, which lets them go `passed` for `within`.
+
+    `share` is that of wheels that go all that they roll, on the lines from `a` to `b` in the zone's frame.
+    """
+    slips = (share > 0.0) & (passed != within) & (within != 0.0)
+    if not slips.any():
+        return share
+    ratio = np.where(slips, passed / np.where(slips, within, 1.0), 1.0)
+    return np.where(slips, share_rolled(zone.shape, a, b, ratio.reshape(-1)).reshape(share.shape), share)
 
 
 def _mean(share: Array) -> Array:
