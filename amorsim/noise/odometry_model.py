@@ -38,8 +38,8 @@ class OdometryModel(Noise):
     mecanum drive. A car, tricycle or synchro drive turns by how it steers, which no travel changes: its body slides by
     all errors. The way is that in the direction in which the body goes, the turn that of its frame.
 
-    As published, an error is drawn per step, so that over a given way the noise is the less, the shorter the steps; with
-    `interval` it does not depend on the step.
+    As published, an error is drawn per step, so that over a given way the noise is the less, the shorter the steps;
+    with `interval` it does not depend on the step.
 
     Parameters
     ----------
