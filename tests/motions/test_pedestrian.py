@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -116,6 +117,22 @@ def test_two_that_meet_pass_one_another() -> None:
     assert np.linalg.norm(ways[:, 0] - ways[:, 1], axis=1).min() > 0.44
     assert ways[-1, 0, 0] > 7.0
     assert ways[-1, 1, 0] < 4.0
+
+
+@pytest.mark.parametrize(("width", "passes"), [(0.8, False), (1.0, True)])
+def test_a_route_through_a_door_and_how_narrow_it_may_be(width: float, passes: bool, tmp_path: Path) -> None:
+    """As the docs say: goals on either side of a door lead through it, but not through one of 0.8 m."""
+    low, high = round(3000 - 500 * width), round(3000 + 500 * width)
+    outer = "0 0 8000 0\n8000 0 8000 6000\n8000 6000 0 6000\n0 6000 0 0\n"
+    (tmp_path / "gate.wld").write_text(f"{outer}4000 0 4000 {low}\n4000 {high} 4000 6000\n", encoding="utf-8")
+    goals = ((3.6, 3.0), (4.6, 3.0), (6.5, 4.5))
+    motion = Pedestrian(goals=goals, order="once", relative=True, step=1.0, near=0.4, **CALM)
+    walk = obstacle(motion, shape=am.Shape.circle(0.2), pose=am.Pose(x=1.5, y=1.5))
+    robot = building.robot(pose=am.Pose(x=1.0, y=5.0))
+    gate = am.load_map(tmp_path / "gate.wld", resolution=0.02)
+    sim = am.Simulation(building.scenario(robot, map=gate, obstacles=[walk], dt=DT))
+    sim.run(15.0)
+    assert (sim.obstacle("thing").true_pose[0] > 4.4) == passes
 
 
 def test_goals_in_turn_and_at_random_and_given_up() -> None:
