@@ -575,7 +575,7 @@ class Frame(NamedTuple):
     true_pose: Array  # (N, 3)
     true_twist: Array  # (N, 3) mean over the step, in the body's frame
     joint_names: Sequence[str]
-    joint_rates: Array  # (N, j) true
+    joint_rates: Array  # (N, j) true, mean over the step
     estimates: Mapping[str, Estimate]  # the controller's is the first
     readings: Mapping[str, tuple[Array, Measurement]]  # true values, and the robot's reading
     channels: Sequence[str]
