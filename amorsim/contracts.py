@@ -466,6 +466,14 @@ class Noise(Component):
         """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
         return values
 
+    def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
+        """How far the body slides in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.
+
+        Both are (forward, left, turn) in the body's frame, `(N, 3)`; the slide is spread evenly over the step. For
+        the `ground` of a robot or a zone, where it is called after `corrupt`. Encoders do not see it.
+        """
+        return np.zeros_like(motion)
+
     def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
         """How much later than its sensor's latency a reading arrives `(N, 1)` [s]; earlier where negative.
 
@@ -597,7 +605,7 @@ class Frame(NamedTuple):
     true_pose: Array  # (N, 3)
     true_twist: Array  # (N, 3) mean over the step, in the body's frame
     joint_names: Sequence[str]
-    joint_rates: Array  # (N, j) true
+    joint_rates: Array  # (N, j) true, mean over the step
     estimates: Mapping[str, Estimate]  # the controller's is the first
     readings: Mapping[str, tuple[Array, Measurement]]  # true values, and the robot's reading
     channels: Sequence[str]

@@ -220,7 +220,7 @@ def _wheels(velocities: Table) -> Figure | None:
     if not joints:
         return None
     figure, axes = new_figure(2 * len(joints), height=1.0 + 3.2 * len(joints), ratios=[3, 1] * len(joints))
-    figure.suptitle("joints: true rate, and as the encoders say", x=0.02, ha="left")
+    figure.suptitle("joints: mean rate over a step, true and by the encoders", x=0.02, ha="left")
     time = velocities["time"]
     for row, joint in enumerate(joints):
         main, below = axes[2 * row : 2 * row + 2]

@@ -9,8 +9,6 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.contracts import Controller, Motion
-from amorsim.controllers.goto import GoTo
-from amorsim.controllers.square import Square
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
 from amorsim.core.ways import shut_off
@@ -46,12 +44,6 @@ def advice(scenario: Scenario) -> list[str]:
         if robot.controller is None:
             remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
         remarks += _factors(robot)
-        lag = getattr(robot.drive, "lag", 0.0)
-        if isinstance(robot.controller, (GoTo, Square)) and lag > scenario.dt:
-            remarks.append(
-                f"robots.{robot.name}.drive.lag: {lag:g} s is longer than a step ({scenario.dt:g} s), which its "
-                "controller does not reckon with: it may drive about its goal for ever"
-            )
     remarks += _unreachable(scenario)
     remarks += _alike(scenario)
     for i, mark in enumerate(scenario.landmarks):

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Noise, State
-from amorsim.core.draws import stream_key
+from amorsim.core.draws import Medians, stream_key
 from amorsim.core.rows import stack
 from amorsim.core.workers import Workers
 from amorsim.scenario.spec import NoiseElement
@@ -65,6 +65,7 @@ class Chain:
         self.columns = len(columns)
         # Called with an element's number, the element and what its `corrupt` gets, in the place of that.
         self.watch: Callable[..., Array] | None = None
+        self.slides = [i for i, kind in enumerate(kinds) if kind.slide is not Noise.slide]
         self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
@@ -92,6 +93,21 @@ class Chain:
         for i in self.delays:
             late = late + self.elements[i].delay(elapsed, self.states[i], self.draws[i])
         return late
+
+    def median(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        """What the values `(N, k)` would become on the whole, without what is random; nothing changes by it."""
+        for i in self.corrupts:
+            state = {name: array.copy() for name, array in self.states[i].items()}
+            draws = Medians(self.draws[i].keys, self.draws[i].counter)
+            values = self.elements[i].corrupt(values, side, elapsed, state, draws)
+        return values
+
+    def slide(self, motion: Array, elapsed: Array) -> Array:
+        """How far bodies slide `(N, 3)` in addition to their `motion`."""
+        slid = np.zeros_like(motion)
+        for i in self.slides:
+            slid = slid + self.elements[i].slide(motion, elapsed, self.states[i], self.draws[i])
+        return slid
 
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
         """What the values `(N, k)` become on their way through the chain."""

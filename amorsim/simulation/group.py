@@ -35,6 +35,7 @@ from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.showing import Showing
+from amorsim.simulation.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
 from amorsim.simulation.together import Together
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.view import GroupView
@@ -159,7 +160,8 @@ class Group:
         self.estimates: dict[str, Estimate] = {
             name: Estimate(told, np.zeros((rows, 3, 3))) for name in self.estimators
         } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
-        self._before = self._after = self._ground_after = self.joints
+        self.joints_before = self._after = self._ground_after = self.joints
+        self._slide: Array | None = None  # of the step, for those whose ground has any
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.parts is not None:
             self.parts.start()
@@ -189,8 +191,8 @@ class Group:
             self.active[row] = True
 
     def actuate(self) -> None:
-        """Let the joints follow the command, and the ground have its way with what rolls."""
-        self._before = self.joints
+        """Let the joints follow the command, and the ground act on what rolls."""
+        self.joints_before = self.joints
         command = self.command
         if self.devices:
             command = np.ascontiguousarray(command[:, : len(self.drive.channels)])
@@ -200,62 +202,73 @@ class Group:
         self._after, self.joint_rates = self.drive.advance(
             self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
         )
-        self._ground_after = self._after
+        self._ground_after, self._slide = self._after, None
         elapsed = np.full((self.rows, 1), self.dt)
         if self.ground.elements:
-            before = self._before[:, self.rolling]
+            before = self.joints_before[:, self.rolling]
             travel = (self._after[:, self.rolling] - before) * self._radius
             self._ground_after = self._after.copy()
             slipped = self.ground.corrupt(travel, {}, elapsed)
             self._ground_after[:, self.rolling] = before + slipped / self._radius
+            if self.ground.slides:
+                self._slide = self.ground.slide(self.drive.twist(self.joints_before, self._ground_after), elapsed)
         if self.zones:
-            self._ground_after = self.zones.passed(
-                self.drive, self._before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
+            self._ground_after, slide = self.zones.passed(
+                self.drive, self.joints_before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
             )
+            if slide is not None:
+                self._slide = slide if self._slide is None else self._slide + slide
 
     # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
 
     def travel(self) -> Array:
         """Bounds of the paths: length [m] and turning [rad] `(N, 2)`."""
-        return self.drive.travel(self._before, self._ground_after)
+        return bounds(self.drive.travel(self.joints_before, self._ground_after), self._slide)
 
     def path(self) -> tuple[int, Array]:
         """The form of the paths, and what they are made of `(N, 3)`: arcs, but for drives that say otherwise."""
-        if type(self.drive).displacement is Drive.displacement:
-            self._motion = ARC, self.drive.twist(self._before, self._ground_after)
+        if goes_on_arcs(self.drive):
+            self._motion = ARC, arcs(self.drive, self.joints_before, self._ground_after, self._slide)
         else:
             self._motion = OTHER, self._moved(np.ones((self.rows, 1)))
         return self._motion
 
     def _moved(self, fraction: Array) -> Array:
         """The bodies' displacements `(N, 3)` at fractions `(N, 1)` of the step."""
-        return self.drive.displacement(self._before, self._ground_after, fraction)
+        return displaced(self.drive, self.joints_before, self._ground_after, self._slide, fraction)
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of the bodies are at fractions of the step."""
-        displacement = take(self.drive, which).displacement(
-            self._before[which], self._ground_after[which], fraction[:, None]
-        )
+        drive, slide = take(self.drive, which), None if self._slide is None else self._slide[which]
+        displacement = displaced(drive, self.joints_before[which], self._ground_after[which], slide, fraction[:, None])
         return compose(self.true_pose[which], displacement)
 
     def part_travel(self) -> Array:
         """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
-        return self.drive.part_travel(self._before, self._ground_after)
+        return part_bounds(self.drive.part_travel(self.joints_before, self._ground_after), self._slide)
 
     def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
         """Poses of robots were they to stop at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
-        drive, before, ground, after, poses = self.drive, self._before, self._ground_after, self._after, self.true_pose
+        drive, before, ground, after, poses = (
+            self.drive,
+            self.joints_before,
+            self._ground_after,
+            self._after,
+            self.true_pose,
+        )
+        slide = self._slide
         if self.rows > 1 or len(which) > 1:  # one alone, which is looked at often, is all there is
             drive = take(drive, which)
             before, ground, after, poses = before[which], ground[which], after[which], poses[which]
-        displacement = drive.displacement(before, ground, fraction)
+            slide = None if slide is None else slide[which]
+        displacement = displaced(drive, before, ground, slide, fraction)
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
         return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
 
     def set_off(self, joints: Array, rates: Array, motion: Array) -> None:
         """Take what a kernel has made of actuating: joints and rates a step later, and the twists of arcs `(N, 3)`."""
-        self._before = self.joints
-        self._after = self._ground_after = joints
+        self.joints_before = self.joints
+        self._after, self._ground_after, self._slide = joints, joints, None
         self.joint_rates = rates
         self._motion = ARC, motion
 
@@ -286,7 +299,7 @@ class Group:
     def _halt(self, stop: Array) -> None:
         """Stop the wheels of those who met something, at the fraction `(N,)` of the step at which they did."""
         stopped = (stop < 1.0)[:, None]
-        between = self.drive.between(self._before, self._after, stop[:, None])
+        between = self.drive.between(self.joints_before, self._after, stop[:, None])
         self._after = np.where(stopped, between, self._after)
         self.joint_rates = np.where(stopped, 0.0, self.joint_rates)
 
@@ -342,6 +355,11 @@ class Group:
         """What the controller is told: the first estimator's estimate."""
         return next(iter(self.estimates.values()))
 
+    @property
+    def mean_rates(self) -> Array:
+        """Mean rates of the joints over the step `(N, j)` [rad/s]; those at its end are `joint_rates`."""
+        return (self.joints - self.joints_before) / self.dt
+
     def frame(self) -> Frame:
         """The step as recorders get it."""
         return self._showing.frame()
@@ -359,7 +377,7 @@ class Group:
         return found
 
     _ARRAYS = (
-        *("true_pose", "true_twist", "joints", "joint_rates", "command"),
+        *("true_pose", "true_twist", "joints", "joints_before", "joint_rates", "command"),
         *("active", "by_hand", "hand", "fingerprint"),
     )
 

@@ -116,6 +116,7 @@ class Together:
         ):
             return False
         world.poses = world.room_at = group.true_pose = poses[0]
+        group.joints_before = group.joints
         group.true_twist, group.joints, group.joint_rates = poses[1], joints[0], joints[1]
         moment.take(tick, time)
         group.streams.rewind()
@@ -210,6 +211,7 @@ class Together:
         """Take what a call made of those that rolled."""
         group = self._group
         group.true_pose, group.true_twist = poses[0], poses[1]
+        group.joints_before = group.joints
         group.joints, group.joint_rates = joints[0], joints[1]
         world.poses = world.room_at = group.true_pose
         group.moment.take(tick, time)
