@@ -18,9 +18,12 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
+from amorsim.core.reading import read_bytes, reason
 
 __all__ = ["Bitmap"]
 
+# Of a file: the largest image that pillow unpacks, at four bytes a pixel.
+_MOST_BYTES = 800_000_000
 _SIGNATURES = (b"BM", b"\x89PNG\r\n\x1a\n")
 # Rec. 601 luma in thousandths; whole numbers, so that two colours are equally bright or they are not.
 _LUMA = (299, 587, 114)
@@ -62,9 +65,9 @@ class Bitmap(MapLoader):
             `threshold` is given.
         """
         try:
-            data = path.read_bytes()
-        except OSError as error:
-            raise MapError(f"{path}: cannot be read: {error.strerror or error}") from error
+            data = read_bytes(path, _MOST_BYTES)
+        except (OSError, ValueError) as error:
+            raise MapError(f"{path}: cannot be read: {reason(error)}") from error
         try:
             occupied = self._occupied(_decode(data))
             return Map.from_array(
