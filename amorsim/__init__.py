@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from amorsim.core.errors import (
         AmorsimError,
         ComponentError,
+        ContactError,
         ControllerError,
         MapError,
         PluginError,
@@ -100,7 +101,8 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ControllerError MapError PluginError RunError ScenarioError SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError MapError PluginError RunError ScenarioError "
+        "SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -136,6 +138,7 @@ __all__ = [
     "Bundle",
     "Clock",
     "ComponentError",
+    "ContactError",
     "Context",
     "Controller",
     "ControllerError",

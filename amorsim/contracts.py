@@ -456,7 +456,13 @@ class Sensor(Component, abc.ABC):
 
 
 class Noise(Component):
-    """One element of a chain, which a device's values go through in order; at least one method is overridden."""
+    """One element of a chain, which a device's values go through in order; at least one method is overridden.
+
+    One that is `for_ground` belongs between wheels and ground, in `Robot.ground` or in a zone: its values are travels,
+    and sensors refuse it.
+    """
+
+    for_ground: ClassVar[bool] = False
 
     def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
         """Where the device really looks, before it senses."""

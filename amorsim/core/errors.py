@@ -13,6 +13,7 @@ import attrs
 __all__ = [
     "AmorsimError",
     "ComponentError",
+    "ContactError",
     "ControllerError",
     "Fault",
     "MapError",
@@ -38,6 +39,10 @@ class PluginError(AmorsimError):
 
 class ComponentError(AmorsimError):
     """A component that breaks its contract."""
+
+
+class ContactError(AmorsimError):
+    """A step of which the contacts cannot be found, because something moves too far in it."""
 
 
 class ControllerError(AmorsimError):

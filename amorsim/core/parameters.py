@@ -16,7 +16,13 @@ import attrs
 
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["Parameter", "ParameterError", "check_value", "describe", "parameter"]
+__all__ = ["LARGEST", "SMALLEST", "Parameter", "ParameterError", "check_value", "describe", "parameter"]
+
+LARGEST = 1e12
+"""No number of a component is larger, whatever its unit: squares and products of such numbers keep all their digits."""
+SMALLEST = 1e-12
+"""No number that must be above 0 is smaller."""
+_LARGEST_WHOLE = 2**53  # of those whose bounds say nothing of it
 
 _KEY = "amorsim"
 _REQUIRED: Any = attrs.NOTHING
@@ -109,7 +115,8 @@ def parameter(
     """A field of a component class: a default (or none, then it must be given), its unit, help and bounds.
 
     Values are checked when a component is made: the type as annotated (nothing is coerced, an int may stand for a
-    float), finite, within bounds or among `choices`. Annotations may be `float`, `int`, `bool`, `str`, any of these
+    float), finite, within bounds or among `choices`. Whatever the bounds, no number is larger than `LARGEST`, and none
+    that must be above 0 smaller than `SMALLEST`. Annotations may be `float`, `int`, `bool`, `str`, any of these
     ``| None``, a tuple of them, another attrs class with such fields, or a tuple of those (the elements of a ring).
     """
     metadata = {
@@ -205,6 +212,11 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
         high = (expected.lt is None or value < expected.lt) and (expected.le is None or value <= expected.le)
         if not (low and high):
             return _wrong(expected, value)
+        largest = _LARGEST_WHOLE if kind is int else LARGEST
+        if abs(value) > largest and expected.le is None and expected.lt is None:
+            return f"expected {expected.expectation}, of {largest:g} at the most, got {value!r}"
+        if expected.gt == 0 and value < SMALLEST:
+            return f"expected {expected.expectation}, of {SMALLEST:g} at least, got {value!r}"
     return ""
 
 

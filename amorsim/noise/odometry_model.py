@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -50,6 +51,8 @@ class OdometryModel(Noise):
     interval
         The step for which the numbers are meant [s]; none for whatever the simulation's is.
     """
+
+    for_ground: ClassVar[bool] = True
 
     a1: float = parameter(0.0, ge=0, help="variance of each turn per squared turn")
     a2: float = parameter(0.0, unit="rad^2/m^2", ge=0, help="variance of each turn per squared way")

@@ -14,6 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
+from amorsim.core.reading import read_bytes, reason
 from amorsim.scenario.beside import files_beside, make_importable
 
 __all__ = ["is_controller_file", "load_controller", "reference_to", "split_reference"]
@@ -78,10 +79,10 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
 
 def _load_module(path: Path) -> ModuleType:
     try:
-        data = path.read_bytes()
+        data = read_bytes(path)
     except (OSError, ValueError) as error:
         is_missing = isinstance(error, FileNotFoundError)
-        problem = "there is no such file" if is_missing else f"cannot be read: {error}"
+        problem = "there is no such file" if is_missing else f"cannot be read: {reason(error)}"
         raise ControllerError(f"{path}: {problem}") from error
     beside = files_beside(path, data)
     said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]

@@ -13,6 +13,7 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
+from amorsim.core.reading import check_readable, reason
 from amorsim.core.same_cells import have_same_cells
 from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
@@ -21,6 +22,7 @@ from amorsim.plugins.registry import Registry
 __all__ = ["MapFile", "companions_of", "find_loader", "load_map", "read_map", "save_map"]
 
 _HEAD = 4096
+_MOST_BYTES = 10**9  # of any map; loaders that hold it in memory as it is written ask for less
 
 
 @attrs.frozen(kw_only=True)
@@ -211,6 +213,7 @@ def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, t
 
 def _head(path: Path) -> bytes:
     try:
+        check_readable(path, _MOST_BYTES)
         with path.open("rb") as file:
             return file.read(_HEAD)
     except FileNotFoundError:
@@ -222,4 +225,4 @@ def _head(path: Path) -> bytes:
         problem = "this is a folder; a map is a file" if path.is_dir() else "no permission to read this file"
         raise MapError(f"{path}: {problem}") from None
     except (OSError, ValueError) as error:
-        raise MapError(f"{path}: cannot be read: {error}") from None
+        raise MapError(f"{path}: cannot be read: {reason(error)}") from None

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.reading import read_text, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Node, Source, shown
@@ -39,13 +40,13 @@ _NAMED = ("sensors", "estimators")
 def read_toml(path: Path) -> dict[str, Any] | str:
     """The document in a TOML file, or a text that says why there is none."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
     except FileNotFoundError:
         return "there is no such file"
     except UnicodeDecodeError as error:
         return f"not a text file in UTF-8: byte {error.start} is {error.object[error.start]:#04x}"
     except (OSError, ValueError) as error:
-        return f"cannot be read: {'it is a folder' if isinstance(error, IsADirectoryError) else error}"
+        return f"cannot be read: {'it is a folder' if isinstance(error, IsADirectoryError) else reason(error)}"
     try:
         return tomllib.loads(text.removeprefix("\N{BOM}"), parse_float=parse_float)
     except (ValueError, RecursionError) as error:

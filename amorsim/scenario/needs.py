@@ -2,30 +2,60 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Noise
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.spec import Obstacle, RandomStart, Robot
+from amorsim.core.rows import stack
+from amorsim.scenario.spec import MountedSensor, Obstacle, RandomStart, Robot
 
-__all__ = ["least_bytes", "most_room"]
+__all__ = ["least_bytes", "most_room", "samples_under_way"]
 
 _BODY = 1000  # [bytes]
 _VALUE = 100  # [bytes]: a sensor's value, true, measured and held, and what its chain works in
+_LATE = 1e-9  # of a step: 0.3 s at 0.1 s are three of them, though 0.3 / 0.1 need not be 3
+_WAITING = 32  # [bytes]: a value of a sample under way, true and measured, and both once more while a step is made
 
 
-def least_bytes(body: Robot | Obstacle) -> int:
+def samples_under_way(latency: npt.NDArray[np.float64], late: Iterable[Noise], dt: float) -> int:
+    """How many samples of a sensor are under way at once, at the most, with latencies `(N, 1)` [s]; 0 for none.
+
+    `late` are elements of its chain, stacked over the rows, that may delay them further.
+    """
+    longest = latency
+    for noise in late:
+        longest = longest + noise.longest_delay()
+    return int(np.ceil(longest / dt - _LATE).max())
+
+
+def _waiting(unit: MountedSensor, size: int, dt: float) -> int:
+    """How much memory the readings of `size` values take that are under way [bytes]."""
+    late = [stack([element.noise]) for element in unit.noise if type(element.noise).delay is not Noise.delay]
+    return _WAITING * size * samples_under_way(np.array([[unit.latency]]), late, dt)
+
+
+def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
     """How much memory a body takes in one replica [bytes]: a little less than was measured of those that ship.
+
+    With the step `dt` [s], its sensors' readings that are under way are counted too.
 
     Taken for its readings and for itself; what a plugin's estimator or controller keeps is not known.
     """
     if isinstance(body, Obstacle):
         return _BODY
-    values = 0
+    values = waiting = 0
     for unit in body.sensors.values():
         try:
-            values += unit.sensor.size(body.drive)
+            size = unit.sensor.size(body.drive)
         except ParameterError:  # said by whoever makes the sensor
             continue
-    return _BODY + _VALUE * values
+        values += size
+        waiting += 0 if dt is None else _waiting(unit, size, dt)
+    return _BODY + _VALUE * values + waiting
 
 
 def most_room(world: Map, start: RandomStart, reach: float) -> float:

@@ -48,6 +48,7 @@ __all__ = [
     "Scenario",
     "Zone",
     "column_problem",
+    "not_for_sensors",
 ]
 
 _SHAPE, _POSE, _START = "am.Shape.circle(0.2)", "am.Pose(x=1.0)", "am.RandomStart()"
@@ -170,12 +171,22 @@ class MountedSensor:
 
     def __attrs_post_init__(self) -> None:
         for element in self.noise:
+            if element.noise.for_ground:
+                raise ParameterError("noise", f"{element.name}: {not_for_sensors(type(element.noise))}")
             problem = column_problem(self.sensor, type(element.noise), element.column)
             if problem:
                 raise ParameterError("noise", f"{element.name}: column: {problem}")
 
 
-def column_problem(sensor: Sensor, noise: type, column: str) -> str:
+def not_for_sensors(noise: type[Noise]) -> str:
+    """Why a noise that is `for_ground` is refused in a sensor's chain."""
+    return (
+        f"{noise.__name__} acts between wheels and ground, on travels [m]; expected it in the robot's `ground` or in a "
+        "zone's, got it in a sensor's noise"
+    )
+
+
+def column_problem(sensor: Sensor, noise: type[Noise], column: str) -> str:
     """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
     columns = sensor.columns()
     if column in columns:
@@ -441,8 +452,8 @@ class Scenario:
     lights: tuple[Light, ...] = attrs.field(default=(), converter=_lights)
     zones: tuple[Zone, ...] = attrs.field(default=(), converter=_zones)
     floor: Floor = attrs.field(factory=Floor, validator=is_a(Floor, "am.Floor(markings=[...])"))
-    dt: float = parameter(0.1, unit="s", gt=0, le=10, help="length of a step")
-    duration: float = parameter(60.0, unit="s", gt=0, help="simulated time of a run")
+    dt: float = parameter(0.1, unit="s", ge=1e-6, le=10, help="length of a step")
+    duration: float = parameter(60.0, unit="s", gt=0, le=1e9, help="simulated time of a run")
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")
     recording: Recording = attrs.field(factory=Recording)
     source: Path | None = None

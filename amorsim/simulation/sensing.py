@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, State
 from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
+from amorsim.scenario.needs import samples_under_way
 from amorsim.scenario.spec import MountedSensor
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.moment import Moment
@@ -147,10 +148,7 @@ class SensorUnit:
         rates = [math.inf if unit.rate is None else unit.rate for unit in true]
         self._rate = None if all(rate * dt >= 1 - _TOLERANCE for rate in rates) else np.array([rates]).T
         self._latency = np.array([[unit.latency] for unit in true])
-        longest = self._latency
-        for i in self.chain.delays:
-            longest = longest + self.chain.elements[i].longest_delay()
-        self._slots = int(np.ceil(longest / dt - _TOLERANCE).max()) + 1
+        self._slots = samples_under_way(self._latency, [self.chain.elements[i] for i in self.chain.delays], dt) + 1
         delays = np.ceil(self._latency / dt - _TOLERANCE).astype(np.int64)
         self._delay = delays if self._slots > 1 else None
 

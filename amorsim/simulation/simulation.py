@@ -434,9 +434,13 @@ def _plain(number: Any) -> Any:
 def _check_memory(scenario: Scenario, replicas: int) -> None:
     """Complain of more than fits, before any of it is made."""
     bodies: list[Robot | Obstacle] = [*scenario.robots, *scenario.obstacles]
-    each = sum(map(least_bytes, bodies))
+    each = sum(least_bytes(body, scenario.dt) for body in bodies)
     if problem := too_large(replicas, each):
-        raise AmorsimError(f"{replicas} replicas: they {problem}")
+        longest = max((unit.latency for robot in scenario.robots for unit in robot.sensors.values()), default=0.0)
+        late = f" (readings with a latency of {longest:g} s wait for up to {longest / scenario.dt:.6g} steps)"
+        hint = late if longest > 1000 * scenario.dt else ""
+        who = f"{replicas} replicas: they" if replicas > 1 else "this scenario"
+        raise AmorsimError(f"{who} {problem}{hint}")
 
 
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
