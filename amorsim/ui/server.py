@@ -104,16 +104,17 @@ def serve(
     *,
     host: str = "127.0.0.1",
     port: int = 0,
-    ready: Callable[[str], None],
+    ready: Callable[[Door], None],
     ending: Callable[[], None] = lambda: None,
 ) -> None:
     """Serve a session's window until the process is told to end.
 
-    `ready` is given the address, token included; `ending` is called in a thread as soon as the process is told.
+    `ready` is given the door, which makes addresses to open the window by; `ending` is called in a thread as soon as
+    the process is told.
     """
     with listen(host, port) as bound:
         door = Door(host=host, port=bound.getsockname()[1])
-        app = build(session, door, lambda: ready(door.address))
+        app = build(session, door, lambda: ready(door))
         config = uvicorn.Config(
             app,
             log_level="warning",
