@@ -15,16 +15,20 @@ from fastapi import FastAPI, Request, WebSocket
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import PlainTextResponse, Response
 from starlette.staticfiles import StaticFiles
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.film import FilmError, gif_of, read_film
+from amorsim.ui.lobby import Lobby
+from amorsim.ui.messages import LONGEST_MESSAGE
 from amorsim.ui.page import WEB, WEB_PATH
 from amorsim.ui.security import App, Door, Guard
 from amorsim.ui.talk import Simulated, Talk
 
 __all__ = ["build", "listen", "serve"]
 
-LONGEST_MESSAGE = 64 * 1024  # of a window's commands
+LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
+MOST_WINDOWS = 32
 
 
 def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: None) -> App:
@@ -37,8 +41,18 @@ def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: 
 
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan)
 
+    windows: set[Talk] = set()
+
     async def connect(websocket: WebSocket) -> None:
-        await Talk(websocket, session).run()
+        if len(windows) >= MOST_WINDOWS:
+            await websocket.close(1013, "There are too many windows.")
+            return
+        talk = Talk(websocket, session)
+        windows.add(talk)
+        try:
+            await talk.run()
+        finally:
+            windows.discard(talk)
 
     async def make_gif(request: Request) -> Response:
         try:
@@ -117,7 +131,9 @@ def serve(
         app = build(session, door, lambda: ready(door))
         config = uvicorn.Config(
             app,
-            log_level="warning",
+            http=Lobby(H11Protocol).receive,  # type: ignore[arg-type] # what makes a protocol, as a class does
+            h11_max_incomplete_event_size=LONGEST_HEAD,
+            log_level="error",  # what a stranger asks for is not for the terminal
             access_log=False,
             server_header=False,
             timeout_graceful_shutdown=1,

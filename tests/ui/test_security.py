@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import os
 import socket
 import subprocess
@@ -16,6 +17,7 @@ import pytest
 nicegui = pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
 
 from amorsim.core.errors import AmorsimError  # noqa: E402
+from amorsim.ui.lobby import MOST_WAITING  # noqa: E402
 from amorsim.ui.security import Door, Guard  # noqa: E402
 from amorsim.ui.server import listen  # noqa: E402
 from tests.ui.aside import aside  # noqa: E402
@@ -214,6 +216,62 @@ def test_no_path_leads_out_of_the_scripts_folder(user: Server, path: str) -> Non
         assert answer.status in (400, 403, 404)
         assert b"Guard" not in answer.body
         assert b"root:" not in answer.body
+
+
+# ---------------------------------------------------------------------------------------------------- before the door
+
+
+def connections_of(server: Server, head: bytes, count: int) -> list[socket.socket]:
+    lines = [socket.create_connection((server.host, server.port), timeout=30.0) for _ in range(count)]
+    for line in lines:
+        line.sendall(head)
+    return lines
+
+
+def is_open(line: socket.socket) -> bool:
+    line.setblocking(False)
+    try:
+        return line.recv(1) != b""
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+
+
+def test_headers_without_end_are_cut_off(stranger: Server) -> None:
+    sent = 0
+    with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
+        line.sendall(b"GET / HTTP/1.1\r\n")
+        with contextlib.suppress(OSError):  # it is closed
+            while sent < 64 * 2**20:
+                sent += line.send(b"x-more: " + b"m" * 8000 + b"\r\n")
+    # What the sockets' buffers hold is sent without being read.
+    assert sent < 16 * 2**20
+
+
+def test_half_open_connections_are_not_kept(stranger: Server, user: Server) -> None:
+    lines = connections_of(stranger, b"GET / HTTP/1.1\r\n", 300)
+    try:
+        assert user.ask("/amorsim/web/simulator.js").status == 200
+        assert sum(is_open(line) for line in lines) <= MOST_WAITING
+    finally:
+        for line in lines:
+            line.close()
+
+
+@pytest.mark.parametrize("more", ["", "Content-Length: 1000000000\r\n", "Transfer-Encoding: chunked\r\n"])
+def test_a_refused_connection_is_closed(stranger: Server, more: str) -> None:
+    with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
+        line.sendall(f"GET / HTTP/1.1\r\nHost: {stranger.own}\r\n{more}\r\n".encode())
+        data = b""
+        while part := line.recv(65536):  # to its end, which does not wait for what was announced
+            data += part
+        assert data.startswith(b"HTTP/1.1 401 ")
+    key = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: " + "A" * 22
+    with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
+        line.sendall(f"GET /amorsim/socket HTTP/1.1\r\nHost: {stranger.own}\r\n{key}==\r\n\r\n".encode())
+        while line.recv(65536):
+            pass
 
 
 # ------------------------------------------------------------------------------------------------- the door, alone
