@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import threading
 from collections.abc import AsyncIterator, Callable
@@ -13,6 +14,7 @@ import nicegui
 import uvicorn
 from fastapi import FastAPI, Request, WebSocket
 from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect
 from starlette.responses import PlainTextResponse, Response
 from starlette.staticfiles import StaticFiles
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -28,6 +30,7 @@ from amorsim.ui.talk import Simulated, Talk
 __all__ = ["build", "listen", "serve"]
 
 LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
+LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
 MOST_WINDOWS = 32
 
 
@@ -54,12 +57,22 @@ def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: 
         finally:
             windows.discard(talk)
 
+    making = asyncio.Lock()
+
     async def make_gif(request: Request) -> Response:
-        try:
-            film = await read_film(request.stream(), request.query_params.get("every", ""))
-            made = await run_in_threadpool(gif_of, film)
-        except FilmError as error:
-            return PlainTextResponse(str(error), status_code=400)
+        if making.locked():  # one takes memory enough
+            return PlainTextResponse("another GIF is being made; try again when it is done", status_code=429)
+        async with making:
+            try:
+                async with asyncio.timeout(LONGEST_UPLOAD):
+                    film = await read_film(request.stream(), request.query_params.get("every", ""))
+                made = await run_in_threadpool(gif_of, film)
+            except TimeoutError:
+                return PlainTextResponse(f"the film did not come within {LONGEST_UPLOAD:g} s", status_code=408)
+            except FilmError as error:
+                return PlainTextResponse(str(error), status_code=400)
+            except ClientDisconnect:
+                return Response(status_code=400)  # which nobody reads
         return Response(made, media_type="image/gif")
 
     app.add_api_websocket_route("/amorsim/socket", connect)

@@ -8,6 +8,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
@@ -247,6 +248,21 @@ def test_headers_without_end_are_cut_off(stranger: Server) -> None:
                 sent += line.send(b"x-more: " + b"m" * 8000 + b"\r\n")
     # What the sockets' buffers hold is sent without being read.
     assert sent < 16 * 2**20
+
+
+def test_one_gif_at_a_time_and_no_odd_request_is_a_failure(user: Server) -> None:
+    ours = {"Origin": f"http://{user.own}"}
+    for every in ("", "x", "-1", "9" * 6000, "%FF", "1e3", "100&every=x"):
+        assert user.ask(f"/amorsim/gif?every={every}", "POST", Content_Length="0", **ours).status == 400
+    head = f"POST /amorsim/gif?every=100 HTTP/1.1\r\nHost: {user.own}\r\nOrigin: http://{user.own}\r\n"
+    with socket.create_connection((user.host, user.port), timeout=30.0) as line:
+        line.sendall(f"{head}Cookie: {user.cookie}\r\nContent-Length: 9\r\n\r\n1234".encode())
+        end = time.monotonic() + 30.0
+        while user.ask("/amorsim/gif?every=100", "POST", Content_Length="0", **ours).status != 429:
+            assert time.monotonic() < end
+    # Who goes in the middle of it leaves the place to others.
+    while user.ask("/amorsim/gif?every=100", "POST", Content_Length="0", **ours).status != 400:
+        assert time.monotonic() < end
 
 
 def test_half_open_connections_are_not_kept(stranger: Server, user: Server) -> None:
