@@ -343,17 +343,25 @@ def _copy_maps(document: dict[str, Any], passing: Path, path: Path) -> None:
             return name
         if name not in copies:
             number, copy = 1, path.with_suffix(file.suffix)
-            while copy.exists():
+            while not _is_copied(file, copy):
                 number += 1
                 copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
-            try:
-                shutil.copyfile(file, copy)
-            except OSError as error:
-                raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
             copies[name] = str(copy)
         return copies[name]
 
     _rename_maps(document, kept)
+
+
+def _is_copied(file: Path, copy: Path) -> bool:
+    """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
+    try:
+        with file.open("rb") as source, copy.open("xb") as target:
+            shutil.copyfileobj(source, target)
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
+    return True
 
 
 def _rename_maps(document: dict[str, Any], to: Callable[[str], str]) -> None:

@@ -86,6 +86,7 @@ _YES_OR_NO = Kind("true or false", lambda value: isinstance(value, bool))
 _NOTHING = Kind("null", lambda value: value is None)
 _ROBOT = _either(_NAME, _whole(0, MOST_ROBOTS))
 _TICK = _whole(0)
+_SPEED = _number(-1e6, 1e6)
 _OF_ROBOT = {"robot": _ROBOT}
 
 
@@ -132,7 +133,7 @@ COMMANDS: Mapping[str, Command] = {
     # Driving: [m/s], [m/s], [rad/s]. `hand_over` without `to` is to the hand; `stop` without a robot stops all that
     # are driven by hand.
     "hand_over": Command(may={**_OF_ROBOT, "to": _one_of("hand", "controller")}, controls=True),
-    "drive": Command(may={**_OF_ROBOT, "forward": _number(), "left": _number(), "turn": _number()}, controls=True),
+    "drive": Command(may={**_OF_ROBOT, "forward": _SPEED, "left": _SPEED, "turn": _SPEED}, controls=True),
     "command": Command(needs={"channels": _list_of(_number(), MOST_CHANNELS)}, may=_OF_ROBOT, controls=True),
     "stop": Command(may={"robot": _either(_ROBOT, _NOTHING)}, controls=True),
     # Parameters, by their paths. `restore` without a path restores all.
