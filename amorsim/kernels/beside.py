@@ -9,14 +9,12 @@ import contextlib
 import os
 import subprocess
 import sys
-import threading
 
 from amorsim.kernels.claims import Claims
 from amorsim.kernels.folder import cache_folder, is_cold, mark_warm
 
-__all__ = ["begin", "cores", "deadline", "main", "stop"]
+__all__ = ["begin", "command_for", "cores", "main", "stop"]
 
-_COMMAND = f"from {__name__} import main; main()"
 _LONGEST = 120.0  # [s]
 _MOST = 3  # beside this one: more would wait for the longest chain of functions that call each other
 _beside: list[subprocess.Popen[bytes]] = []
@@ -31,13 +29,26 @@ def begin() -> bool:
             # Held, for nobody waits for it, and one that is let go while it runs is warned about.
             _beside.append(
                 subprocess.Popen(
-                    [sys.executable, "-c", _COMMAND],
+                    command_for(__name__, "main"),
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.DEVNULL,
                     stderr=subprocess.DEVNULL,
                 )
             )
     return bool(_beside)
+
+
+def command_for(module: str, function: str) -> list[str]:
+    """The command that calls a function in a process of its own, which ends after a while, for nobody waits for it.
+
+    No file of the present folder is run (``-P``). The deadline is set before anything else is loaded, and holds also
+    where Python code never lets go.
+    """
+    script = (
+        f"import faulthandler; faulthandler.dump_traceback_later({_LONGEST}, exit=True); "
+        f"from {module} import {function}; {function}()"
+    )
+    return [sys.executable, "-P", "-c", script]
 
 
 def cores() -> int:
@@ -61,7 +72,6 @@ def stop() -> None:
 
 def main() -> None:
     """Compile what is listed, with whoever started this process, and leave word that it is."""
-    last = deadline()
     folder = cache_folder()
     if folder is not None:
         claims = Claims(folder)
@@ -73,7 +83,6 @@ def main() -> None:
                 _compile()
             finally:
                 claims.give_up(mine)
-    last.cancel()
 
 
 def _compile() -> None:
@@ -85,11 +94,3 @@ def _compile() -> None:
     take_turns()
     compile_ahead()
     mark_warm()
-
-
-def deadline() -> threading.Timer:
-    """Let this process end by itself after a while, for nobody waits for it; until it is cancelled."""
-    last = threading.Timer(_LONGEST, os._exit, (1,))
-    last.daemon = True
-    last.start()
-    return last

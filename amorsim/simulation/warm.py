@@ -14,7 +14,7 @@ import threading
 from pathlib import Path
 
 from amorsim.kernels import folder as compiling
-from amorsim.kernels.beside import deadline
+from amorsim.kernels.beside import command_for
 from amorsim.kernels.cache import take_turns
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.read import loads
@@ -36,7 +36,7 @@ def compile_contact_beside() -> None:
     with contextlib.suppress(OSError):  # it only saves time
         _beside.append(
             subprocess.Popen(
-                [sys.executable, "-c", f"from {__name__} import meet; meet()"],
+                command_for(__name__, "meet"),
                 stdin=subprocess.PIPE,  # nothing is written: that it closes is what tells of our end
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
@@ -53,7 +53,6 @@ def _contact_stamp() -> Path | None:
 
 def meet() -> None:
     """Let a robot run into a wall and another one into it, and leave word that this is compiled."""
-    last = deadline()
     threading.Thread(target=_end_with_the_other, name="amorsim-end", daemon=True).start()
     take_turns()
     simulation = collide()
@@ -63,7 +62,6 @@ def meet() -> None:
             for stale in stamp.parent.glob("contact-*"):
                 stale.unlink(missing_ok=True)
             stamp.touch()
-    last.cancel()
 
 
 def _end_with_the_other() -> None:

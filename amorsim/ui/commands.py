@@ -360,14 +360,29 @@ def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: list[Path]
             return name
         if name not in copies:
             number, copy = 1, path.with_suffix(file.suffix)
-            while copy.exists():
+            while not _is_copied(file, copy):
                 number += 1
                 copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
-            copy_file(file, copy)
             copies[name] = str(copy)
         return copies[name]
 
     rename_maps(document, kept)
+
+
+def _is_copied(file: Path, copy: Path) -> bool:
+    """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
+    try:
+        copy.open("xb").close()
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
+    try:
+        copy_file(file, copy)
+    except RunError:
+        copy.unlink(missing_ok=True)
+        raise
+    return True
 
 
 def _plain(value: Any) -> float | None:

@@ -27,7 +27,8 @@ def place_for(project: Path, name: Any, suffix: str = "") -> Path:
     Raises
     ------
     AmorsimError
-        If it would lie elsewhere, or the name is not of letters, digits and ``_ - . ( )``.
+        If it would lie elsewhere, the name is not of letters, digits and ``_ - . ( )``, or a folder that it names may
+        not be looked into.
     """
     parts = name.split("/") if isinstance(name, str) else []
     if not 0 < len(parts) <= 5 or not all(_PART.fullmatch(part) and not part.endswith((".", " ")) for part in parts):
@@ -37,8 +38,13 @@ def place_for(project: Path, name: Any, suffix: str = "") -> Path:
     path = project.joinpath(*parts)
     if suffix and path.suffix != suffix:
         path = path.with_name(path.name + suffix)
-    # A link in the folder may lead out of it.
-    if not path.resolve().is_relative_to(project.resolve()):
+    try:
+        # A link in the folder may lead out of it.
+        is_inside = path.resolve().is_relative_to(project.resolve())
+        path.exists()
+    except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
+        raise AmorsimError(f"{name}: cannot be looked at ({getattr(error, 'strerror', None) or error})") from None
+    if not is_inside:
         raise AmorsimError(f"{name}: is not in the project's folder {project}")
     return path
 

@@ -1,37 +1,27 @@
 """What the child process, the session and the window say to each other: scenes, frames, commands and answers.
 
 A **scene** (JSON) is sent when a scenario is loaded: all that stays as it is while the simulation runs. A **frame**
-(binary, see `amorsim.ui.packing`) is one moment. **Commands** are small tables ``{"do": NAME, ...}``; each is answered
-by a table with ``ok``, and where that is false with ``error``, a text for the user.
+(binary, see `amorsim.ui.packing`) is one moment. **Commands** are small tables ``{"do": NAME, ...}``; their further
+keys are in `amorsim.ui.messages`. Each is answered by a table with ``ok``, and where that is false with ``error``, a
+text for the user. Besides, answers have
 
-| command | further keys | answer | needs the controls |
-|---|---|---|---|
-| ``state`` | | `State` | |
-| ``scene`` | | ``scene``: a `Scene` | |
-| ``select`` | ``robot`` that this window looks at | | |
-| ``parameters`` | ``robot`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true | |
-| ``history`` | ``robot``, ``max_points`` | `History` | |
-| ``events`` | ``after`` (0: all) | ``epoch``, ``events``: list of `EventLine`, ``next`` | |
-| ``image`` | ``name`` | ``png``: base64 | |
-| ``run``, ``pause`` | | | yes |
-| ``step`` | ``steps`` (1) | | yes |
-| ``speed`` | ``factor``, or null for as fast as possible | | yes |
-| ``reset`` | | | yes |
-| ``scrub`` | ``tick``, or null for the end | ``tick``, ``exact``, ``can_continue``, ``reason`` | yes |
-| ``continue`` | ``tick`` (where it was scrubbed to) | ``tick`` | yes |
-| ``hand_over`` | ``robot``, ``to``: ``"hand"`` or ``"controller"`` | | yes |
-| ``drive`` | ``robot``, ``forward`` [m/s], ``left`` [m/s], ``turn`` [rad/s] (0 where not given) | | yes |
-| ``command`` | ``robot``, ``channels``: a number each | | yes |
-| ``stop`` | ``robot``, or none for all driven by hand | | yes |
-| ``set`` | ``robot``, ``path``, ``value`` | ``value`` | yes |
-| ``restore`` | ``robot``, ``path`` or none for all | | yes |
-| ``save_scenario`` | ``name`` (of a file in the project's folder, ``.toml``) | ``file`` | yes |
-| ``save_run`` | ``name`` (of a folder in the project's folder) or none | ``folder``, ``same`` | yes |
-| ``restart`` | ``without``: robots that go over to the hand, or none | | yes |
-| ``controls`` | ``want``: ``"take"``, ``"ask"``, ``"give"``, with ``to`` a window | ``holder`` | |
-
-Angles are radians, and robots are named by name, or by their place in the scene's list; where a window names none, the
-one that it looks at is meant.
+| command | answer |
+|---|---|
+| ``state`` | `State` |
+| ``scene`` | ``scene``: a `Scene` |
+| ``parameters`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true |
+| ``history`` | `History` |
+| ``events`` | ``epoch``, ``events``: list of `EventLine`, ``next`` |
+| ``image`` | ``png``: base64 |
+| ``scrub`` | ``tick``, ``exact``, ``can_continue``, ``reason`` |
+| ``step`` | ``tick``, ``steps`` |
+| ``continue`` | ``tick`` |
+| ``drive`` | ``channels`` |
+| ``set`` | ``value`` |
+| ``save_scenario`` | ``file`` |
+| ``save_run`` | ``folder``, ``same`` |
+| ``restart`` | ``again`` |
+| ``controls`` | ``holder``, ``asking`` |
 """
 
 from __future__ import annotations

@@ -18,10 +18,11 @@ from typing import Any
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.kernels import COMPILING
 from amorsim.runs.folder import next_folder
-from amorsim.ui.controls import DRIVING, LOOKING, Controls
+from amorsim.ui.controls import Controls
 from amorsim.ui.link import Link
 from amorsim.ui.looks import Looks
 from amorsim.ui.mailbox import Mailbox
+from amorsim.ui.messages import check
 from amorsim.ui.packing import Bundle
 from amorsim.ui.project import Saver, place_for
 from amorsim.ui.protocol import Scene
@@ -200,19 +201,17 @@ class Session:
         return self._scene
 
     async def ask(self, window: str, command: Table) -> Answer:
-        """The answer to a window's command (see `amorsim.ui.protocol`)."""
+        """The answer to a window's command (see `amorsim.ui.messages`)."""
         name = command.get("do")
         try:
             if not self._controls.knows(window):
                 raise AmorsimError("this window is not known any more; load the page again")
-            known = (*LOOKING, *DRIVING, *_OWN, "controls", "select")
-            if name not in known:
-                raise AmorsimError(f"there is no command {name!r}.{did_you_mean(str(name), known)}")
+            shape = check(command)
             if name == "controls":
                 return self._controls.carry_out(window, command)
             if name == "select":
                 return self._select(window, command)
-            if name not in LOOKING and self.holder != window:
+            if shape.controls and self.holder != window:
                 raise AmorsimError("another window has the controls; ask for them")
             if name in _OWN:
                 return await asyncio.to_thread(self._own, command)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from amorsim.kernels import ahead, beside
+from amorsim.kernels.beside import command_for
 from amorsim.kernels.claims import Claims
 from amorsim.kernels.folder import stamp_file
 
@@ -33,7 +34,31 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
 def test_one_is_started_and_no_second(started: list[list[str]]) -> None:
     assert beside.begin()
     assert not beside.begin()
-    assert started == [[sys.executable, "-c", "from amorsim.kernels.beside import main; main()"]]
+    (command,) = started
+    assert command[:3] == [sys.executable, "-P", "-c"]
+    assert command[3].endswith("from amorsim.kernels.beside import main; main()")
+
+
+def test_no_file_of_the_present_folder_is_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("own", "present"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "own" / "helper.py").write_text("import struct\n\ndef main():\n    print(struct.__file__)\n")
+    (tmp_path / "present" / "struct.py").write_text("from _struct import *\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "own"))
+    told = subprocess.run(
+        command_for("helper", "main"), cwd=tmp_path / "present", check=True, stdout=subprocess.PIPE, text=True
+    )
+    assert Path(told.stdout.strip()).parent != tmp_path / "present"
+
+
+def test_the_deadline_holds_from_before_the_first_module_is_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "endless.py").write_text("while True:\n    pass\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(beside, "_LONGEST", 0.2)
+    ended = subprocess.run(command_for("endless", "main"), check=False, stderr=subprocess.DEVNULL, timeout=30.0)
+    assert ended.returncode == 1
 
 
 @pytest.mark.parametrize(("cores", "count"), [(3, 2), (4, 3), (64, 3)])
@@ -62,7 +87,7 @@ def test_none_is_started_on_one_core_or_when_all_is_compiled(
 
 def test_it_ends_when_it_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(beside, "_beside", [])
-    monkeypatch.setattr(beside, "_COMMAND", "import time; time.sleep(60)")
+    monkeypatch.setattr(beside, "command_for", lambda *_: [sys.executable, "-c", "import time; time.sleep(60)"])
     monkeypatch.setattr(beside, "is_cold", lambda: True)
     monkeypatch.setattr(beside, "cores", lambda: 2)
     assert beside.begin()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from amorsim.kernels.beside import command_for
 from amorsim.simulation import warm
 
 
@@ -24,7 +25,7 @@ def test_contact_is_compiled_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     monkeypatch.setattr(warm, "_end_with_the_other", lambda: None)
     warm.compile_contact_beside()
-    assert started == [[sys.executable, "-c", "from amorsim.simulation.warm import meet; meet()"]]
+    assert started == [command_for("amorsim.simulation.warm", "meet")]
     assert not (tmp_path / "stamp").exists()
     warm.meet()
     assert (tmp_path / "stamp").exists()
