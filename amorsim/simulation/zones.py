@@ -95,7 +95,7 @@ class Zones:
             within = np.where(share > 0.0, travel * share, 0.0)
             passed = chain.corrupt(within, side, elapsed)
             slipped = np.where(share > 0.0, (travel - within) + passed, travel)
-            if chain.slides and motion is not None:
+            if chain.slides and motion is not None and slide is not None:
                 slide = slide + chain.slide(motion * _mean(share), elapsed)
             # The next zone sees the way that this one leaves.
             over = np.where(travel != 0.0, travel, 1.0)
@@ -129,7 +129,7 @@ def _mean(share: Array) -> Array:
     total = share[:, :1]
     for i in range(1, share.shape[1]):
         total = total + share[:, i : i + 1]
-    return total / share.shape[1]
+    return np.asarray(total / share.shape[1])
 
 
 def contact_points(drive: Drive, joints: Array, pose: Array) -> Array:
