@@ -145,7 +145,6 @@ class Kind(TypedDict):
     model: str
     drive: str  # as registered
     footprint: Outline
-    colour: NotRequired[str]  # "#rrggbb", where it has one of its own
     wheels: list[list[float]]  # x, y [m], heading [rad], radius [m] of each that can be drawn
     channels: list[Channel]
     joints: list[str]
@@ -168,6 +167,7 @@ class RobotEntry(TypedDict):
     kind: int
     controller: str  # "" for none; a file's name and the function's where it is a user's
     knowledge: Knowledge
+    colour: NotRequired[str]  # "#rrggbb"; one robot alone has none but its own
 
 
 class ObstacleShape(TypedDict):

@@ -2,7 +2,7 @@
 
 import { Film, download, savePicture } from "./capture.js";
 import { askName, showKeys, tell } from "./dialogs.js";
-import { h, say } from "./dom.js";
+import { colourChip, h, say } from "./dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
 import { Form } from "./forms.js";
@@ -115,7 +115,10 @@ export class Simulator {
   /** Another robot, or another course of events: what was kept of the one before goes, its history comes. */
   turn(frame) {
     const isOther = frame.selected !== this.selected;
-    if (frame.epoch !== this.epoch) this.events.clear();
+    if (frame.epoch !== this.epoch) {
+      this.events.clear();
+      this.stage.mark = null; // in this course of events it has not happened
+    }
     this.epoch = frame.epoch;
     this.selected = frame.selected;
     this.robot = this.scene.robots[frame.selected];
@@ -130,8 +133,12 @@ export class Simulator {
 
   showRobot() {
     this.parts.robot.value = String(this.selected);
-    say(this.parts.errorsTitle, `Errors of ${this.robot.name}`);
-    say(this.parts.numbersTitle, this.robot.name);
+    const chip = () => (this.robot.colour ? colourChip(this.robot.colour) : null);
+    this.parts.errorsTitle.replaceChildren(...[chip(), `Errors of ${this.robot.name}`].filter(Boolean));
+    this.parts.numbersTitle.replaceChildren(...[chip(), this.robot.name].filter(Boolean));
+    this.parts.plotTitle.replaceChildren(...[chip(), "Over time"].filter(Boolean));
+    const lack = this.robot.knowledge ? "" : `${this.robot.name} has no map (robots.knowledge.map)`;
+    say(this.stage.control.lack, lack);
     this.numbers.setRobot(this.robot);
     this.driving.setRobot(this.robot);
     const ranges = this.robot.sensors.filter(isDrawn);
@@ -216,7 +223,7 @@ export class Simulator {
 
   async go(event) {
     if (event.point) {
-      this.stage.mark = event.point;
+      this.stage.mark = { point: event.point, tick: event.tick };
       this.stage.setOption("follow", false);
       this.stage.camera.centre(...event.point);
     }
