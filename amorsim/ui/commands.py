@@ -65,6 +65,7 @@ class Commands:
             "reset": self._reset,
             "scrub": self._scrub,
             "continue": self._continue,
+            "go_back": self._go_back,
             "hand_over": self._hand_over,
             "drive": self._drive,
             "command": self._command,
@@ -234,6 +235,10 @@ class Commands:
             self._scrub(command)
         self.has_ended = False
         return {"tick": self.player.go_on()}
+
+    def _go_back(self, _: Table) -> Answer:
+        self.is_running = self.has_ended = False
+        return {"tick": self.player.go_back()}
 
     # --------------------------------------------------------------------------------------------------------- driving
 

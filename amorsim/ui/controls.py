@@ -17,7 +17,7 @@ LOOKING = ("state", "scene", "parameters", "history", "events", "image", "folder
 """Commands that need no controls."""
 
 DRIVING = (
-    *("run", "pause", "step", "speed", "reset", "scrub", "continue"),
+    *("run", "pause", "step", "speed", "reset", "scrub", "continue", "go_back"),
     *("hand_over", "drive", "command", "stop", "set", "restore"),
 )
 """Commands that only the window with the controls may give."""
