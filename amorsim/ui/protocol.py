@@ -19,12 +19,14 @@ by a table with ``ok``, and where that is false with ``error``, a text for the u
 | ``reset`` | | | yes |
 | ``scrub`` | ``tick``, or null for the end | ``tick``, ``exact``, ``can_continue``, ``reason`` | yes |
 | ``continue`` | ``tick`` (where it was scrubbed to) | ``tick`` | yes |
+| ``go_back`` | | ``tick`` of the end of what the last ``continue`` left | yes |
 | ``hand_over`` | ``robot``, ``to``: ``"hand"`` or ``"controller"`` | | yes |
 | ``drive`` | ``robot``, ``forward`` [m/s], ``left`` [m/s], ``turn`` [rad/s] (0 where not given) | | yes |
 | ``command`` | ``robot``, ``channels``: a number each | | yes |
 | ``stop`` | ``robot``, or none for all driven by hand | | yes |
 | ``set`` | ``robot``, ``path``, ``value`` | ``value`` | yes |
 | ``restore`` | ``robot``, ``path`` or none for all | | yes |
+| ``places`` | | ``project``, the folder's path; names in it that are free: ``run``, ``scenario`` | yes |
 | ``save_scenario`` | ``name`` (of a file in the project's folder, ``.toml``) | ``file`` | yes |
 | ``save_run`` | ``name`` (of a folder in the project's folder) or none | ``folder``, ``same`` | yes |
 | ``restart`` | ``without``: robots that go over to the hand, or none | | yes |
@@ -240,7 +242,7 @@ class EventLine(TypedDict):
     number: int
     tick: int
     time: float
-    kind: str  # as of `amorsim.Event`, and "started", "fault", "hang", "restarted", "saved", "note"
+    kind: str  # as of `amorsim.Event`, and "started", "fault", "hang", "restarted", "saved", "continued", "note"
     robot: str
     text: str
     point: list[float] | None

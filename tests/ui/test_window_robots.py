@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -133,7 +134,8 @@ def test_no_caption_is_cut_at_1366_by_768(window: Window) -> None:
                     pen.font = getComputedStyle(one).font;
                     return [...one.options].some((option) => pen.measureText(option.text).width > one.clientWidth - 20);
                 };
-                const all = "h1, h2, h3, th, td, label, summary, button, output, select, .note, .scenario, .unit, .channel span";
+                const all = "h1, h2, h3, th, td, label, summary, button, output, select, "
+                    + ".note, .scenario, .unit, .channel span";
                 return [...document.querySelectorAll(all)]
                     .filter((one) => one.checkVisibility() && one.clientWidth && isCut(one))
                     .map((one) => one.outerHTML.slice(0, 100));
@@ -153,3 +155,26 @@ def test_a_cross_marks_only_what_has_happened(window: Window) -> None:
     window.page.click("#continue")
     window.until(f"newest.newest === {at} && !(newest.states & 4)")
     assert window.see("stage.mark") is None
+    # What came after has not gone for good.
+    window.page.locator(".events-list .back").click()
+    window.until("newest.newest === 30")
+    window.page.locator(".events-list button", has_text="wall").first.wait_for()
+    window.page.locator(".events-list .back").click()
+    window.until(f"newest.newest === {at}")
+
+
+def test_dialogs_say_where_the_folder_is_and_offer_names_that_are_free(window: Window, project: Path) -> None:
+    page, offered = window.page, []
+    window.do(do="step", steps=2)
+    for button in ("save run", "save as…"):
+        for _ in range(2):
+            page.click(f"text={button}")
+            page.wait_for_selector("#asked-name")
+            offered.append(page.input_value("#asked-name"))
+            assert str(project) in page.locator("dialog .help").inner_text()
+            page.keyboard.press("Enter")
+            page.wait_for_selector("dialog", state="detached", timeout=120_000)
+    assert all((project / name).exists() for name in offered)
+    assert len(set(offered)) == 4
+    assert offered[0].startswith("run")
+    assert offered[2].startswith("room-changed")

@@ -43,6 +43,7 @@ export class Simulator {
     this.numbers.redraw = () => this.drawNumbers();
     this.events = new Events(this.parts.events, {
       go: (event) => this.go(event),
+      back: () => this.ask({ do: "go_back" }),
       stack: (event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
     this.warnings = new Warnings(this.parts.banner, ask);
@@ -345,17 +346,20 @@ export class Simulator {
     return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
   }
 
-  saveRun() {
-    askName("Save the run", "folder", "run", "In the project's folder, as `amorsim run` leaves it.", async (name) => {
+  async saveRun() {
+    const places = await this.ask({ do: "places" });
+    if (!places.ok) return;
+    askName("Save the run", "folder", places.run, `As \`amorsim run\` leaves it, in ${places.project}`, async (name) => {
       const said = await this.connection.ask({ do: "save_run", name: name || null });
       if (said.ok) this.hint(`Saved as ${said.folder}.${said.same === false ? " It does not run the same again." : ""}`);
       return said;
     });
   }
 
-  saveScenario() {
-    const name = `${this.scene.scenario.replace(/\.toml$/, "")}-changed.toml`;
-    askName("Save as a scenario", "file", name, "In the project's folder, with the parameters as they are now.", async (file) => {
+  async saveScenario() {
+    const places = await this.ask({ do: "places" });
+    if (!places.ok) return;
+    askName("Save as a scenario", "file", places.scenario, `With the parameters as they are now, in ${places.project}`, async (file) => {
       const said = await this.connection.ask({ do: "save_scenario", name: file });
       if (said.ok) this.hint(`Saved as ${said.file}.`);
       return said;
