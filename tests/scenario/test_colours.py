@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import amorsim as am
+from amorsim.runs.traces import Traces
 from amorsim.scenario.colours import robot_colours
+from amorsim.ui.scenes import SceneBuilder
 from tests import building
 
 
@@ -29,3 +31,11 @@ def test_there_are_colours_for_any_number() -> None:
     given = robot_colours(robots(*[None] * 30))
     assert len(given) == 30
     assert None not in given.values()
+
+
+def test_pictures_and_windows_show_the_same_colours() -> None:
+    pair = [building.robot(name=name, pose=am.Pose(x=1.0 + 2.0 * i, y=2.0)) for i, name in enumerate(("b", "a"))]
+    simulation = am.Simulation(building.scenario(*pair, map=building.empty(6.0)))
+    given = robot_colours(pair)
+    assert {path.name: path.colour for path in Traces(simulation).paths()} == given
+    assert {robot["name"]: robot["colour"] for robot in SceneBuilder(simulation).scene["robots"]} == given
