@@ -34,8 +34,8 @@ def test_there_are_colours_for_any_number() -> None:
 
 
 def test_pictures_and_windows_show_the_same_colours() -> None:
-    pair = [building.robot(name=name, pose=am.Pose(x=1.0 + 2.0 * i, y=2.0)) for i, name in enumerate(("b", "a"))]
-    simulation = am.Simulation(building.scenario(*pair, map=building.empty(6.0)))
+    pair = [building.robot(name=name, pose=am.Pose(x=5.0 + 2.0 * i, y=5.0)) for i, name in enumerate(("b", "a"))]
+    simulation = am.Simulation(building.scenario(*pair, map=building.empty(100.0)))
     given = robot_colours(pair)
     assert {path.name: path.colour for path in Traces(simulation).paths()} == given
     assert {robot["name"]: robot["colour"] for robot in SceneBuilder(simulation).scene["robots"]} == given
