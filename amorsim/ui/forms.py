@@ -116,7 +116,7 @@ class _Forms:
             if part == "scale":
                 form |= {"unit": "×", "low": None, "high": None, "is_open": [True, True]}
             elif part == "add":  # "lag 0" would read as though there were none
-                form["label"] += " offset"
+                form["label"] += " error"
                 form["low"] = None if form["low"] is None else form["low"] - nominal
                 form["high"] = None if form["high"] is None else form["high"] - nominal
             form["nominal"] = nominal

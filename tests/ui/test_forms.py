@@ -59,15 +59,15 @@ def test_a_drawn_offset_stays_within_what_its_parameter_allows() -> None:
     assert low + track > 0.0
 
 
-def test_the_limit_of_a_rate_deviates_by_a_factor_and_what_is_nominally_0_by_an_offset() -> None:
+def test_the_limit_of_a_rate_deviates_by_a_factor_and_what_is_nominally_0_by_a_sum() -> None:
     errors = [form for form in forms_of(am.Simulation(am.load("demo")), "rover") if form["kind"] == "systematic"]
     told = {form["label"]: (form["value"], form["unit"]) for form in errors if form["group"] == "drive"}
     # "rate max 0" would be a limit of 0.
     assert told["rate max"] == (1.0, "×")
     assert told["acceleration max"] == (1.0, "×")
-    assert told["lag offset"] == (0.0, "s")
+    assert told["lag error"] == (0.0, "s")
     for form in errors:
-        assert form["label"].endswith(" offset") == form["path"].endswith(".add")
+        assert form["label"].endswith(" error") == form["path"].endswith(".add")
 
 
 def test_no_end_of_a_slider_is_absurd_or_refused() -> None:
