@@ -30,6 +30,7 @@ from amorsim.contracts import Sensor
 from amorsim.core.errors import RunError
 from amorsim.core.shapes import Shape
 from amorsim.render.marks import COLOURS
+from amorsim.scenario.colours import robot_colours
 
 __all__ = ["plot_run"]
 
@@ -169,7 +170,8 @@ def _fill(axis: Any, shape: Shape, pose: tuple[float, float, float], **how: Any)
 def _draw_body(axis: Any, files: RunFiles, name: str, poses: Table, told: Table | None) -> None:
     """A robot where it was at the end, with its parts such as a trailer, and the ways of these."""
     robot = next(robot for robot in files.scenario.robots if robot.name == name)
-    look = {"facecolor": robot.colour or COLOURS["body"], "edgecolor": TRUE["color"], "alpha": 0.8}
+    colour = robot_colours(files.scenario.robots)[name] or COLOURS["body"]
+    look = {"facecolor": colour, "edgecolor": TRUE["color"], "alpha": 0.8}
     label: str | None = "trail of " + ", ".join(part.name for part in robot.drive.parts)
     for part in robot.drive.parts if told is not None else ():
         assert told is not None

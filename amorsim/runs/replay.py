@@ -12,7 +12,7 @@ from amorsim.core.errors import RunError
 from amorsim.scenario.spec import Distribution
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Replay", "read_rows"]
+__all__ = ["Replay", "read_rows", "revived"]
 
 Row = dict[str, str]
 
@@ -50,7 +50,7 @@ class Replay:
         for row in self._changes.get(simulation.tick, []):
             try:
                 replica = int(row.get("replica", simulation.replicas[0]))
-                value = _revived(json.loads(row["value"]))
+                value = revived(json.loads(row["value"]))
             except ValueError as error:
                 raise _damaged(self._events, error) from None
             if row["kind"] == "pose_set":
@@ -80,13 +80,13 @@ class Replay:
             self._next = next(self._rows, None)
 
 
-def _revived(value: Any) -> Any:
-    """A value of JSON as `Simulation.set` takes it: tables may hold distributions."""
+def revived(value: Any) -> Any:
+    """A value read from JSON as `Simulation.set` takes it: tables may hold distributions."""
     if not isinstance(value, dict):
         return value
     if value.keys() == {"kind", "values"}:
         return Distribution(kind=value["kind"], values=tuple(value["values"]))
-    return {name: _revived(part) for name, part in value.items()}
+    return {name: revived(part) for name, part in value.items()}
 
 
 def _damaged(path: Path, error: Exception) -> RunError:

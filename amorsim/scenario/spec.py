@@ -102,6 +102,11 @@ class Distribution:
         if self.kind == "uniform" and second < first:
             raise ParameterError("uniform", f"expected low <= high, got {first!r} and {second!r}")
 
+    def __str__(self) -> str:
+        """As ``normal(1, 0.02)``."""
+        first, second = self.values
+        return f"{self.kind}({first:g}, {second:g})"
+
 
 Number = float | Distribution
 

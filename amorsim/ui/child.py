@@ -379,7 +379,7 @@ def main() -> None:
     child.work(
         Recipe.from_json(order["recipe"]),
         out=Path(order["out"]) if order["out"] else None,
-        inputs=Inputs(Input(**one) for one in order["inputs"]),
+        inputs=Inputs(Input.from_json(one) for one in order["inputs"]),
         tick=order["tick"],
         epoch=order["epoch"],
         carried=None if snapshot is None else Carried.from_bytes(snapshot[1]),

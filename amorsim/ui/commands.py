@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError, RunError, did_you_mean
 from amorsim.core.whole_files import copy_file
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.maps import companions_of
@@ -68,6 +68,7 @@ class Commands:
             "reset": self._reset,
             "scrub": self._scrub,
             "continue": self._continue,
+            "go_back": self._go_back,
             "hand_over": self._hand_over,
             "drive": self._drive,
             "command": self._command,
@@ -237,6 +238,10 @@ class Commands:
             self._scrub(command)
         self.has_ended = False
         return {"tick": self.player.go_on()}
+
+    def _go_back(self, _: Table) -> Answer:
+        self.is_running = self.has_ended = False
+        return {"tick": self.player.go_back()}
 
     # --------------------------------------------------------------------------------------------------------- driving
 

@@ -130,6 +130,7 @@ COMMANDS: Mapping[str, Command] = {
     "reset": Command(controls=True),
     "scrub": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
     "continue": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
+    "go_back": Command(controls=True),
     # Driving: [m/s], [m/s], [rad/s]. `hand_over` without `to` is to the hand; `stop` without a robot stops all that
     # are driven by hand.
     "hand_over": Command(may={**_OF_ROBOT, "to": _one_of("hand", "controller")}, controls=True),
@@ -140,6 +141,7 @@ COMMANDS: Mapping[str, Command] = {
     "set": Command(needs={"path": _NAME, "value": _number()}, may=_OF_ROBOT, controls=True),
     "restore": Command(may={**_OF_ROBOT, "path": _either(_NAME, _NOTHING)}, controls=True),
     # Files and folders in the project's folder (see `amorsim.ui.project`); a run without a name gets one.
+    "places": Command(controls=True),
     "save_scenario": Command(needs={"name": _text(LONGEST_PLACE)}, may={"overwrite": _YES_OR_NO}, controls=True),
     "save_run": Command(may={"name": _either(_text(LONGEST_PLACE), _NOTHING)}, controls=True),
     # A simulation that hangs or has gone; `without` are robots that go over to the hand.

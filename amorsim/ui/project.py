@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.runs.folder import new_folder
+from amorsim.runs.folder import new_folder, next_folder
 from amorsim.ui.pipes import python_for
 from amorsim.ui.recipe import Recipe
 
-__all__ = ["Saver", "place_for"]
+__all__ = ["Saver", "free_places", "place_for"]
 
 _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.() -]{0,99}")
 
@@ -47,6 +47,16 @@ def place_for(project: Path, name: Any, suffix: str = "") -> Path:
     if not is_inside:
         raise AmorsimError(f"{name}: is not in the project's folder {project}")
     return path
+
+
+def free_places(project: Path, scenario: str) -> dict[str, str]:
+    """Names in the project's folder that are free yet: of a folder for a ``run``, and of a file for a ``scenario``."""
+    run = project / "run"
+    changed = project / f"{scenario.removesuffix('.toml')}-changed"
+    number, file = 2, changed.with_name(f"{changed.name}.toml")
+    while file.exists():
+        number, file = number + 1, changed.with_name(f"{changed.name}-{number}.toml")
+    return {"run": (next_folder(run) if run.exists() else run).name, "scenario": file.name}
 
 
 class Saver:

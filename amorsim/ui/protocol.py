@@ -16,8 +16,10 @@ text for the user. Besides, answers have
 | ``scrub`` | ``tick``, ``exact``, ``can_continue``, ``reason`` |
 | ``step`` | ``tick``, ``steps`` |
 | ``continue`` | ``tick`` |
+| ``go_back`` | ``tick`` of the end of what the last ``continue`` left |
 | ``drive`` | ``channels`` |
 | ``set`` | ``value`` |
+| ``places`` | ``project``, the folder's path; names in it that are free: ``run``, ``scenario`` |
 | ``save_scenario`` | ``file`` |
 | ``save_run`` | ``folder``, ``same`` |
 | ``restart`` | ``again`` |
@@ -135,7 +137,6 @@ class Kind(TypedDict):
     model: str
     drive: str  # as registered
     footprint: Outline
-    colour: NotRequired[str]  # "#rrggbb", where it has one of its own
     wheels: list[list[float]]  # x, y [m], heading [rad], radius [m] of each that can be drawn
     channels: list[Channel]
     joints: list[str]
@@ -158,6 +159,7 @@ class RobotEntry(TypedDict):
     kind: int
     controller: str  # "" for none; a file's name and the function's where it is a user's
     knowledge: Knowledge
+    colour: NotRequired[str]  # "#rrggbb"; one robot alone has none but its own
 
 
 class ObstacleShape(TypedDict):
@@ -239,7 +241,7 @@ class EventLine(TypedDict):
     number: int
     tick: int
     time: float
-    kind: str  # as of `amorsim.Event`, and "started", "fault", "hang", "restarted", "saved", "note"
+    kind: str  # as of `amorsim.Event`, and "started", "fault", "hang", "restarted", "saved", "continued", "note"
     robot: str
     text: str
     point: list[float] | None

@@ -24,7 +24,7 @@ from amorsim.ui.looks import Looks
 from amorsim.ui.mailbox import Mailbox
 from amorsim.ui.messages import check
 from amorsim.ui.packing import Bundle
-from amorsim.ui.project import Saver, place_for
+from amorsim.ui.project import Saver, free_places, place_for
 from amorsim.ui.protocol import Scene
 from amorsim.ui.recipe import Recipe
 from amorsim.ui.story import line_of
@@ -35,7 +35,7 @@ Table = Mapping[str, Any]
 Answer = dict[str, Any]
 
 _OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "restore")  # which they name, or look at
-_OWN = ("restart", "save_run", "save_scenario")
+_OWN = ("restart", "places", "save_run", "save_scenario")
 
 BETWEEN_PINGS = 0.5  # [s]
 BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
@@ -270,6 +270,8 @@ class Session:
         name = command["do"]
         if name == "restart":
             return self._restart(command)
+        if name == "places":
+            return {"ok": True, "project": str(self.project), **free_places(self.project, self.scene["scenario"])}
         if name == "save_run":
             job = self._demand({"do": "job"})
             answer = self._saver.save(job, command.get("name"), self.scene["scenario"])

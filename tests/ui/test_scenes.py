@@ -92,7 +92,7 @@ def test_a_drawn_error_is_told_in_words_with_the_true_value() -> None:
     )
     simulation = am.Simulation(building.scenario(robot))
     form = next(form for form in forms_of(simulation, "rover") if form["path"] == "errors.drive.track.scale")
-    assert (form["value"], form["drawn"]) == (None, "normal 1, 0.02")
+    assert (form["value"], form["drawn"]) == (None, "normal(1, 0.02)")
     true = simulation.robot("rover").true.drive.track  # type: ignore[attr-defined]
     assert form["true"] == true != form["nominal"]
     assert value_at(simulation.robot("rover").true, "drive.track") == true

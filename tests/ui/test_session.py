@@ -124,7 +124,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     assert len(ticks) <= 5
     assert ticks[-1] == newest + 15
     kinds = [line["kind"] for line in done(session, "events")["events"]]
-    assert kinds == ["handed_over", "handed_over", "parameter_set", "saved"][: len(kinds)]
+    assert kinds == ["handed_over", "handed_over", "parameter_set", "continued", "saved"][: len(kinds)]
     assert "handed_over" in kinds
 
     # What was seen is what is saved.
