@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError, did_you_mean
-from amorsim.runs.folder import read_about
+from amorsim.runs.about import read_about
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 

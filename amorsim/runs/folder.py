@@ -16,18 +16,10 @@ from typing import Any
 from amorsim.core.errors import RunError
 from amorsim.plugins.manager import default_registry
 
-__all__ = ["RunFolder", "check_free", "circumstances", "fingerprints", "new_folder", "next_folder", "read_about"]
+__all__ = ["RunFolder", "check_free", "circumstances", "fingerprints", "new_folder", "next_folder"]
 
 FORMAT = 1
 ABOUT = "run.json"
-
-_EXPECTED: dict[str, tuple[type, str]] = {
-    "status": (str, "a text"),
-    "seed": (int, "a whole number"),
-    "replicas": (list, "a list of numbers"),
-    "dt": (float, "a number"),
-    "steps": (int, "a whole number"),
-}
 
 
 def new_folder(name: str, base: Path | None = None) -> Path:
@@ -158,29 +150,6 @@ class RunFolder:
             raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
 
 
-def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """What the ``run.json`` of a folder says.
-
-    Raises
-    ------
-    RunError
-        If it is not the folder of a run, or the file is damaged.
-    """
-    path = Path(folder) / ABOUT
-    try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, NotADirectoryError):
-        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
-    except (OSError, ValueError) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(about, dict):
-        raise RunError(f"{path}: is damaged: expected a table, got {str(about)[:40]!r}")
-    for key, (kind, what) in _EXPECTED.items():
-        if not isinstance(about.get(key), kind):
-            raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {about.get(key)!r}")
-    return about
-
-
 def circumstances() -> dict[str, Any]:
     """Versions and machine, on which the last bits of results may hang."""
     from llvmlite import binding
@@ -198,9 +167,11 @@ def circumstances() -> dict[str, Any]:
 
 
 def fingerprints(folder: Path, names: list[str]) -> dict[str, str]:
-    """A digest of each of the named files in a folder; without those that are not there."""
+    """A digest of each of the named files in a folder; without those that are not there, or no regular files."""
     found = {}
     for name in names:
         with contextlib.suppress(OSError):
-            found[name] = hashlib.blake2b((folder / name).read_bytes(), digest_size=16).hexdigest()
+            if (folder / name).is_file():  # a pipe would be read for ever
+                with (folder / name).open("rb") as file:
+                    found[name] = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
     return found
