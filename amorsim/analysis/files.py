@@ -11,9 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError, did_you_mean
-from amorsim.runs.about import read_about
+from amorsim.runs.about import read_about, scenario_of
 from amorsim.runs.tables import read_columns
-from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 
 __all__ = ["RunFiles", "Table"]
@@ -53,7 +52,7 @@ class RunFiles:
     @functools.cached_property
     def scenario(self) -> Scenario:
         """The scenario that was run."""
-        return load(self.folder / "scenario.toml")
+        return scenario_of(self.folder, self.about)
 
     @property
     def sensors(self) -> list[str]:
