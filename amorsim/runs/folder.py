@@ -25,8 +25,6 @@ __all__ = [
     "last_time",
     "new_folder",
     "next_folder",
-    "read_about",
-    "unfinished",
 ]
 
 FORMAT = 1
@@ -35,14 +33,6 @@ CLAIM = ".amorsim-claim"  # a folder that is there while a run takes hold of the
 ROOM = ".amorsim-room"  # a file that is there until a run ends: on a full disk, the last run.json takes its place
 _LONGEST_LINE = 1 << 20  # bytes
 _ROOM_BESIDES = 16384  # bytes: a folder, and files in whole blocks
-
-_EXPECTED: dict[str, tuple[type, str]] = {
-    "status": (str, "a text"),
-    "seed": (int, "a whole number"),
-    "replicas": (list, "a list of numbers"),
-    "dt": (float, "a number"),
-    "steps": (int, "a whole number"),
-}
 
 
 def new_folder(name: str, base: Path | None = None) -> Path:
@@ -205,44 +195,6 @@ class RunFolder:
         self.write_about(about)
 
 
-def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """What the ``run.json`` of a folder says.
-
-    Raises
-    ------
-    RunError
-        If it is not the folder of a run, or the file is damaged.
-    """
-    path = Path(folder) / ABOUT
-    try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, NotADirectoryError):
-        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
-    except (OSError, ValueError) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(about, dict):
-        raise RunError(f"{path}: is damaged: expected a table, got {str(about)[:40]!r}")
-    for key, (kind, what) in _EXPECTED.items():
-        if not isinstance(about.get(key), kind):
-            raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {about.get(key)!r}")
-    return about
-
-
-def unfinished(about: Mapping[str, Any]) -> str:
-    """How a run ended that did not end in order, as a sentence; nothing for one that did.
-
-    `about` is what its ``run.json`` says.
-    """
-    status = about["status"]
-    if status == "finished":
-        return ""
-    if status == "running":
-        return "this run has not ended: it was killed, or it still goes on"
-    done = about.get("steps_done")
-    when = f" after {done * about['dt']:g} s" if isinstance(done, int) else ""
-    return f"this run did not end in order: it was {status}{when}"
-
-
 def last_time(folder: Path) -> float:
     """The time [s] up to which all of a run's tables have lines, but for those of what happens now and then.
 
@@ -281,9 +233,11 @@ def circumstances() -> dict[str, Any]:
 
 
 def fingerprints(folder: Path, names: list[str]) -> dict[str, str]:
-    """A digest of each of the named files in a folder; without those that are not there."""
+    """A digest of each of the named files in a folder; without those that are not there, or no regular files."""
     found = {}
     for name in names:
         with contextlib.suppress(OSError):
-            found[name] = hashlib.blake2b((folder / name).read_bytes(), digest_size=16).hexdigest()
+            if (folder / name).is_file():  # a pipe would be read for ever
+                with (folder / name).open("rb") as file:
+                    found[name] = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
     return found

@@ -176,4 +176,6 @@ def shown(value: Any) -> str:
         text = repr(value)
     except ValueError:  # a whole number of thousands of digits
         text = "a number of thousands of digits"
+    except RecursionError:
+        text = "tables or lists in one another, too many to show"
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -94,8 +94,8 @@ def test_reproduce_tells_a_difference_by_its_exit_status(amorsim: Command, study
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"status": "running"}, "this run has not ended: it was killed, or it still goes on; the pictures show"),
-        ({"status": "interrupted"}, "this run did not end in order: it was interrupted after 0.3 s; the pictures show"),
+        ({"status": "running"}, "this run did not end in order; its files end at 0.3 s"),
+        ({"status": "interrupted"}, "this run was interrupted; its files end at 0.3 s"),
         ({}, ""),
     ],
 )
