@@ -31,6 +31,7 @@ def command(
     The exit status is 0 if it would run, else 2.
     """
     from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.core.trouble import explain
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
     from amorsim.scenario.read import is_model, scenario_for_model
@@ -47,7 +48,7 @@ def command(
     except AmorsimError as error:
         faults = error.faults if isinstance(error, ScenarioError) else (error,)
         for fault in faults:
-            complain(str(fault))
+            complain(explain(fault) if isinstance(fault, AmorsimError) else str(fault))
         complain(f"{len(faults)} fault{'s' if len(faults) > 1 else ''} found")
         raise typer.Exit(2) from None
     found = (*read.map.warnings, *([remark] if remark else ()))

@@ -1,29 +1,52 @@
-"""What a user is told of an error: the message, and the lines of his own code that led to it."""
+"""What a user is told of an error: the message, and the lines of their own code that led to it."""
 
 from __future__ import annotations
 
 import sysconfig
 import traceback
 from pathlib import Path
+from typing import Any
 
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["explain", "users_lines"]
+__all__ = ["RAISED", "error_in_words", "explain", "in_words", "users_lines"]
 
 _OURS = Path(__file__).resolve().parents[1]
 _PYTHONS = Path(sysconfig.get_path("stdlib"))
+_LONGEST = 200  # characters of a value
+
+RAISED = (Exception, SystemExit)
+"""What is caught of a user's code; Ctrl-C is not."""
 
 
 def explain(error: BaseException) -> str:
     """The error's message, with notes, and with the lines of a user's controller or plugin that raised it."""
     is_ours = isinstance(error, AmorsimError)
     cause = error.__cause__ if is_ours else error
-    lines = [str(error) if is_ours else f"{type(error).__name__}: {error}"]
+    lines = [str(error) if is_ours else error_in_words(error)]
     if isinstance(cause, SyntaxError):
         lines += [part.rstrip("\n") for part in traceback.format_exception_only(cause)]
     elif cause is not None:
         lines += users_lines(traceback.extract_tb(cause.__traceback__))
     return "\n".join([*lines, *getattr(error, "__notes__", ())])
+
+
+def error_in_words(error: BaseException) -> str:
+    """The error's class and text, also where it cannot say its text."""
+    name = type(error).__name__
+    try:
+        return f"{name}: {error}"
+    except RAISED as second:
+        return f"{name} (its text cannot be shown: {type(second).__name__})"
+
+
+def in_words(value: Any) -> str:
+    """A value as messages show it: not longer than they can be read, also where it cannot say what it is."""
+    try:
+        text = repr(value)
+    except RAISED as error:
+        return f"a {type(value).__name__} (which cannot be shown: {type(error).__name__})"
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
 def users_lines(stack: traceback.StackSummary) -> list[str]:

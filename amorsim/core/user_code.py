@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import parameter
+from amorsim.core.trouble import RAISED, error_in_words, in_words
 
 __all__ = ["UserCode"]
 
@@ -52,7 +53,7 @@ class UserCode:
         """
         what = f"{self.kind} {self.source!r}"
         if not callable(self.function):
-            raise self.failed(f"{what}: expected a function or a class, got {self.function!r}", "")
+            raise self.failed(f"{what}: expected a function or a class, got {in_words(self.function)}", "")
         if not inspect.isclass(self.function):
             return {}
         options = dict(self.options)
@@ -60,10 +61,10 @@ class UserCode:
         for row in range(rows):
             try:
                 objects[row] = self.function(**options)
-            except (Exception, SystemExit) as error:
+            except RAISED as error:
                 raise self.failed(
                     f"{what}: making its object for {who(row)} with the options {options} raised "
-                    f"{type(error).__name__}: {error}",
+                    f"{error_in_words(error)}",
                     "",
                 ) from error
             if not callable(getattr(objects[row], self._method, None)):
@@ -88,6 +89,4 @@ class UserCode:
 
     def raised(self, error: BaseException, who: str, time: float, name: str) -> AmorsimError:
         """What to raise for what the user's code raised."""
-        return self.failed(
-            f"{self.kind} {self.source!r} of {who} at {time:g} s raised {type(error).__name__}: {error}", name
-        )
+        return self.failed(f"{self.kind} {self.source!r} of {who} at {time:g} s raised {error_in_words(error)}", name)

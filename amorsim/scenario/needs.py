@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from amorsim.core.map import Map
-from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Obstacle, RandomStart, Robot
 
 __all__ = ["least_bytes", "most_room"]
@@ -23,7 +23,7 @@ def least_bytes(body: Robot | Obstacle) -> int:
     for unit in body.sensors.values():
         try:
             values += unit.sensor.size(body.drive)
-        except ParameterError:  # said by whoever makes the sensor
+        except RAISED:  # said where the sensor is made
             continue
     return _BODY + _VALUE * values
 
