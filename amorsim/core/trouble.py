@@ -13,6 +13,8 @@ __all__ = ["RAISED", "error_in_words", "explain", "in_words", "users_lines"]
 
 _OURS = Path(__file__).resolve().parents[1]
 _PYTHONS = Path(sysconfig.get_path("stdlib"))
+_INSTALLED = "site-packages"
+_LIBRARIES = ("llvmlite", "numba", "numpy", "PIL", "scipy", "shapely")  # that amorsim calls in a step
 _LONGEST = 200  # characters of a value
 
 RAISED = (Exception, SystemExit)
@@ -52,15 +54,22 @@ def in_words(value: Any) -> str:
 def users_lines(stack: traceback.StackSummary) -> list[str]:
     """The part of a stack, outermost first, that is the user's, as text; nothing where none is."""
     users = [i for i, frame in enumerate(stack) if _is_users(frame.filename)]
-    if not users:
+    # What we ask a library ourselves is not the user's; what their code asks it is.
+    first = next((i for i in users if not _is_librarys(stack[i].filename)), None)
+    if first is None:
         return []
-    # What lies before is ours, what lies behind a library's.
-    return [part.rstrip("\n") for part in traceback.format_list(stack[users[0] : users[-1] + 1])]
+    # What lies before is ours, what lies behind Python's.
+    return [part.rstrip("\n") for part in traceback.format_list(stack[first : users[-1] + 1])]
 
 
 def _is_users(file: str) -> bool:
     if file.startswith("<"):  # of the interpreter's own
         return False
     path = Path(file)
-    is_installed = "site-packages" in path.parts
+    is_installed = _INSTALLED in path.parts
     return not path.is_relative_to(_OURS) and (is_installed or not path.is_relative_to(_PYTHONS))
+
+
+def _is_librarys(file: str) -> bool:
+    parts = Path(file).parts
+    return _INSTALLED in parts and parts[parts.index(_INSTALLED) + 1] in _LIBRARIES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import time
 from pathlib import Path
 from types import TracebackType
@@ -13,6 +14,7 @@ import attrs
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.errors import RunError
+from amorsim.core.user_code import go_back, present_folder
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
 from amorsim.runs.folder import FORMAT, RunFolder, circumstances, fingerprints
@@ -108,6 +110,7 @@ class RunSession:
         self._simulation = simulation
         self._scenario = scenario
         self._summary: RunSummary | None = None
+        self._process, self._here = os.getpid(), present_folder()
         self._events = 0  # of the simulation's, that have been written
         self._started = time.perf_counter()
         self._registry = default_registry()
@@ -162,6 +165,7 @@ class RunSession:
             If not exactly one step was made since the last, or a file cannot be written.
         """
         simulation = self._simulation
+        self._expect_original()
         if self._summary is not None:
             raise RunError(f"{self.folder}: this run has been closed")
         ticks = simulation._fleet.ticks
@@ -197,6 +201,8 @@ class RunSession:
         """Close the files, draw the picture, and say in ``run.json`` how the run ended."""
         if self._summary is not None:
             return self._summary
+        self._expect_original()
+        go_back(self._here, "a controller or plugin")
         try:
             self._close_recorders()
         except Exception:
@@ -220,6 +226,16 @@ class RunSession:
                 raise RunError(f"{self.folder / 'picture.png'}: cannot be written ({error})") from None
         run_finished(self._simulation, self._registry)
         return self.summary
+
+    def _expect_original(self) -> None:
+        """End this process if it is a copy that code of a user's has forked: it would write into the same files."""
+        if os.getpid() != self._process:
+            sys.stderr.write(
+                f"{self.folder}: a controller or plugin forked the process of this run; the copy ends here, and writes "
+                "nothing. Start other programs with subprocess, and end a copy with os._exit\n"
+            )
+            sys.stderr.flush()
+            os._exit(1)
 
     def _close_recorders(self) -> None:
         """Close each, also after another failed; the first failure is raised."""
@@ -277,6 +293,8 @@ class RunSession:
 
     def give_up(self) -> None:
         """Remove the folder again: for a run in which nothing happened."""
+        self._expect_original()
+        go_back(self._here, "a controller or plugin")
         with contextlib.suppress(Exception):  # what went wrong before is what is told
             self._close_recorders()
         self._folder.give_back()

@@ -15,6 +15,7 @@ from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
 from amorsim.core.trouble import RAISED, error_in_words, in_words
+from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
 
 __all__ = ["is_controller_file", "load_controller", "reference_to", "split_reference"]
@@ -96,6 +97,7 @@ def _load_module(path: Path) -> ModuleType:
         raise ControllerError(f"{path}: Python knows no way to load this file")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module
+    here = present_folder()
     try:
         # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
         make_importable(beside)
@@ -103,6 +105,8 @@ def _load_module(path: Path) -> ModuleType:
     except RAISED as error:
         del sys.modules[module_name]
         raise ControllerError(f"{path}{_line(error, path)}: {_text(error)}") from error
+    finally:
+        go_back(here, str(path))
     return module
 
 
