@@ -70,10 +70,11 @@ class Fault:
 
 
 class ScenarioError(AmorsimError):
-    """A scenario with faults; carries all of them, not the first only."""
+    """A scenario with faults; carries all of them, not the first only, and the warnings of its map, if it was read."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[Fault], warnings: Iterable[str] = ()) -> None:
         self.faults = tuple(faults)
+        self.warnings = tuple(warnings)
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 

@@ -45,6 +45,8 @@ class Book:
         self._count = 0
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
+        self.warnings: tuple[str, ...] = ()
+        """Of the map, to be told with the faults."""
 
     def set_source(self, path: Path_, source: Source) -> None:
         """From now on, everything at `path` and below came from `source`."""
@@ -89,7 +91,7 @@ class Book:
     def raise_if_any(self) -> None:
         """Raise `ScenarioError` with all faults, if there are any."""
         if self._faults:
-            raise ScenarioError(self._faults)
+            raise ScenarioError(self._faults, self.warnings)
 
 
 @attrs.frozen

@@ -226,6 +226,8 @@ def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_al
     world = None
     if "world" in top:
         world = maps.read(top.child("world"))
+        if world is not None:
+            top.book.warnings = tuple(f"{world.name}: {warning}" for warning in world.warnings)
     else:
         top.child("world").fault("missing; expected [world] with map = the path of a map file")
     if "simulation" in top and (node := top.child("simulation")).expect_table():
