@@ -58,14 +58,19 @@ class RunError(AmorsimError):
 
 @attrs.frozen(kw_only=True)
 class Fault:
-    """One thing wrong with a scenario: where it stands, what was found, what would be right."""
+    """One thing wrong with a scenario: where it stands, what was found, what would be right.
+
+    `path` leads to it in the document; `named` is the same with the names of robots, obstacles and zones in the places
+    of their numbers, where they have any, for messages.
+    """
 
     file: str
     path: str
     message: str
+    named: str = ""
 
     def __str__(self) -> str:
-        where = ": ".join(part for part in (self.file, self.path) if part)
+        where = ": ".join(part for part in (self.file, self.named or self.path) if part)
         return f"{where}: {self.message}" if where else self.message
 
 

@@ -210,6 +210,7 @@ def _values(
     is_map_alone: bool,
 ) -> dict[str, Any]:
     """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
+    book.document = document
     settings = parse_overrides(overrides, book)
     apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
     merge_models(document, book, registry)
