@@ -321,4 +321,4 @@ def test_a_message_calls_robots_obstacles_and_zones_by_name(folder, registry):
     paths = ["zones.0", "robots.0", "robots.1", "obstacles.0", "obstacles.1", "obstacles.2"]
     assert [fault.path for fault in faults] == [f"{path}.nmae" for path in paths]
     told = ["zones.0", "robots.rover", "robots.1", "obstacles.cat", "obstacles.1", "obstacles.2"]
-    assert [str(fault).split(": ")[1] for fault in faults] == [f"{path}.nmae" for path in told]
+    assert [str(fault).partition(": ")[0] for fault in faults] == [f"{path}.nmae" for path in told]
