@@ -77,6 +77,11 @@ class Parameter:
         return _type_name(self.type)
 
     @property
+    def file_type_name(self) -> str:
+        """The same with the keys that tables have in files."""
+        return _type_name(self.type, in_file=True)
+
+    @property
     def bounds(self) -> str:
         """What values are allowed, in words, or nothing."""
         if self.choices:
@@ -227,16 +232,18 @@ def _wrong(expected: Parameter, value: Any) -> str:
 _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 
 
-def _type_name(kind: Any) -> str:
+def _type_name(kind: Any, in_file: bool = False) -> str:
     if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
         return " or ".join(
-            "nothing" if option is types.NoneType else _type_name(option) for option in typing.get_args(kind)
+            "nothing" if option is types.NoneType else _type_name(option, in_file) for option in typing.get_args(kind)
         )
     if typing.get_origin(kind) is tuple:
         items = typing.get_args(kind)
         if len(items) == 2 and items[1] is Ellipsis:
-            return f"a list, each {_type_name(items[0])}"
-        return f"a list of {len(items)}, each {_type_name(items[0])}"
+            return f"a list, each {_type_name(items[0], in_file)}"
+        return f"a list of {len(items)}, each {_type_name(items[0], in_file)}"
     if attrs.has(kind):
-        return "a table of " + ", ".join(field.name for field in attrs.fields(kind))
+        angles = {name for name, field in describe(kind).items() if in_file and field.is_angle}
+        names = [field.name for field in attrs.fields(kind)]
+        return "a table of " + ", ".join(f"{name}_deg" if name in angles else name for name in names)
     return _WORDS.get(kind, getattr(kind, "__name__", str(kind)))

@@ -35,6 +35,12 @@ _BROKEN = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, Typ
 _BROKEN_INSIDE = (struct.error, zlib.error, MemoryError)
 
 
+_RESOLUTION = 0.05  # [m]
+_NO_RESOLUTION = (
+    f"no resolution is given, so a pixel is taken for {_RESOLUTION:g} m; say how large one is, as in resolution = 0.02"
+)
+
+
 @attrs.frozen(kw_only=True)
 class Bitmap(MapLoader):
     """Bitmaps (``.bmp``, ``.png``) of two colours, the darker one occupied, or of any with a `threshold`.
@@ -45,7 +51,7 @@ class Bitmap(MapLoader):
 
     extensions: ClassVar[tuple[str, ...]] = (".bmp", ".png")
 
-    resolution: float = parameter(0.05, unit="m", gt=0, help="side of a pixel")
+    resolution: float | None = parameter(None, unit="m", gt=0, help="side of a pixel; without it 0.05, with a warning")
     origin_x: float = parameter(0.0, unit="m", help="x of the lower left corner of the lower left pixel")
     origin_y: float = parameter(0.0, unit="m", help="y of the lower left corner of the lower left pixel")
     origin_yaw: float = parameter(0.0, unit="rad", help="turn of the image about that corner")
@@ -76,8 +82,9 @@ class Bitmap(MapLoader):
             return Map.from_array(
                 # An image's first row is its top one, a map's is its bottom one.
                 np.ascontiguousarray(occupied[::-1]),
-                resolution=self.resolution,
+                resolution=_RESOLUTION if self.resolution is None else self.resolution,
                 origin=(self.origin_x, self.origin_y, self.origin_yaw),
+                warnings=() if self.resolution is not None else (_NO_RESOLUTION,),
                 name=path.stem,
             )
         except MapError as error:

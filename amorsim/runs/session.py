@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import os
+import sys
 import time
 from pathlib import Path
 from types import TracebackType
@@ -15,6 +16,7 @@ import attrs
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.errors import RunError
+from amorsim.core.user_code import go_back, present_folder
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
@@ -111,6 +113,7 @@ class RunSession:
         self._scenario = scenario
         self._summary: RunSummary | None = None
         self._has_lost_lines = False  # whether text files end before the simulation did
+        self._process, self._here = os.getpid(), present_folder()
         self._events = 0  # of the simulation's, that have been written
         self._started = time.perf_counter()
         self._registry = default_registry()
@@ -166,6 +169,7 @@ class RunSession:
             If not exactly one step was made since the last, or a file cannot be written.
         """
         simulation = self._simulation
+        self._expect_original()
         if self._summary is not None:
             raise RunError(f"{self.folder}: this run has been closed")
         ticks = simulation._fleet.ticks
@@ -201,6 +205,8 @@ class RunSession:
         """Close the files, draw the picture, and say in ``run.json`` how the run ended."""
         if self._summary is not None:
             return self._summary
+        self._expect_original()
+        go_back(self._here, "a controller or plugin")
         try:
             self._close_recorders()
         except Exception as error:
@@ -225,6 +231,16 @@ class RunSession:
             write_bytes(self.folder / "picture.png", drawn.getvalue())
         run_finished(self._simulation, self._registry)
         return self.summary
+
+    def _expect_original(self) -> None:
+        """End this process if it is a copy that code of a user's has forked: it would write into the same files."""
+        if os.getpid() != self._process:
+            sys.stderr.write(
+                f"{self.folder}: a controller or plugin forked the process of this run; the copy ends here, and writes "
+                "nothing. Start other programs with subprocess, and end a copy with os._exit\n"
+            )
+            sys.stderr.flush()
+            os._exit(1)
 
     def _close_recorders(self) -> None:
         """Close each, also after another failed; the first failure is raised."""
@@ -300,6 +316,8 @@ class RunSession:
 
     def give_up(self) -> None:
         """Remove the folder again: for a run in which nothing happened."""
+        self._expect_original()
+        go_back(self._here, "a controller or plugin")
         with contextlib.suppress(Exception):  # what went wrong before is what is told
             self._close_recorders()
         self._folder.give_back()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import attrs
 
@@ -91,6 +91,8 @@ def read_map(file: MapFile) -> Map:
         raise MapError(f"{file.path}: {loader} failed with {type(error).__name__}: {error}") from error
     if not isinstance(found, Map):
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
+    if getattr(file.loader, "resolution", 0.0) is None:  # what the loader took is what a run writes down
+        file = attrs.evolve(file, loader=attrs.evolve(cast(Any, file.loader), resolution=found.resolution))
     return attrs.evolve(found, source=file)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
@@ -50,7 +51,20 @@ def read_toml(path: Path) -> dict[str, Any] | str:
     try:
         return tomllib.loads(text.removeprefix("\N{BOM}"), parse_float=parse_float)
     except (ValueError, RecursionError) as error:
-        return f"not valid TOML: {error}"
+        return _toml_problem(error)
+
+
+def _toml_problem(error: Exception) -> str:
+    """What is wrong with a file's TOML; what Python tells only in words of its own is said plainly."""
+    text = str(error)
+    place = re.search(r"\(at (line \d+), column \d+\)", text)
+    where = f"{place[1]}: " if place else ""
+    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
+        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
+        return f"{where}the table [{name}] stands in this file already; put what is here under the first one"
+    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
+        return f"{where}this key has a value already; leave one of the two out"
+    return f"not valid TOML: {error}"
 
 
 def check_format(node: Node) -> None:

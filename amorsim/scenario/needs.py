@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Noise
 from amorsim.core.map import Map
-from amorsim.core.parameters import ParameterError
 from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import MountedSensor, Obstacle, RandomStart, Robot
 
 __all__ = ["least_bytes", "most_room", "samples_under_way"]
@@ -21,21 +19,18 @@ _LATE = 1e-9  # of a step: 0.3 s at 0.1 s are three of them, though 0.3 / 0.1 ne
 _WAITING = 32  # [bytes]: a value of a sample under way, true and measured, and both once more while a step is made
 
 
-def samples_under_way(latency: npt.NDArray[np.float64], late: Iterable[Noise], dt: float) -> int:
-    """How many samples of a sensor are under way at once, at the most, with latencies `(N, 1)` [s]; 0 for none.
-
-    `late` are elements of its chain, stacked over the rows, that may delay them further.
-    """
-    longest = latency
-    for noise in late:
-        longest = longest + noise.longest_delay()
+def samples_under_way(longest: npt.NDArray[np.float64], dt: float) -> int:
+    """How many samples of a sensor are under way at once, at the most, where none takes longer than `(N, 1)` [s]."""
     return int(np.ceil(longest / dt - _LATE).max())
 
 
 def _waiting(unit: MountedSensor, size: int, dt: float) -> int:
     """How much memory the readings of `size` values take that are under way [bytes]."""
-    late = [stack([element.noise]) for element in unit.noise if type(element.noise).delay is not Noise.delay]
-    return _WAITING * size * samples_under_way(np.array([[unit.latency]]), late, dt)
+    longest = np.array([[unit.latency]])
+    for element in unit.noise:
+        if type(element.noise).delay is not Noise.delay:
+            longest = longest + stack([element.noise]).longest_delay()
+    return _WAITING * size * samples_under_way(longest, dt)
 
 
 def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
@@ -51,10 +46,11 @@ def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
     for unit in body.sensors.values():
         try:
             size = unit.sensor.size(body.drive)
-        except ParameterError:  # said by whoever makes the sensor
+            late = 0 if dt is None else _waiting(unit, size, dt)
+        except RAISED:  # said where the sensor is made
             continue
         values += size
-        waiting += 0 if dt is None else _waiting(unit, size, dt)
+        waiting += late
     return _BODY + _VALUE * values + waiting
 
 

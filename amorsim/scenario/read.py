@@ -211,6 +211,7 @@ def _values(
     is_map_alone: bool,
 ) -> dict[str, Any]:
     """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
+    book.document = document
     settings = parse_overrides(overrides, book)
     apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
     merge_models(document, book, registry)
@@ -227,6 +228,8 @@ def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_al
     world = None
     if "world" in top:
         world = maps.read(top.child("world"))
+        if world is not None:
+            top.book.warnings = tuple(f"{world.name}: {warning}" for warning in world.warnings)
     else:
         top.child("world").fault("missing; expected [world] with map = the path of a map file")
     if "simulation" in top and (node := top.child("simulation")).expect_table():

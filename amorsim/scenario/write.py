@@ -53,8 +53,11 @@ def write_document(document: Mapping[str, Any], path: str | Path) -> None:
     write_text(path, document_text(document))
 
 
-def document_text(document: Mapping[str, Any]) -> str:
-    """A document as TOML: a table a thing, mounts, poses and noise on a line each."""
+def document_text(document: Mapping[str, Any], *, with_remarks: bool = False) -> str:
+    """A document as TOML: a table a thing, mounts, poses and noise on a line each.
+
+    With remarks it also says, in comments, that a sensor has no rate; TOML has no word for that.
+    """
     root = tomlkit.document()
     for key, value in document.items():
         if key in ("robots", "obstacles", "landmarks", "lights", "zones"):
@@ -64,6 +67,11 @@ def document_text(document: Mapping[str, Any]) -> str:
             root.append(key, array)
         else:
             root.append(key, _item(value, (key,)))
+    if with_remarks:
+        for robot in root["robots"]:
+            for sensor in robot.get("sensors", {}).values():
+                if "rate" not in sensor:
+                    sensor.add(tomlkit.comment("rate: none is given, so it reads in every step"))
     return tomlkit.dumps(root)
 
 

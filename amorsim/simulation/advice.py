@@ -9,8 +9,10 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.contracts import Controller, Motion
+from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.ways import shut_off
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
@@ -87,7 +89,11 @@ def _unreachable(scenario: Scenario) -> list[str]:
         *((f"obstacles.{obstacle.name}.motion", obstacle.motion, obstacle) for obstacle in scenario.obstacles),
     ]
     for path, component, body in bodies:
-        places = [] if component is None or id(component) in asked else list(component.makes_for())
+        try:
+            places = [] if component is None or id(component) in asked else list(component.makes_for())
+        except RAISED as error:
+            what = f"{path} ({type(component).__name__})"
+            raise ComponentError(f"{what}: makes_for() raised {error_in_words(error)}") from error
         asked.add(id(component))
         if not places:
             continue

@@ -22,6 +22,7 @@ from amorsim.contracts import (
 )
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import stack, take
+from amorsim.core.trouble import RAISED
 from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
 from amorsim.kernels.poses import mean_twists
@@ -29,7 +30,8 @@ from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import poses_of, reading_size, robot_model
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
-from amorsim.simulation.driving import command_of, command_of_some
+from amorsim.simulation.driving import command_of, command_of_some, start_controller
+from amorsim.simulation.estimating import estimates_of, start_estimators
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
@@ -39,6 +41,7 @@ from amorsim.simulation.sliding import arcs, bounds, displaced, goes_on_arcs, pa
 from amorsim.simulation.together import Together
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.view import GroupView
+from amorsim.simulation.whose import Whose, is_finite, of_drive
 from amorsim.simulation.zones import Zones
 
 __all__ = ["Group"]
@@ -73,16 +76,17 @@ class Group:
         self.dt = dt
         self.seed = seed
         self.moment = Moment(replica, dt)
+        self.whose = Whose("robot", self.names, self.moment)
         self.view = GroupView(world, bodies, dt)
         self.world = world
         first = robots[0]
         self.ends_on_collision = first.on_collision == "end"
         self.streams = Streams(seed, self.names, self.moment.counter, world.workers)
         self.drive_draws = self.streams.draws("drive")
-        self.ground = Chain(first.ground, self.streams, "ground")
-        self.zones = Zones(zones, self.rows, self.streams)
+        self.ground = Chain(first.ground, self.streams, self.whose, "ground")
+        self.zones = Zones(zones, self.rows, self.streams, self.whose)
         self.sensors = {
-            name: SensorUnit(name, unit, reading_size(first, name), self.streams)
+            name: SensorUnit(name, unit, reading_size(first, name), self.streams, self.whose)
             for name, unit in first.sensors.items()
         }
         self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
@@ -123,14 +127,22 @@ class Group:
         nominal = self.specified
         sizes = {name: unit.size for name, unit in self.sensors.items()}
         self.robot = robot_model(nominal, sizes, self.channels, self.dt)
-        self._radius = np.ascontiguousarray(self.drive.rolling_radius())
+        self._radius = self._rolling_radius()
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
         self._showing = Showing(self)
         self.together = Together(self)
 
+    @of_drive
+    def _rolling_radius(self) -> Array:
+        return np.ascontiguousarray(self.drive.rolling_radius())
+
     # ---------------------------------------------------------------------------------------------------- episodes
+
+    @of_drive
+    def _start_drive(self, context: Context) -> State:
+        return dict(self.drive.start(context))
 
     def start(self) -> None:
         """Put every row at the start of an episode. Sensing and estimating come after, when all bodies are placed."""
@@ -148,15 +160,13 @@ class Group:
         self.by_hand = np.zeros((rows, 1), dtype=bool)
         self.hand = np.zeros((rows, len(self.channels)))  # the command of those who are driven by hand
         self.some_by_hand = False
-        self.drive_state: State = dict(self.drive.start(context))
+        self.drive_state: State = self._start_drive(context)
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
         self.zones.start(attrs.evolve(context, size=len(self.rolling)))
         for unit in self.sensors.values():
             unit.start(attrs.evolve(context, size=unit.size))
-        self.estimator_states: dict[str, State] = {
-            name: dict(estimator.start(context)) for name, estimator in self.estimators.items()
-        }
-        self.controller_state: State = {} if self.controller is None else dict(self.controller.start(context))
+        self.estimator_states = start_estimators(self, context)
+        self.controller_state: State = start_controller(self, context)
         self.estimates: dict[str, Estimate] = {
             name: Estimate(told, np.zeros((rows, 3, 3))) for name in self.estimators
         } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
@@ -190,6 +200,7 @@ class Group:
             self.active = self.active.copy()
             self.active[row] = True
 
+    @of_drive
     def actuate(self) -> None:
         """Let the joints follow the command, and the ground act on what rolls."""
         self.joints_before = self.joints
@@ -198,7 +209,10 @@ class Group:
             command = np.ascontiguousarray(command[:, : len(self.drive.channels)])
             for name, columns in self.devices.items():
                 unit = self.sensors[name]
-                unit.sensor.actuate(self.command[:, columns], self.dt, unit.state, unit.draws)
+                try:
+                    unit.sensor.actuate(self.command[:, columns], self.dt, unit.state, unit.draws)
+                except RAISED as error:
+                    unit.blame(error)
         self._after, self.joint_rates = self.drive.advance(
             self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
         )
@@ -221,32 +235,39 @@ class Group:
 
     # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
 
+    @of_drive
     def travel(self) -> Array:
         """Bounds of the paths: length [m] and turning [rad] `(N, 2)`."""
         return bounds(self.drive.travel(self.joints_before, self._ground_after), self._slide)
 
+    @of_drive
     def path(self) -> tuple[int, Array]:
         """The form of the paths, and what they are made of `(N, 3)`: arcs, but for drives that say otherwise."""
         if goes_on_arcs(self.drive):
             self._motion = ARC, arcs(self.drive, self.joints_before, self._ground_after, self._slide)
         else:
             self._motion = OTHER, self._moved(np.ones((self.rows, 1)))
+        if not is_finite(self._motion[1]):
+            raise self.whose.not_finite("drive", self.drive, "the displacement", self._motion[1])
         return self._motion
 
     def _moved(self, fraction: Array) -> Array:
         """The bodies' displacements `(N, 3)` at fractions `(N, 1)` of the step."""
         return displaced(self.drive, self.joints_before, self._ground_after, self._slide, fraction)
 
+    @of_drive
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of the bodies are at fractions of the step."""
         drive, slide = take(self.drive, which), None if self._slide is None else self._slide[which]
         displacement = displaced(drive, self.joints_before[which], self._ground_after[which], slide, fraction[:, None])
         return compose(self.true_pose[which], displacement)
 
+    @of_drive
     def part_travel(self) -> Array:
         """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
         return part_bounds(self.drive.part_travel(self.joints_before, self._ground_after), self._slide)
 
+    @of_drive
     def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
         """Poses of robots were they to stop at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
         drive, before, ground, after, poses = (
@@ -272,6 +293,7 @@ class Group:
         self.joint_rates = rates
         self._motion = ARC, motion
 
+    @of_drive
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
         form, motion = self._motion
@@ -322,16 +344,7 @@ class Group:
         """Let every estimator make of the readings what it can, unless that is done already."""
         if self._is_recorded:
             return
-        elapsed = self.moment.elapsed
-        for name, estimator in self.estimators.items():
-            self.estimates[name] = estimator.update(
-                self.robot,
-                self.readings,
-                self.command,
-                elapsed,
-                self.estimator_states[name],
-                self.estimator_draws[name],
-            )
+        self.estimates.update(estimates_of(self))
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row, unless that is done already."""

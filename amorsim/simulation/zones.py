@@ -13,6 +13,7 @@ from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
 from amorsim.scenario.spec import Zone
 from amorsim.simulation.chain import Chain, Streams
+from amorsim.simulation.whose import Whose
 
 __all__ = ["Zones", "contact_points", "zone_streams"]
 
@@ -27,9 +28,9 @@ def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
 class Zones:
     """The zones of a scenario, in order, with the states and draws of a group's rows in each."""
 
-    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams) -> None:
+    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams, whose: Whose) -> None:
         self._zones = [zone for zone in zones if zone.ground]
-        self._chains = [Chain(zone.ground, streams, "zone", zone.name) for zone in self._zones]
+        self._chains = [Chain(zone.ground, streams, whose, "zone", zone.name) for zone in self._zones]
         for zone, chain in zip(self._zones, self._chains, strict=True):
             chain.set_parameters([zone.ground] * rows)
         self._discs = [_disc(zone) for zone in self._zones]

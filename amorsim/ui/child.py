@@ -74,6 +74,7 @@ class Child:
         self._commands: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._is_ending = threading.Event()
         self._main = threading.main_thread().ident or 0
+        self._process = os.getpid()
         self._busy_since: float | None = None  # when the present step, or replay, began
         self._in_step = False
         self._is_wanted = False  # a frame, by the session
@@ -255,6 +256,7 @@ class Child:
             self._interrupted()
         finally:
             self._busy_since, self._in_step = None, False
+        self._expect_original()
         self._changed = True
         self._tick = player.newest
         if not made:
@@ -270,6 +272,13 @@ class Child:
         does.pace.stepped(time.monotonic(), player.simulation.dt)
         if player.newest == player.last:
             does.is_running, does.has_ended = False, True
+
+    def _expect_original(self) -> None:
+        """End this process if it is a copy that a controller has forked: its session hears the first one."""
+        if os.getpid() != self._process:
+            sys.stderr.write("a controller or plugin forked the process that simulates; the copy ends here\n")
+            sys.stderr.flush()
+            os._exit(1)
 
     def _carry(self) -> None:
         """Let the session have a snapshot for a child after this one, or know why it has none."""

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from amorsim.core.errors import AmorsimError, ControllerError, RunError
-from amorsim.core.trouble import explain
+from amorsim.core.trouble import error_in_words, explain
 from amorsim.runs.folder import next_folder
 from amorsim.runs.session import RunSession
 from amorsim.simulation.events import Event
@@ -494,5 +494,5 @@ class Player:
 def fault_of(error: BaseException) -> Fault:
     """What is told of an error that ended a step."""
     robot = error.robot if isinstance(error, ControllerError) else ""
-    text = str(error) if isinstance(error, AmorsimError) else f"{type(error).__name__}: {error}"
+    text = str(error) if isinstance(error, AmorsimError) else error_in_words(error)
     return Fault(robots=(robot,) if robot else (), text=text, stack=explain(error))

@@ -151,8 +151,8 @@ def _named(scenario: Scenario) -> Scenario:
             faults.append(Fault(file="", path=f"{path}.{field}", message=message))
         return attrs.evolve(body, **{field: attrs.evolve(own, source=source)})
 
-    robots = [named(f"robots.{i}", robot, "controller") for i, robot in enumerate(scenario.robots)]
-    obstacles = [named(f"obstacles.{i}", obstacle, "motion") for i, obstacle in enumerate(scenario.obstacles)]
+    robots = [named(f"robots.{robot.name}", robot, "controller") for robot in scenario.robots]
+    obstacles = [named(f"obstacles.{obstacle.name}", obstacle, "motion") for obstacle in scenario.obstacles]
     if faults:
         raise ScenarioError(faults)
     return attrs.evolve(scenario, robots=robots, obstacles=obstacles)

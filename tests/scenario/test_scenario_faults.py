@@ -1,5 +1,7 @@
 """Every fault is found, with its file, its path and what would be right; all of them at once."""
 
+import tomllib
+
 import pytest
 
 from amorsim.core.errors import ScenarioError
@@ -287,3 +289,36 @@ def test_a_map_without_a_free_place_is_a_fault_of_the_pose(registry, tmp_path):
 def test_a_huge_value_does_not_fill_the_screen(faults):
     message = faults(f"[simulation]\ndt = '{'x' * 100_000}'")["simulation.dt"]
     assert len(message) < 300
+
+
+def test_a_message_calls_robots_obstacles_and_zones_by_name(folder, registry):
+    """Where a name is given, and no other has it; `path` counts them, for programs."""
+    text = """
+    format = 1
+    [[robots]]
+    name = "rover"
+    model = "pioneer2dx"
+    nmae = 1
+    [[robots]]
+    model = "pioneer2dx"
+    nmae = 1
+    [[obstacles]]
+    name = "cat"
+    nmae = 1
+    [[obstacles]]
+    name = "twin"
+    nmae = 1
+    [[obstacles]]
+    name = "twin"
+    nmae = 1
+    [[zones]]
+    name = "odd name"
+    nmae = 1
+    """
+    with pytest.raises(ScenarioError) as caught:
+        loads(tomllib.loads(text), folder, registry=registry)
+    faults = [fault for fault in caught.value.faults if fault.path.endswith("nmae")]
+    paths = ["zones.0", "robots.0", "robots.1", "obstacles.0", "obstacles.1", "obstacles.2"]
+    assert [fault.path for fault in faults] == [f"{path}.nmae" for path in paths]
+    told = ["zones.0", "robots.rover", "robots.1", "obstacles.cat", "obstacles.1", "obstacles.2"]
+    assert [str(fault).partition(": ")[0] for fault in faults] == [f"{path}.nmae" for path in told]

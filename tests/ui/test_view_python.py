@@ -138,12 +138,12 @@ def test_what_no_other_process_can_find_is_refused() -> None:
     controllers: list[Callable[..., Any]] = [inside, lambda readings, estimate, clock: None]
     for controller in controllers:
         scenario = building.scenario(building.robot(controller=controller))
-        with pytest.raises(am.ScenarioError, match=r"robots.0.controller: .* at the top of no file"):
+        with pytest.raises(am.ScenarioError, match=r"robots.rover.controller: .* at the top of no file"):
             am.view(scenario)
     cart = am.Obstacle(
         name="cart", shape=am.Shape.circle(0.2), pose=am.Pose(x=4.0, y=4.0), motion=lambda obstacle: None
     )
-    with pytest.raises(am.ScenarioError, match=r"obstacles.0.motion: .* at the top of no file"):
+    with pytest.raises(am.ScenarioError, match=r"obstacles.cart.motion: .* at the top of no file"):
         am.view(building.scenario(obstacles=[cart]))
     with pytest.raises(am.ScenarioError, match="Own is no controller that is registered"):
         am.view(building.scenario(building.robot(controller=Own())))
@@ -151,7 +151,7 @@ def test_what_no_other_process_can_find_is_refused() -> None:
 
 def test_mistakes_are_told_without_the_file_that_nobody_wrote() -> None:
     scenario = building.scenario(building.robot(controller=circle, pose=am.Pose(x=0.0, y=0.0)))
-    with pytest.raises(am.AmorsimError, match=r"^robots.0.pose: at .* the footprint overlaps"):
+    with pytest.raises(am.AmorsimError, match=r"^robots.rover.pose: at .* the footprint overlaps"):
         am.view(scenario, browser=False)
 
 
