@@ -49,9 +49,11 @@ def view(
     out
         Folder that the run is written into as it goes, new or empty.
     host, port
-        Where the window is served; only this machine can reach the default, and 0 takes a port that is free.
+        Where the window is served; only this machine can reach the default, and 0 takes a port that is free. Traffic to
+        other machines is not encrypted.
     browser
-        Whether to open the window in the browser. Its address is printed in any case; whoever has it can drive.
+        Whether to open the window in the browser. Its address is printed in any case. It works once, for whoever has
+        it; then another one is printed.
 
     Raises
     ------
