@@ -53,8 +53,9 @@ def command_of(group: Group, which: Rows | None) -> Array:
     except RAISED as error:
         group.whose.blame("controller", controller, error)
     expected = group.hand.shape if which is None else (len(which), len(group.channels))
-    if not isinstance(command, np.ndarray):
-        found = type(command).__name__
+    answer: Any = command  # whatever the plugin returned
+    if not isinstance(answer, np.ndarray):
+        found = type(answer).__name__
         raise group.whose.wrong("controller", controller, f"expected a command of the shape {expected}, got a {found}")
     if group.devices and command.shape == (expected[0], len(group.drive.channels)):
         missing = expected[1] - command.shape[1]

@@ -175,3 +175,19 @@ def test_a_key_given_twice_is_told_in_plain_words(amorsim: Command, study: Path)
     text = study.read_text(encoding="utf-8")
     study.write_text(text.replace("format = 1", "format = 1\nformat = 1", 1), encoding="utf-8")
     assert "this key has a value already; leave one of the two out" in amorsim("check", study).err
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_what_a_component_raises_is_told_in_a_few_lines(
+    amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    def start(self: object, context: object) -> None:
+        raise KeyError("laser")
+
+    monkeypatch.setattr("amorsim.estimators.dead_reckoning.DeadReckoning.start", start)
+    result = amorsim(command, study)
+    assert result.status == 2
+    lines = result.err.splitlines()
+    assert "estimator 'dead_reckoning' (DeadReckoning) of robot 'rover' at 0 s raised KeyError: 'laser'" in lines
+    assert '    raise KeyError("laser")' in result.err
+    assert len(lines) < 8
