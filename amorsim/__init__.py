@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from amorsim.core.errors import (
         AmorsimError,
         ComponentError,
+        ContactError,
         ControllerError,
         MapError,
         PluginError,
@@ -70,9 +71,12 @@ if TYPE_CHECKING:
     from amorsim.scenario.spec import (
         Deviation,
         Distribution,
+        Drop,
+        Floor,
         Knowledge,
         Landmark,
         Light,
+        Marking,
         MountedSensor,
         NoiseElement,
         Obstacle,
@@ -91,13 +95,14 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Bundle Clock Context Controller Drive Draws Emission Estimate Estimator Frame Joint Lights MapLoader "
-        "Measurement Motion Mount Noise ObstacleFrame Part Recorder RobotModel RunInfo Sensor SensorModel Sightings "
-        "State View parameter"
+        "Aim Bundle Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
+        "MapLoader Measurement Motion Mount Noise ObstacleFrame Part Recorder RobotModel RunInfo Sensor SensorModel "
+        "Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ControllerError MapError PluginError RunError ScenarioError SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError MapError PluginError RunError ScenarioError "
+        "SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -111,8 +116,8 @@ _MODULES = {
     "amorsim.scenario.robots": "load_robot",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
-        "Deviation Distribution Knowledge Landmark Light MountedSensor NoiseElement Obstacle Pose RandomStart "
-        "Recording Robot Scenario Zone"
+        "Deviation Distribution Drop Floor Knowledge Landmark Light Marking MountedSensor NoiseElement Obstacle "
+        "Pose RandomStart Recording Robot Scenario Zone"
     ),
     "amorsim.simulation.events": "Event",
     "amorsim.runs.reproduce": "reproduce",
@@ -133,6 +138,7 @@ __all__ = [
     "Bundle",
     "Clock",
     "ComponentError",
+    "ContactError",
     "Context",
     "Controller",
     "ControllerError",
@@ -140,10 +146,13 @@ __all__ = [
     "Distribution",
     "Draws",
     "Drive",
+    "Drop",
     "Emission",
     "Estimate",
     "Estimator",
     "Event",
+    "Floor",
+    "FloorPoints",
     "Frame",
     "Joint",
     "KeptStages",
@@ -154,6 +163,7 @@ __all__ = [
     "Map",
     "MapError",
     "MapLoader",
+    "Marking",
     "Measurement",
     "Motion",
     "Mount",

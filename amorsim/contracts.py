@@ -44,6 +44,7 @@ __all__ = [
     "Emissions",
     "Estimate",
     "Estimator",
+    "FloorPoints",
     "Frame",
     "Joint",
     "Lights",
@@ -181,6 +182,7 @@ class BodyStates(NamedTuple):
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
     own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
     is_robot: npt.NDArray[np.bool_]  # (B,) a robot or a part of one; the others are obstacles
+    owner: npt.NDArray[np.int64]  # (B,) the robot's body that a part belongs to; of all others, the body itself
 
 
 class Lights(NamedTuple):
@@ -188,6 +190,13 @@ class Lights(NamedTuple):
 
     places: Array  # (M, 2) [m] in the world
     intensity: Array  # (M,) [cd]
+
+
+class FloorPoints(NamedTuple):
+    """What the floor is like at k places of each row."""
+
+    reflectance: Array  # (N, k) the part of the light that it returns, 0 to 1; 0 in a drop
+    depth: Array  # (N, k) [m] how much deeper it lies than the floor that robots roll on; 0 but in a drop
 
 
 class Sightings(NamedTuple):
@@ -261,10 +270,19 @@ class View(Protocol):
     def heights(self) -> Array:
         """How high each of them is `(B + L,)` [m]."""
 
-    def look(self, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+    def look(
+        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+    ) -> tuple[Array, npt.NDArray[np.int64]]:
         """What beams meet first: the distances [m] `(N * m, k)` as of `cast`, and which thing, -1 for a wall or none.
 
-        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size.
+        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size;
+        without `landmarks`, bodies alone, and the distances are those of `cast`.
+        """
+
+    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
+        """Directions [rad] `(N * m, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
+
+        `bodies` `(N * m, k)` is what `look` gave for these beams without landmarks.
         """
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
@@ -272,6 +290,9 @@ class View(Protocol):
 
         `which` `(N, s)` says which of `zones` each is.
         """
+
+    def floor(self, places: Array) -> FloorPoints:
+        """What the floor is like at places `(N, k, 2)` [m] in the world: its markings and its drops."""
 
     def lights(self) -> Lights:
         """All lamps, whether they are in sight or not: `cast` tells."""
@@ -435,7 +456,13 @@ class Sensor(Component, abc.ABC):
 
 
 class Noise(Component):
-    """One element of a chain, which a device's values go through in order; at least one method is overridden."""
+    """One element of a chain, which a device's values go through in order; at least one method is overridden.
+
+    One that is `for_ground` belongs between wheels and ground, in `Robot.ground` or in a zone: its values are travels,
+    and sensors refuse it.
+    """
+
+    for_ground: ClassVar[bool] = False
 
     def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
         """Where the device really looks, before it senses."""
@@ -444,6 +471,14 @@ class Noise(Component):
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
         return values
+
+    def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
+        """How far the body slides in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.
+
+        Both are (forward, left, turn) in the body's frame, `(N, 3)`; the slide is spread evenly over the step. For
+        the `ground` of a robot or a zone, where it is called after `corrupt`. Encoders do not see it.
+        """
+        return np.zeros_like(motion)
 
     def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
         """How much later than its sensor's latency a reading arrives `(N, 1)` [s]; earlier where negative.
@@ -529,11 +564,20 @@ class MapLoader(abc.ABC):
     def load(self, path: Path) -> Map:
         """The map in a file; `MapError` names what is wrong with it, and the line where there is one."""
 
+    def companions(self, path: Path) -> Sequence[Path]:
+        """The other files that `load` reads for this one, such as the picture that it names.
+
+        A run's folder gets copies of all of them, in the same places relative to each other, so a file has to name
+        its companions relative to itself. `MapError` where the file cannot be read.
+        """
+        return ()
+
     @classmethod
     def save(cls, world: Map, path: Path) -> MapLoader:
         """Write a map into a file of this format, where that can be done; returns the loader that reads it again.
 
-        `amorsim.save_map` reads it again and sees whether the cells are the same.
+        Companions are written next to it, and named relative to it: all of them move to where they belong when they
+        are whole. `amorsim.save_map` reads the file again and sees whether the cells are the same.
         """
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
@@ -567,7 +611,7 @@ class Frame(NamedTuple):
     true_pose: Array  # (N, 3)
     true_twist: Array  # (N, 3) mean over the step, in the body's frame
     joint_names: Sequence[str]
-    joint_rates: Array  # (N, j) true
+    joint_rates: Array  # (N, j) true, mean over the step
     estimates: Mapping[str, Estimate]  # the controller's is the first
     readings: Mapping[str, tuple[Array, Measurement]]  # true values, and the robot's reading
     channels: Sequence[str]

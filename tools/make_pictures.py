@@ -28,8 +28,8 @@ def make(folder: Path) -> None:
         work = Path(name)
         _amorsim(work, "run", "demo", "--out", "demo", "--quiet")
         _amorsim(work, "new", "first")
-        _amorsim(work, "run", "first/scenario.toml", "--out", "run", "--quiet")
-        _amorsim(work, "plot", "run")
+        _amorsim(work, "run", "first/scenario.toml", "--out", "monday", "--quiet")
+        _amorsim(work, "plot", "monday")
         for scenario in SCENARIOS:
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
             _save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
@@ -37,8 +37,8 @@ def make(folder: Path) -> None:
         _amorsim(work, "run", "crowd", *film, "--out", "crowd", "--quiet")
         for source, target in (
             ("demo/picture.png", "demo.png"),
-            ("run/picture.png", "first-run.png"),
-            ("run/plots/error.png", "first-run-error.png"),
+            ("monday/picture.png", "first-run.png"),
+            ("monday/plots/monday-rover-seed1-error.png", "first-run-error.png"),
         ):
             _save_small(work / source, folder / target)
 

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-__all__ = ["ESTIMATED", "MEASURED", "TRUE", "compare", "legend", "new_figure", "tidy", "unwrapped_gaps"]
+from amorsim.core.whole_files import write_bytes
+
+__all__ = [
+    "ESTIMATED",
+    "MEASURED",
+    "OTHERS",
+    "TRUE",
+    "band",
+    "compare",
+    "draw_ellipse",
+    "legend",
+    "new_figure",
+    "save_figure",
+    "tidy",
+    "unwrapped_gaps",
+]
 
 Array = npt.NDArray[Any]
 
@@ -17,6 +34,12 @@ Array = npt.NDArray[Any]
 TRUE = {"color": "#1b7f5c", "linestyle": "-", "linewidth": 2.2, "label": "true"}
 MEASURED = {"color": "#d97706", "linestyle": ":", "linewidth": 1.4, "label": "measured"}
 ESTIMATED = {"color": "#2f6fde", "linestyle": "--", "linewidth": 1.3, "label": "estimated"}
+# Of second estimators, third ones and so on.
+OTHERS: tuple[dict[str, Any], ...] = (
+    {"color": "#a21caf", "linestyle": "-.", "linewidth": 1.3},
+    {"color": "#0e7490", "linestyle": (0, (5, 1, 1, 1, 1, 1)), "linewidth": 1.3},
+    {"color": "#854d0e", "linestyle": (0, (1, 1)), "linewidth": 1.5},
+)
 
 GRID = {"color": "#e5e7eb", "linewidth": 0.8}
 
@@ -31,6 +54,19 @@ def new_figure(rows: int = 1, *, height: float = 5.0, ratios: list[float] | None
     for axis in axes:
         tidy(axis)
     return figure, list(axes)
+
+
+def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
+    """Write a figure as a PNG.
+
+    Raises
+    ------
+    RunError
+        If it cannot be written.
+    """
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=dpi)
+    write_bytes(path, drawn.getvalue())
 
 
 def tidy(axis: Any) -> None:
@@ -63,10 +99,35 @@ def compare(
         legend(figure, main)
 
 
-def legend(figure: Figure, axis: Any) -> None:
-    """One legend for the whole figure, beside nothing that it could hide."""
-    handles, labels = axis.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=len(labels), frameon=False)
+def legend(figure: Figure, *axes: Any) -> None:
+    """One legend for the whole figure, below it, of what the panels hold; equal labels once."""
+    entries: dict[str, Any] = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if not entries:
+        return
+    widest = max(map(len, entries))
+    columns = max(1, min(len(entries), int(12.0 * figure.get_figwidth()) // (widest + 7)))
+    figure.legend(entries.values(), entries, loc="outside lower center", ncols=columns, frameon=False)
+
+
+def band(axis: Any, time: Array, low: Array, high: Array, style: dict[str, Any], label: str) -> None:
+    """A light area between two curves, in the colour of a style."""
+    axis.fill_between(time, low, high, color=style["color"], alpha=0.16, linewidth=0.0, zorder=1, label=label)
+
+
+def draw_ellipse(axis: Any, place: Array, covariance: Array, style: dict[str, Any], **how: Any) -> None:
+    """The ellipse of one standard deviation about a place (2,) [m]; nothing if the covariance (2, 2) has none."""
+    if not np.isfinite(covariance).all() or not np.isfinite(place).all():
+        return
+    sizes, axes = np.linalg.eigh(covariance)
+    if not sizes[1] > 0.0:
+        return
+    angle = np.linspace(0.0, 2.0 * np.pi, 73)
+    ring = np.sqrt(np.maximum(sizes, 0.0))[:, None] * np.array([np.cos(angle), np.sin(angle)])
+    x, y = place[:, None] + np.sum(axes[:, :, None] * ring[None], axis=1)
+    axis.plot(x, y, color=style["color"], linewidth=0.9, **how)
 
 
 def unwrapped_gaps(angles: Array) -> Array:

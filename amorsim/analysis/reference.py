@@ -68,8 +68,9 @@ def _parameters(cls: type) -> list[Parameter]:
 def _row(parameter: Parameter) -> tuple[str, str, str, str]:
     name = parameter.name + ("_deg" if parameter.is_angle else "")
     unit = parameter.unit.replace("rad", "degrees") if parameter.is_angle else parameter.unit
-    unit = "the sensor's unit" if unit == "sensor" else unit
-    kind = parameter.type_name + (f" [{unit}]" if unit else "")
+    if unit == "sensor":
+        unit = f"the sensor's unit; {name}_deg, in degrees, for angles"
+    kind = parameter.file_type_name + (f" [{unit}]" if unit else "")
     bounds = _in_degrees(parameter).bounds
     kind += f", {bounds}" if bounds else ""
     default = "" if parameter.is_required else _default(parameter)
@@ -92,5 +93,11 @@ def _default(parameter: Parameter) -> str:
     if parameter.is_angle and isinstance(value, (int, float)):
         return f"{math.degrees(value):g}"
     if attrs.has(type(value)):
-        return ", ".join(f"{k} {v:g}" for k, v in attrs.asdict(value).items())
+        parameters = describe(type(value))
+        return ", ".join(
+            f"{name}_deg {math.degrees(number):g}" if parameters[name].is_angle else f"{name} {number:g}"
+            for name, number in attrs.asdict(value).items()
+        )
+    if isinstance(value, tuple) and value and attrs.has(type(value[0])):
+        return "; ".join(_default(attrs.evolve(parameter, default=item)) for item in value)
     return str(value)

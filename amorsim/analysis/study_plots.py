@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from amorsim.analysis.figures import TRUE, tidy
+from amorsim.analysis.figures import TRUE, save_figure, tidy
 from amorsim.render.words import NOTHING, percent
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def plot_umbmark(found: Umbmark, path: Path) -> None:
 
     Raises
     ------
-    OSError
+    RunError
         If it cannot be written.
     """
     figure = Figure(figsize=(10.5, 5.4), layout="constrained")
@@ -46,7 +46,7 @@ def plot_umbmark(found: Umbmark, path: Path) -> None:
     handles, labels = left.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     figure.suptitle(f"UMBmark of {found.robot}: squares of {found.side:g} m at {found.speed:g} m/s", x=0.01, ha="left")
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path, dpi=110)
 
 
 def _ends(axis: Any, clockwise: Array, anticlockwise: Array) -> None:
@@ -93,7 +93,7 @@ def plot_attribution(found: Attribution, path: Path) -> None:
 
     Raises
     ------
-    OSError
+    RunError
         If it cannot be written.
     """
     figure = Figure(figsize=(12.0, 6.2), layout="constrained")
@@ -123,7 +123,7 @@ def plot_attribution(found: Attribution, path: Path) -> None:
     sizes.set_title("final error alone [m]", loc="left", fontsize=10)
     shares.set_title("share of the error of all [%]", loc="left", fontsize=10)
     figure.suptitle(f"what each error does to the odometry of {found.robot}", x=0.01, ha="left")
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path, dpi=110)
 
 
 def plot_readings(found: ReadingAttribution, path: Path) -> None:
@@ -131,7 +131,7 @@ def plot_readings(found: ReadingAttribution, path: Path) -> None:
 
     Raises
     ------
-    OSError
+    RunError
         If it cannot be written.
     """
     # What a user reads of angles is in degrees.
@@ -154,7 +154,7 @@ def plot_readings(found: ReadingAttribution, path: Path) -> None:
     sizes.set_title(f"alone [{unit}]", loc="left", fontsize=10)
     shares.set_title("share of the error of all [%]", loc="left", fontsize=10)
     figure.suptitle(f"what each error does to the readings of {found.robot}'s {found.sensor}", x=0.01, ha="left")
-    figure.savefig(path, dpi=110)
+    save_figure(figure, path, dpi=110)
 
 
 def _draw_bars(

@@ -29,7 +29,7 @@ app = typer.Typer(
 )
 app.command("run", short_help="Simulate a scenario, or a map alone.")(run.command)
 app.command("view", short_help="Open the Simulator in the browser.")(view.command)
-app.command("runsim", short_help="The same as view.", hidden=True)(view.command)
+app.command("runsim", short_help="The same as view; the original's name for it.")(view.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)

@@ -11,8 +11,9 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
-from amorsim.cli.study import claim_folder, read_study, table, write_text
+from amorsim.cli.study import claim_folder, read_study, table
 from amorsim.core.errors import AmorsimError
+from amorsim.core.whole_files import write_text
 
 if TYPE_CHECKING:
     from amorsim.algorithms.intervals import Interval

@@ -31,11 +31,13 @@ def command(
     The exit status is 0 if it would run, else 2.
     """
     from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.core.trouble import explain
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
     from amorsim.scenario.read import is_model, scenario_for_model
     from amorsim.simulation.advice import advice
 
+    read = None
     try:
         of_model = is_model(scenario)
         if of_model:
@@ -46,8 +48,13 @@ def command(
         steps_of(simulation, read.duration)
     except AmorsimError as error:
         faults = error.faults if isinstance(error, ScenarioError) else (error,)
+        warnings = error.warnings if isinstance(error, ScenarioError) else ()
+        if read is not None:
+            warnings = tuple(f"{read.map.name}: {warning}" for warning in read.map.warnings)
+        for warning in warnings:
+            complain(f"warning: {warning}")
         for fault in faults:
-            complain(str(fault))
+            complain(explain(fault) if isinstance(fault, AmorsimError) else str(fault))
         complain(f"{len(faults)} fault{'s' if len(faults) > 1 else ''} found")
         raise typer.Exit(2) from None
     found = (*read.map.warnings, *([remark] if remark else ()))
@@ -56,7 +63,7 @@ def command(
     if resolved:
         from amorsim.scenario.write import document_of, document_text
 
-        say(document_text(document_of(simulation.scenario)).rstrip())
+        say(document_text(document_of(simulation.scenario), with_remarks=True).rstrip())
     elif of_model:
         robot = simulation.scenario.robots[0]
         sensors = ", ".join(robot.sensors) or "no sensors"

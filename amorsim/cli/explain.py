@@ -10,7 +10,8 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
-from amorsim.cli.study import claim_folder, draw, read_study, significant, table, write_text
+from amorsim.cli.study import claim_folder, draw, read_study, significant, table
+from amorsim.core.whole_files import write_text
 from amorsim.render.words import percent
 
 if TYPE_CHECKING:

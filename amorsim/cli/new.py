@@ -10,6 +10,7 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.core.errors import RunError
+from amorsim.core.whole_files import write_text
 
 __all__ = ["command"]
 
@@ -28,8 +29,8 @@ def command(
         raise RunError(f"{folder}: {', '.join(there)} would be replaced; name another folder")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in _FILES:
-            (folder / name).write_text((template / name).read_text(encoding="utf-8"), encoding="utf-8")
     except OSError as error:
-        raise RunError(f"{folder}: cannot write here ({error.strerror or error})") from None
+        raise RunError(f"{folder}: cannot make this folder ({error.strerror or error})") from None
+    for name in _FILES:
+        write_text(folder / name, (template / name).read_text(encoding="utf-8"))
     say(f"made {', '.join(_FILES)} in {folder}; now: amorsim run {folder / 'scenario.toml'}")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli.console import say
+from amorsim.cli.console import complain, say
 from amorsim.cli.options import RobotName, RunFolder
 from amorsim.core.errors import AmorsimError
 
@@ -20,14 +20,22 @@ def command(
         Path | None, typer.Option(metavar="DIR", help="Folder for the pictures. [default: plots, in the run's folder]")
     ] = None,
     robot: RobotName = None,
-    replica: Annotated[int | None, typer.Option(metavar="N", help="Which replica. [default: the first]")] = None,
+    replica: Annotated[
+        int | None, typer.Option(metavar="N", help="Which replica. [default: all of them together]")
+    ] = None,
 ) -> None:
-    """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated."""
+    """Draw a run: path, speeds, wheels, heading and every sensor; a colour each for true, measured, estimated.
+
+    Of several replicas it draws all together, unless one is named. Files and titles say which run, robot and seed.
+    """
     try:
-        from amorsim.analysis.plot import plot_run
+        from amorsim.analysis.files import RunFiles
+        from amorsim.analysis.plot import plot_run, unfinished
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0] != "matplotlib":
             raise
         raise AmorsimError('plots need matplotlib: python -m pip install "amorsim[plot]"') from None
+    if ending := unfinished(RunFiles(folder)):
+        complain(f"{folder}: this run {ending}")
     for path in plot_run(folder, out=out, robot=robot, replica=replica):
         say(str(path))

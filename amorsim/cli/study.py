@@ -14,7 +14,7 @@ from amorsim.render.words import NOTHING
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
 
-__all__ = ["claim_folder", "draw", "read_study", "significant", "table", "write_text"]
+__all__ = ["claim_folder", "draw", "read_study", "significant", "table"]
 
 
 def read_study(name: str, changes: Sequence[str] | None, seed: int | None) -> Scenario:
@@ -45,20 +45,6 @@ def claim_folder(out: Path | None, scenario: Scenario, what: str) -> Path:
     return out
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file.
-
-    Raises
-    ------
-    RunError
-        If it cannot be written.
-    """
-    try:
-        path.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
-
-
 def draw(path: Path, plot: Callable[[Any], None]) -> bool:
     """Whether a plot could be drawn: `plot` gets the module of plots, which needs matplotlib."""
     try:
@@ -68,10 +54,7 @@ def draw(path: Path, plot: Callable[[Any], None]) -> bool:
             raise
         complain(f'{path.name} is left out: plots need matplotlib: python -m pip install "amorsim[plot]"')
         return False
-    try:
-        plot(study_plots)
-    except OSError as error:
-        raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+    plot(study_plots)
     return True
 
 

@@ -10,7 +10,8 @@ import typer
 
 from amorsim.cli.console import say
 from amorsim.cli.options import Changes, RobotName, Seed, Studied
-from amorsim.cli.study import claim_folder, draw, read_study, table, write_text
+from amorsim.cli.study import claim_folder, draw, read_study, table
+from amorsim.core.whole_files import write_text
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario

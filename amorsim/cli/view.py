@@ -23,7 +23,8 @@ def command(
     host: Annotated[
         str,
         typer.Option(
-            metavar="ADDRESS", help="Address to serve the window on; only this machine can reach the default."
+            metavar="ADDRESS",
+            help="Address to serve the window on; only this machine can reach the default. Nothing is encrypted.",
         ),
     ] = "127.0.0.1",
     open_: Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")] = True,
@@ -34,8 +35,9 @@ def command(
 ) -> None:
     """Open the Simulator in the browser: what is true beside what the robot knows.
 
-    Its address is printed on a line of its own; whoever has it, token included, can drive. Ctrl-C ends it, with the
-    files of --out whole. What is saved in the window goes into the present folder.
+    Its address is printed on a line of its own. It works once, for whoever has it, token included; then another one is
+    printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes into
+    the present folder.
     """
     from amorsim.core.errors import AmorsimError
     from amorsim.ui.show import check_extra, show

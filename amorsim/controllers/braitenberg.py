@@ -39,8 +39,8 @@ class Braitenberg(Controller):
 
     With activations a from 0 (nothing felt) to 1, the left wheel rolls at speed * (1 + sum of left_i a_i), the right
     one alike. Of a sensor that counts light, the activation is the reading over its saturation; of one that tells
-    ranges, 1 - range / reach. The default weights avoid obstacles with a ring of eight as the Khepera has it, and are
-    our own.
+    ranges, 1 - range / reach; of one that tells reflectances, the reading. The default weights avoid obstacles with a
+    ring of eight as the Khepera has it, and are our own.
 
     A drive that takes wheel speeds gets these; any other the velocity that two wheels as far apart as its footprint is
     wide would give it.
@@ -79,10 +79,10 @@ class Braitenberg(Controller):
                 f"{names}.{did_you_mean(self.sensor, robot.sensors)} Name one in the field 'sensor'."
             )
         model = robot.sensors[self.sensor]
-        if model.sensor.unit != "m" and not hasattr(model.sensor, "saturation"):
+        if model.sensor.unit not in ("m", "reflectance") and not hasattr(model.sensor, "saturation"):
             raise ComponentError(
                 f"braitenberg goes by the sensor {self.sensor!r}, but a {type(model.sensor).__name__} tells neither "
-                "ranges nor counts up to a saturation."
+                "ranges, nor reflectances, nor counts up to a saturation."
             )
         for name in ("left", "right"):
             given = np.shape(getattr(self, name))[-1]
@@ -106,7 +106,10 @@ class Braitenberg(Controller):
         model = robot.sensors[self.sensor]
         sensor: Any = model.sensor
         values = readings[self.sensor].measured
-        felt = 1.0 - values / self.reach if sensor.unit == "m" else values / sensor.saturation
+        if sensor.unit == "m":
+            felt = 1.0 - values / self.reach
+        else:
+            felt = values if sensor.unit == "reflectance" else values / sensor.saturation
         felt = np.clip(np.where(np.isnan(felt), 0.0, felt), 0.0, 1.0)
         left, right = np.array(self.left), np.array(self.right)
         speeds = np.ones((robot.rows, 2))

@@ -113,8 +113,10 @@ class Course:
             turn_rate,
             near,
             state["limits"],
+            state["lag"],
             dt,
             state["moving"],
+            state["turning"],
             out,
         )
         return np.ascontiguousarray(out[:, :3]), out[:, 3:] > 0.0
@@ -127,13 +129,15 @@ class Course:
 def abilities(robot: RobotModel) -> State:
     """What one who drives keeps of the drive, and of what it does by his own reckoning.
 
-    ``"limits"`` as `twist_limits`, ``"curvature"`` as `curvature_max`; ``"moving"`` `(N, 2)`, the speed [m/s] and
-    whether it turns in place, at rest.
+    ``"limits"`` as `twist_limits`, ``"curvature"`` as `curvature_max`, ``"lag"`` `(N, 1)` [s] of its motors;
+    ``"moving"`` `(N, 2)`, the speed [m/s] and whether it turns in place, and ``"turning"`` `(N, 1)` [rad/s], at rest.
     """
     return {
         "limits": twist_limits(robot),
         "curvature": np.array(curvature_max(robot)),
+        "lag": np.zeros((robot.rows, 1)) + getattr(robot.drive, "lag", 0.0),
         "moving": np.zeros((robot.rows, 2)),
+        "turning": np.zeros((robot.rows, 1)),
     }
 
 

@@ -22,6 +22,7 @@ from amorsim.contracts import (
 )
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.core.errors import ControllerError
+from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 
 __all__ = [
@@ -178,7 +179,7 @@ class UserController(UserCode, Controller):
             )
             try:
                 answer = caller(row)(*arguments)
-            except (Exception, SystemExit) as error:
+            except RAISED as error:
                 name = robot.names[row] if robot.names else ""
                 raise self.raised(error, robot.who(row), arguments[2].time, name) from error
             answers.take(row, answer)
@@ -226,10 +227,11 @@ class _Answers:
         elif isinstance(answer, Mapping):
             unknown = [name for name in answer if name not in channels]
             if unknown:
-                raise self._wrong(row, answer, f"there is no channel {unknown[0]!r}")
+                raise self._wrong(row, answer, f"there is no channel {in_words(unknown[0])}")
             self._rates[row] = self._numbers(row, answer, [answer.get(name, 0.0) for name in channels])
         elif isinstance(answer, (Sequence, np.ndarray)) and not isinstance(answer, (str, bytes)):
-            if np.ndim(answer) != 1 or len(answer) not in (len(channels), len(self._robot.drive.channels)):
+            is_flat = not isinstance(answer, np.ndarray) or answer.ndim == 1
+            if not is_flat or len(answer) not in (len(channels), len(self._robot.drive.channels)):
                 raise self._wrong(row, answer, f"there are {len(channels)} channels")
             self._rates[row, : len(answer)] = self._numbers(row, answer, answer)
         else:
@@ -251,16 +253,20 @@ class _Answers:
         found = []
         for value in values:
             if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
-                raise self._wrong(row, answer, f"{value!r} is no number")
-            if not math.isfinite(value):
-                raise self._wrong(row, answer, f"{value!r} is not finite")
-            found.append(float(value))
+                raise self._wrong(row, answer, f"{in_words(value)} is no number")
+            try:
+                number = float(value)
+            except OverflowError:  # a whole number of hundreds of digits
+                raise self._wrong(row, answer, f"{in_words(value)} is too large") from None
+            if not math.isfinite(number):
+                raise self._wrong(row, answer, f"{in_words(value)} is not finite")
+            found.append(number)
         return found
 
     def _wrong(self, row: int, answer: Any, problem: str) -> ControllerError:
         channels = ", ".join(self._robot.channels)
         return ControllerError(
-            f"controller {self._source!r} of {self._robot.who(row)} returned {answer!r}: {problem}. Expected "
+            f"controller {self._source!r} of {self._robot.who(row)} returned {in_words(answer)}: {problem}. Expected "
             f"am.Twist(forward, turn), am.WheelSpeeds(left, right) in m/s, rad/s for each of ({channels}) in "
             "order or by name, or None to stop",
             robot=self._robot.names[row] if self._robot.names else "",

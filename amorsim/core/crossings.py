@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from amorsim.core.shapes import Shape
 
-__all__ = ["contains", "share_within"]
+__all__ = ["contains", "crossings", "share_rolled", "share_within"]
 
 Array = npt.NDArray[np.float64]
 
@@ -30,6 +30,40 @@ def share_within(shape: Shape, start: Array, end: Array) -> Array:
     of no length all, if it lies there.
     """
     share = np.zeros(len(start))
+    for enters, leaves in crossings(shape, start, end):
+        share = share + np.maximum(leaves - enters, 0.0)
+    return np.minimum(share, 1.0)  # a way along the cut between two parts lies in both
+
+
+def share_rolled(shape: Shape, start: Array, end: Array, ratio: Array) -> Array:
+    """The share `(M,)` of a wheel's rolling that happens in the shape, where it goes `ratio` `(M,)` of what it rolls.
+
+    On the straight way from `start`, which would lead to `end` `(M, 2)` [m] without the shape. A wheel that goes less
+    in the shape leaves it later, or not at all.
+    """
+    # A wheel that goes more than it rolls comes farther than `end`.
+    stretch = np.maximum(ratio, 1.0)
+    found = crossings(shape, start, start + (end - start) * stretch[:, None])
+    enters = np.stack([np.where(leaves > enters, enters, np.inf) for enters, leaves in found]) * stretch
+    leaves = np.stack([leaves for _, leaves in found]) * stretch
+    order = np.argsort(enters, axis=0, kind="stable")
+    enters, leaves = np.take_along_axis(enters, order, axis=0), np.take_along_axis(leaves, order, axis=0)
+    place, left, share = np.zeros(len(start)), np.ones(len(start)), np.zeros(len(start))
+    for first, last in zip(enters, leaves, strict=True):
+        left = np.maximum(left - np.maximum(first - place, 0.0), 0.0)
+        length = np.where(last > first, last - np.maximum(first, place), 0.0)
+        needs = np.where(ratio > 0.0, length / np.where(ratio > 0.0, ratio, 1.0), np.where(length > 0.0, np.inf, 0.0))
+        # A wheel whose way ends before the border is within to the end.
+        rolled = np.where(last >= stretch, left, np.minimum(np.maximum(needs, 0.0), left))
+        rolled = np.where(last > first, rolled, 0.0)
+        share, left = share + rolled, left - rolled
+        place = np.where(last > first, np.maximum(place, last), place)
+    return share
+
+
+def crossings(shape: Shape, start: Array, end: Array) -> list[tuple[Array, Array]]:
+    """For each convex part, at which fractions `(M,)` of a straight way it is entered and left; before, where never."""
+    found = []
     for part in shape.parts:
         enters, leaves = np.zeros(len(start)), np.ones(len(start))
         if len(part) == 1:
@@ -49,8 +83,8 @@ def share_within(shape: Shape, start: Array, end: Array) -> Array:
                 enters = np.where((before < 0.0) & (after >= 0.0), np.maximum(enters, crossed), enters)
                 leaves = np.where((before >= 0.0) & (after < 0.0), np.minimum(leaves, crossed), leaves)
                 leaves = np.where((before < 0.0) & (after < 0.0), -1.0, leaves)
-        share = share + np.maximum(leaves - enters, 0.0)
-    return np.minimum(share, 1.0)  # a way along the cut between two parts lies in both
+        found.append((enters, leaves))
+    return found
 
 
 def _beyond(centre: Array, radius: float, points: Array) -> Array:

@@ -17,7 +17,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.workers import Workers
 from amorsim.kernels import philox
 
-__all__ = ["Draws", "check_collisions", "stream_key"]
+__all__ = ["Draws", "Medians", "check_collisions", "stream_key"]
 
 Array = npt.NDArray[np.float64]
 
@@ -135,3 +135,17 @@ class Draws:
         else:
             self._workers.share(len(keys), k, lambda a, b: fill(keys[a:b], counter[a:b], block, out[a:b]))
         return out
+
+
+class Medians(Draws):
+    """In place of draws, the medians of what they are drawn from: what a component does on the whole."""
+
+    __slots__ = ()
+
+    def normal(self, k: int = 1) -> Array:
+        """Zeros `(N, k)`."""
+        return np.zeros((len(self.keys), k))
+
+    def uniform(self, k: int = 1) -> Array:
+        """Halves `(N, k)`."""
+        return np.full((len(self.keys), k), 0.5)

@@ -13,6 +13,7 @@ import attrs
 __all__ = [
     "AmorsimError",
     "ComponentError",
+    "ContactError",
     "ControllerError",
     "Fault",
     "MapError",
@@ -40,6 +41,10 @@ class ComponentError(AmorsimError):
     """A component that breaks its contract."""
 
 
+class ContactError(AmorsimError):
+    """A step of which the contacts cannot be found, because something moves too far in it."""
+
+
 class ControllerError(AmorsimError):
     """A user's controller that cannot be loaded, raised, or returned what is not a command; of `robot`, if known."""
 
@@ -58,22 +63,28 @@ class RunError(AmorsimError):
 
 @attrs.frozen(kw_only=True)
 class Fault:
-    """One thing wrong with a scenario: where it stands, what was found, what would be right."""
+    """One thing wrong with a scenario: where it stands, what was found, what would be right.
+
+    `path` leads to it in the document; `named` is the same with the names of robots, obstacles and zones in the places
+    of their numbers, where they have any, for messages.
+    """
 
     file: str
     path: str
     message: str
+    named: str = ""
 
     def __str__(self) -> str:
-        where = ": ".join(part for part in (self.file, self.path) if part)
+        where = ": ".join(part for part in (self.file, self.named or self.path) if part)
         return f"{where}: {self.message}" if where else self.message
 
 
 class ScenarioError(AmorsimError):
-    """A scenario with faults; carries all of them, not the first only."""
+    """A scenario with faults; carries all of them, not the first only, and the warnings of its map, if it was read."""
 
-    def __init__(self, faults: Iterable[Fault]) -> None:
+    def __init__(self, faults: Iterable[Fault], warnings: Iterable[str] = ()) -> None:
         self.faults = tuple(faults)
+        self.warnings = tuple(warnings)
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 

@@ -25,12 +25,15 @@ __all__ = ["Map"]
 _MOST_BYTES = 10**9
 # There a double still tells a thousandth of a cell.
 _FARTHEST_CELL = 2**43
-_MOST_TABLES = 2**24
+_MOST_TABLES = 2**23
 _TABLE_CELLS = 4096
 # A page of 64 x 64 cells takes 512 bytes of bits and 128 of room.
 _PAGE_CELLS = 64
 _PAGE_BYTES = 640
-_MOST_WALL_BYTES = 4 * 10**9
+# Of a table: 4 bytes for each of its pages.
+_TABLE_BYTES = 16_384
+# What the cells of one map may take; together with what drawing them takes meanwhile that is 1 GB.
+_MOST_GRID_BYTES = 400_000_000
 
 Window = tuple[float, float, float, float]
 """xmin, ymin, xmax, ymax [m]."""
@@ -115,8 +118,8 @@ class Map:
             cols, rows = (float(n) for n in np.maximum(high - low, 1.0))
         _refuse_too_large(rows, cols, side)
         _refuse_too_far(low, high, side)
-        _refuse_too_much_wall(walls, side)
         offset = (int(low[0]), int(low[1]))
+        _refuse_too_much_memory(walls, int(rows), int(cols), side, offset)
         kept = walls.copy()
         kept.flags.writeable = False
         grid = grid_from_segments(walls, int(rows), int(cols), side, offset)
@@ -372,11 +375,37 @@ def _refuse_too_far(low: NDArray[np.float64], high: NDArray[np.float64], side: f
         )
 
 
-def _refuse_too_much_wall(walls: NDArray[np.float64], side: float) -> None:
-    length = np.abs(walls[:, 2] - walls[:, 0]) + np.abs(walls[:, 3] - walls[:, 1])
-    size = float(np.sum(length / (side * _PAGE_CELLS) + 1.0)) * _PAGE_BYTES
-    if size > _MOST_WALL_BYTES:
-        raise MapError(
-            f"{len(walls)} walls of {float(length.sum()):.6g} m in all would take about {size / 1e9:.3g} GB "
-            f"in cells of {side:g} m; pass a resolution of {side * size / _MOST_WALL_BYTES:.3g} m or coarser"
-        )
+def _refuse_too_much_memory(
+    walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]
+) -> None:
+    needed = _grid_bytes(walls, rows, cols, side, offset)
+    if needed <= _MOST_GRID_BYTES:
+        return
+    scale = 1.0  # of the cells, for as much as may be taken
+    size = needed
+    while size > _MOST_GRID_BYTES:
+        scale *= 1.2
+        corner = math.floor(offset[0] / scale), math.floor(offset[1] / scale)
+        size = _grid_bytes(walls, math.ceil(rows / scale), math.ceil(cols / scale), side * scale, corner)
+    length = float((np.abs(walls[:, 2] - walls[:, 0]) + np.abs(walls[:, 3] - walls[:, 1])).sum())
+    raise MapError(
+        f"{len(walls)} walls of {length:.6g} m in all, on a map of {cols * side:.6g} m x {rows * side:.6g} m, would "
+        f"take about {needed / 1e9:.3g} GB in cells of {side:g} m; pass a resolution of {side * scale:.3g} m or coarser"
+    )
+
+
+def _grid_bytes(walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]) -> float:
+    """How much memory the cells that walls touch take [bytes], at the most: of those in one page each takes its own."""
+    low = np.minimum(walls[:, :2], walls[:, 2:]) / side - offset
+    high = np.maximum(walls[:, :2], walls[:, 2:]) / side - offset
+    size = 0.0
+    for cells, each in ((_PAGE_CELLS, _PAGE_BYTES), (_TABLE_CELLS, _TABLE_BYTES)):
+        # A wall along a grid line touches the cells on both sides of it, which may be in different pages.
+        first, last = np.floor((np.ceil(low) - 1.0).clip(0.0) / cells), np.floor(high / cells)
+        across, up = (last - first + 1.0).T
+        straight = (walls[:, 0] == walls[:, 2]) | (walls[:, 1] == walls[:, 3])
+        touched = float(np.where(straight, across * up, across + up).sum())
+        width, height = cols // cells + 1, rows // cells + 1
+        # What is outside is occupied, so that those along the right and the upper edge are needed in any case.
+        size += each * min(touched + width + height, width * height)
+    return size

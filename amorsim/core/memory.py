@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import os
+import types
 from pathlib import Path
+
+resource: types.ModuleType | None
+try:
+    import resource
+except ImportError:  # not on Windows
+    resource = None
 
 __all__ = ["memory_of_machine", "too_large"]
 
@@ -16,6 +23,9 @@ def memory_of_machine() -> int | None:
         whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
         return None
+    if resource is not None:
+        limits = (resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA))
+        whole = min(whole, *(limit for limit in limits if limit != resource.RLIM_INFINITY), whole)
     try:
         return min(whole, int(_LIMIT.read_text()))
     except (OSError, ValueError):  # there is none, or it says "max"
@@ -23,11 +33,9 @@ def memory_of_machine() -> int | None:
 
 
 def too_large(count: int, each: int) -> str:
-    """That so many of `each` bytes do not fit into memory, in words, and how many would; nothing if they do."""
+    """That so many of `each` bytes do not fit into memory, in words, and how many would if any; nothing if they do."""
     there = memory_of_machine()
     if there is None or count * each <= there:
         return ""
-    return (
-        f"would take {count * each / 1e9:.3g} GB of memory at least, and this machine has {there / 1e9:.3g} GB: "
-        f"expected {there // each} at the most"
-    )
+    most = f": expected {there // each} at the most" if each <= there else ""
+    return f"would take {count * each / 1e9:.3g} GB of memory at least, and this machine has {there / 1e9:.3g} GB{most}"

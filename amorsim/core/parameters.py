@@ -16,7 +16,13 @@ import attrs
 
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["Parameter", "ParameterError", "check_value", "describe", "parameter"]
+__all__ = ["LARGEST", "SMALLEST", "Parameter", "ParameterError", "check_value", "describe", "parameter"]
+
+LARGEST = 1e12
+"""No number of a component is larger, whatever its unit: squares and products of such numbers keep all their digits."""
+SMALLEST = 1e-12
+"""No number that must be above 0 is smaller."""
+_LARGEST_WHOLE = 2**53  # of those whose bounds say nothing of it
 
 _KEY = "amorsim"
 _REQUIRED: Any = attrs.NOTHING
@@ -71,6 +77,11 @@ class Parameter:
         return _type_name(self.type)
 
     @property
+    def file_type_name(self) -> str:
+        """The same with the keys that tables have in files."""
+        return _type_name(self.type, in_file=True)
+
+    @property
     def bounds(self) -> str:
         """What values are allowed, in words, or nothing."""
         if self.choices:
@@ -109,7 +120,8 @@ def parameter(
     """A field of a component class: a default (or none, then it must be given), its unit, help and bounds.
 
     Values are checked when a component is made: the type as annotated (nothing is coerced, an int may stand for a
-    float), finite, within bounds or among `choices`. Annotations may be `float`, `int`, `bool`, `str`, any of these
+    float), finite, within bounds or among `choices`. Whatever the bounds, no number is larger than `LARGEST`, and none
+    that must be above 0 smaller than `SMALLEST`. Annotations may be `float`, `int`, `bool`, `str`, any of these
     ``| None``, a tuple of them, another attrs class with such fields, or a tuple of those (the elements of a ring).
     """
     metadata = {
@@ -205,6 +217,11 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
         high = (expected.lt is None or value < expected.lt) and (expected.le is None or value <= expected.le)
         if not (low and high):
             return _wrong(expected, value)
+        largest = _LARGEST_WHOLE if kind is int else LARGEST
+        if abs(value) > largest and expected.le is None and expected.lt is None:
+            return f"expected {expected.expectation}, of {largest:g} at the most, got {value!r}"
+        if expected.gt == 0 and value < SMALLEST:
+            return f"expected {expected.expectation}, of {SMALLEST:g} at least, got {value!r}"
     return ""
 
 
@@ -215,16 +232,18 @@ def _wrong(expected: Parameter, value: Any) -> str:
 _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 
 
-def _type_name(kind: Any) -> str:
+def _type_name(kind: Any, in_file: bool = False) -> str:
     if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
         return " or ".join(
-            "nothing" if option is types.NoneType else _type_name(option) for option in typing.get_args(kind)
+            "nothing" if option is types.NoneType else _type_name(option, in_file) for option in typing.get_args(kind)
         )
     if typing.get_origin(kind) is tuple:
         items = typing.get_args(kind)
         if len(items) == 2 and items[1] is Ellipsis:
-            return f"a list, each {_type_name(items[0])}"
-        return f"a list of {len(items)}, each {_type_name(items[0])}"
+            return f"a list, each {_type_name(items[0], in_file)}"
+        return f"a list of {len(items)}, each {_type_name(items[0], in_file)}"
     if attrs.has(kind):
-        return "a table of " + ", ".join(field.name for field in attrs.fields(kind))
+        angles = {name for name, field in describe(kind).items() if in_file and field.is_angle}
+        names = [field.name for field in attrs.fields(kind)]
+        return "a table of " + ", ".join(f"{name}_deg" if name in angles else name for name in names)
     return _WORDS.get(kind, getattr(kind, "__name__", str(kind)))

@@ -22,6 +22,10 @@ Ring = tuple[Point, ...]
 # corners.
 _FLAT = 1e-12
 _CIRCLE_POINTS = 64
+SMALLEST = 1e-6
+"""Nearer to its body's origin [m] no shape ends."""
+LARGEST = 1e6
+"""Farther from its body's origin [m] no shape reaches."""
 
 
 @attrs.frozen(cache_hash=True)
@@ -56,6 +60,10 @@ class Shape:
                 raise ValueError(f"a part of {len(part)} vertices needs a radius above 0 m to have an area")
             if len(part) > 2 and (_area(part) <= 0.0 or _reflex_corner(part) is not None):
                 raise ValueError(f"a part is convex and anticlockwise, which {part} is not")
+        if not SMALLEST <= self.reach <= LARGEST:
+            raise ValueError(
+                f"a shape reaches from {SMALLEST:g} m to {LARGEST:g} m from its body's origin, not {self.reach:.6g} m"
+            )
 
     @classmethod
     def circle(cls, radius: float, *, x: float = 0.0, y: float = 0.0) -> Shape:
@@ -162,6 +170,8 @@ def _check_finite(points: Sequence[Point], what: str) -> None:
     for point in points:
         if not all(map(math.isfinite, point)):
             raise ValueError(f"{what} is given in finite numbers [m], not {point}")
+        if max(map(abs, point)) > LARGEST:
+            raise ValueError(f"{what} is at most {LARGEST:g} m from its body's origin, not at {point}")
 
 
 def _area(ring: Sequence[Point]) -> float:

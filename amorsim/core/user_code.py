@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import functools
 import inspect
+import os
+import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
@@ -13,8 +15,9 @@ import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import parameter
+from amorsim.core.trouble import RAISED, error_in_words, in_words
 
-__all__ = ["UserCode"]
+__all__ = ["UserCode", "go_back", "present_folder"]
 
 Objects = npt.NDArray[Any]
 
@@ -52,18 +55,19 @@ class UserCode:
         """
         what = f"{self.kind} {self.source!r}"
         if not callable(self.function):
-            raise self.failed(f"{what}: expected a function or a class, got {self.function!r}", "")
+            raise self.failed(f"{what}: expected a function or a class, got {in_words(self.function)}", "")
         if not inspect.isclass(self.function):
             return {}
         options = dict(self.options)
         objects = np.empty(rows, dtype=object)
+        here = present_folder()
         for row in range(rows):
             try:
                 objects[row] = self.function(**options)
-            except (Exception, SystemExit) as error:
+            except RAISED as error:
                 raise self.failed(
                     f"{what}: making its object for {who(row)} with the options {options} raised "
-                    f"{type(error).__name__}: {error}",
+                    f"{error_in_words(error)}",
                     "",
                 ) from error
             if not callable(getattr(objects[row], self._method, None)):
@@ -71,6 +75,7 @@ class UserCode:
                     f"{what}: the class {self.function.__name__} has no method {self.signature}",
                     "",
                 )
+        go_back(here, what)
         return {"objects": objects}
 
     @property
@@ -88,6 +93,28 @@ class UserCode:
 
     def raised(self, error: BaseException, who: str, time: float, name: str) -> AmorsimError:
         """What to raise for what the user's code raised."""
-        return self.failed(
-            f"{self.kind} {self.source!r} of {who} at {time:g} s raised {type(error).__name__}: {error}", name
-        )
+        return self.failed(f"{self.kind} {self.source!r} of {who} at {time:g} s raised {error_in_words(error)}", name)
+
+
+def present_folder() -> str | None:
+    """The working folder; None where it was removed."""
+    try:
+        return os.getcwd()  # noqa: PTH109 - as text
+    except OSError:
+        return None
+
+
+def go_back(folder: str | None, who: str) -> None:
+    """Make `folder` the working folder again, with a warning, where code of a user's has made another of it.
+
+    Paths that a user gave are relative to it, those of a run's files among them.
+    """
+    left_for = present_folder()
+    if folder is None or left_for == folder:
+        return
+    os.chdir(folder)
+    warnings.warn(
+        f"{who} changed the working folder to {left_for or 'one that is gone'}; it is {folder} again, for paths are "
+        "relative to it. Open files by their whole path, as in Path(__file__).parent / 'data.csv'",
+        stacklevel=2,
+    )

@@ -62,11 +62,13 @@ class Ackermann(Steered):
 
     channels: ClassVar[tuple[str, ...]] = ("steering", "wheels")  # an angle [rad], a rate [rad/s]
 
-    wheel_radius: float = parameter(unit="m", gt=0, help="radius of the wheels that are counted")
-    wheelbase: float = parameter(unit="m", gt=0, help="from the rear axle to the front one")
-    track: float = parameter(unit="m", gt=0, help="distance between left and right wheels")
+    wheel_radius: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the wheels that are counted")
+    wheelbase: float = parameter(unit="m", ge=1e-3, le=100, help="from the rear axle to the front one")
+    track: float = parameter(unit="m", ge=1e-3, le=100, help="distance between left and right wheels")
     steering_max: float = parameter(unit="rad", gt=0, le=1.4, help="largest steering angle to either side")
-    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the shaft turns, the mean of the rear wheels")
+    rate_max: float = parameter(
+        unit="rad/s", gt=0, le=1e6, help="fastest that the shaft turns, the mean of the rear wheels"
+    )
     counted: str = parameter(
         "rear", choices=("rear", "front", "centre"), static=True, help="which wheels are joints, and have encoders"
     )

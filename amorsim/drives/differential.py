@@ -45,10 +45,10 @@ class Differential(Motors):
     joints: ClassVar[tuple[Joint, ...]] = (Joint(name="left_wheel"), Joint(name="right_wheel"))
     channels: ClassVar[tuple[str, ...]] = ("left", "right")
 
-    wheel_radius_left: float = parameter(unit="m", gt=0, help="radius of the left wheel")
-    wheel_radius_right: float = parameter(unit="m", gt=0, help="radius of the right wheel")
-    track: float = parameter(unit="m", gt=0, help="distance between the wheels' points of contact")
-    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that a wheel turns")
+    wheel_radius_left: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the left wheel")
+    wheel_radius_right: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the right wheel")
+    track: float = parameter(unit="m", ge=1e-3, le=100, help="distance between the wheels' points of contact")
+    rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that a wheel turns")
 
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws

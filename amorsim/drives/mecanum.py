@@ -52,13 +52,13 @@ class Mecanum(Motors):
     )
     channels: ClassVar[tuple[str, ...]] = tuple(joint.name for joint in joints)
 
-    wheel_radius_front_left: float = parameter(unit="m", gt=0, help="radius of the left front wheel")
-    wheel_radius_front_right: float = parameter(unit="m", gt=0, help="radius of the right front wheel")
-    wheel_radius_rear_left: float = parameter(unit="m", gt=0, help="radius of the left rear wheel")
-    wheel_radius_rear_right: float = parameter(unit="m", gt=0, help="radius of the right rear wheel")
-    wheelbase: float = parameter(unit="m", gt=0, help="from the rear wheels' middles to the front ones'")
-    track: float = parameter(unit="m", gt=0, help="distance between the middles of left and right wheels")
-    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that a wheel turns")
+    wheel_radius_front_left: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the left front wheel")
+    wheel_radius_front_right: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the right front wheel")
+    wheel_radius_rear_left: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the left rear wheel")
+    wheel_radius_rear_right: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the right rear wheel")
+    wheelbase: float = parameter(unit="m", ge=1e-3, le=100, help="from the rear wheels' middles to the front ones'")
+    track: float = parameter(unit="m", ge=1e-3, le=100, help="distance between the middles of left and right wheels")
+    rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that a wheel turns")
 
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws

@@ -51,9 +51,11 @@ class Motors(Drive):
         Most that a wheel's rate changes in a second [rad/s^2]; none for no limit.
     """
 
-    lag: float = parameter(0.0, unit="s", ge=0, help="time constant with which a wheel's rate follows its command")
+    lag: float = parameter(
+        0.0, unit="s", ge=0, le=1e4, help="time constant with which a wheel's rate follows its command"
+    )
     acceleration_max: float | None = parameter(
-        None, unit="rad/s^2", gt=0, help="most that a wheel's rate changes in a second; none for no limit"
+        None, unit="rad/s^2", gt=0, le=1e9, help="most that a wheel's rate changes in a second; none for no limit"
     )
 
     def _acceleration(self, rows: int) -> Array:
@@ -81,9 +83,9 @@ class Steered(Winding):
         Time constant with which the steering follows its command [s]; 0 for none.
     """
 
-    steering_rate: float = parameter(unit="rad/s", gt=0, help="how fast the steering moves at most")
+    steering_rate: float = parameter(unit="rad/s", gt=0, le=1e6, help="how fast the steering moves at most")
     steering_lag: float = parameter(
-        0.0, unit="s", ge=0, help="time constant with which the steering follows its command"
+        0.0, unit="s", ge=0, le=1e4, help="time constant with which the steering follows its command"
     )
 
     def steering_end(self) -> tuple[Array, Array]:

@@ -51,15 +51,15 @@ class Synchro(Winding):
         How the rate of the wheels follows its command (`Motors`); the lag is that of steering and turret, too.
     """
 
-    wheel_radius: float = parameter(unit="m", gt=0, help="radius of the wheels")
-    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the wheels roll")
-    steering_rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the wheels steer")
+    wheel_radius: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the wheels")
+    rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that the wheels roll")
+    steering_rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that the wheels steer")
     turret: str = parameter(
         "fixed", choices=("fixed", "follows", "driven"), static=True, help="how the robot's frame turns"
     )
-    turret_rate_max: float = parameter(1.0, unit="rad/s", gt=0, help="fastest that a driven turret turns")
+    turret_rate_max: float = parameter(1.0, unit="rad/s", gt=0, le=1e6, help="fastest that a driven turret turns")
     steering_acceleration_max: float | None = parameter(
-        None, unit="rad/s^2", gt=0, help="most that steering and turret speed up in a second; none for no limit"
+        None, unit="rad/s^2", gt=0, le=1e9, help="most that steering and turret speed up in a second; none for no limit"
     )
 
     @property

@@ -55,16 +55,22 @@ class Tractor(Differential):
 
     joints: ClassVar[tuple[Joint, ...]] = (*Differential.joints, Joint(name="hitch", rolls=False))
 
-    trailer_length: float = parameter(unit="m", gt=0, help="from the hitch to the trailer's axle")
-    hitch_offset: float = parameter(0.0, unit="m", help="how far behind the tractor's axle the hitch is")
+    trailer_length: float = parameter(unit="m", ge=1e-3, le=100, help="from the hitch to the trailer's axle")
+    hitch_offset: float = parameter(
+        0.0, unit="m", ge=-100, le=100, help="how far behind the tractor's axle the hitch is"
+    )
     hitch_max: float = parameter(math.pi, unit="rad", gt=0, le=math.pi, help="how far the hitch turns to either side")
-    trailer_width: float = parameter(unit="m", gt=0, static=True, help="how wide the trailer's outline is")
-    trailer_front: float = parameter(unit="m", static=True, help="how far its outline goes ahead of the trailer's axle")
-    trailer_rear: float = parameter(unit="m", static=True, help="how far its outline goes behind the trailer's axle")
+    trailer_width: float = parameter(unit="m", ge=1e-3, le=100, static=True, help="how wide the trailer's outline is")
+    trailer_front: float = parameter(
+        unit="m", le=100, static=True, help="how far its outline goes ahead of the trailer's axle"
+    )
+    trailer_rear: float = parameter(
+        unit="m", le=100, static=True, help="how far its outline goes behind the trailer's axle"
+    )
 
     def __attrs_post_init__(self) -> None:
-        if self.trailer_front + self.trailer_rear <= 0.0:
-            problem = f"expected more than {-self.trailer_front!r}, behind its front, got {self.trailer_rear!r}"
+        if self.trailer_front + self.trailer_rear < 1e-3:
+            problem = f"expected 1 mm more than {-self.trailer_front!r}, behind its front, got {self.trailer_rear!r}"
             raise ParameterError("trailer_rear", problem)
 
     @property

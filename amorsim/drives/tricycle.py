@@ -53,10 +53,10 @@ class Tricycle(Steered):
     joints: ClassVar[tuple[Joint, ...]] = (Joint(name="steering", rolls=False), Joint(name="front_wheel"))
     channels: ClassVar[tuple[str, ...]] = ("steering", "front_wheel")  # an angle [rad], a rate [rad/s]
 
-    wheel_radius: float = parameter(unit="m", gt=0, help="radius of the front wheel")
-    wheelbase: float = parameter(unit="m", gt=0, help="from the rear axle to the front wheel")
+    wheel_radius: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the front wheel")
+    wheelbase: float = parameter(unit="m", ge=1e-3, le=100, help="from the rear axle to the front wheel")
     steering_max: float = parameter(_RIGHT, unit="rad", gt=0, le=_RIGHT, help="largest steering angle to either side")
-    rate_max: float = parameter(unit="rad/s", gt=0, help="fastest that the front wheel turns")
+    rate_max: float = parameter(unit="rad/s", gt=0, le=1e6, help="fastest that the front wheel turns")
 
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws

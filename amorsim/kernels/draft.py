@@ -167,11 +167,9 @@ def _mark_outside(draft: Draft) -> bool:
                 continue
             if page == 0:
                 continue
-            for row in range(64):
-                start = 0 if low + row >= draft.rows else min(max(draft.cols - left, 0), 64)
-                for col in range(start, 64):
-                    word = (row >> 3) * 8 + (col >> 3)
-                    draft.pages[page, word] |= ONE << np.uint64((row & 7) * 8 + (col & 7))
+            # The rows above the map, and the columns right of it; rows and columns here are the page's own.
+            _mark_words(draft.pages, page, max(draft.rows - low, 0), 63, 0, 63)
+            _mark_words(draft.pages, page, 0, 63, max(draft.cols - left, 0), 63)
     return True
 
 

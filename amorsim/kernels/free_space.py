@@ -53,9 +53,10 @@ def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats)
     samples = points.shape[1] // k
     if samples == 1:
         for j in range(k):
-            seen = abs(ranges[j]) < math.inf
-            x = beams[0, j] + ranges[j] * beams[3, j]
-            y = beams[1, j] + ranges[j] * beams[4, j]
+            reach = 0.0 if ranges[j] == -math.inf else ranges[j]  # too near to measure: at the sensor itself
+            seen = abs(reach) < math.inf
+            x = beams[0, j] + reach * beams[3, j]
+            y = beams[1, j] + reach * beams[4, j]
             points[0, j] = x if seen else math.inf
             points[1, j] = y if seen else math.inf
         return

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.kernels.actuation import respond
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.poses import wrap
 
@@ -18,6 +19,7 @@ Floats = npt.NDArray[np.float64]
 Column = Any
 
 _ALIGNED = 0.01  # [rad] a robot that stands, and gathers speed slowly, sets off with no larger error
+_STILL = 0.1  # of the tolerance of a place: a robot that comes no farther by its motors' lag stands
 _STEERING_TIME = 1.0  # [s] in which such a robot puts its heading right as it drives
 
 
@@ -41,11 +43,16 @@ def head_for(
     turn_rate: Column,
     tolerance: Floats,
     limits: Floats,
+    lag: Floats,
     dt: float,
     moving: Floats,
+    turning: Floats,
     out: Floats,
 ) -> None:
     """Twists towards goals and whether they are reached, into `out` (N, 4): forward, left, turn, 1 or 0.
+
+    Motors with a lag T go on after a command: at a speed v by v T, if the command is 0 from now on. A command u for one
+    step adds u dt to that. So errors are reckoned from where the robot would come without another command.
 
     Parameters
     ----------
@@ -60,8 +67,10 @@ def head_for(
         error [rad] beyond which the bearing of a goal is put right in place and not on the way, (N, 3).
     limits
         Of the drive: speed, turn, and how fast each changes, (N, 4).
-    moving
-        Speed [m/s] at which the robots drive now, by their own reckoning, (N, 1); changed.
+    lag
+        Of its motors [s], (N, 1).
+    moving, turning
+        Speed [m/s] and turn [rad/s] of the robots now, by their own reckoning, in the first column; changed.
     """
     for i in range(pose.shape[0]):
         fastest = min(speed[i, 0], limits[i, 0])
@@ -74,32 +83,39 @@ def head_for(
         reached = 0.0
         braking = limits[i, 2] * dt
         # With limits on how fast wheels change, turning begins when the robot stands: else it would drift aside.
-        stands = moving[i, 0] == 0.0 or math.isinf(braking)
+        ahead = moving[i, 0] * lag[i, 0]
+        coming = turning[i, 0] * lag[i, 0]
+        still = moving[i, 0] == 0.0 or 0.0 < abs(ahead) <= _STILL * tolerance[i, 0]
+        stands = still or (math.isinf(braking) and lag[i, 0] == 0.0)
         if distance <= tolerance[i, 0] and not stands:
             pass
         elif distance <= tolerance[i, 0]:
             error = wrap(goal[i, 2] - pose[i, 2])
-            if math.isnan(error) or abs(error) <= tolerance[i, 1]:
+            if math.isnan(error) or (abs(error) <= tolerance[i, 1] and abs(coming) <= tolerance[i, 1]):
                 reached = 1.0
             else:
-                w = approach(error, turn_fastest, limits[i, 3], dt)
+                w = approach(error - coming, turn_fastest, limits[i, 3], dt)
         else:
             error = wrap(math.atan2(dy, dx) - pose[i, 2])
             turn_first = tolerance[i, 2]
-            if moving[i, 0] == 0.0 and not math.isinf(braking):
+            if still and not math.isinf(braking):
                 turn_first = min(turn_first, _ALIGNED)
             if abs(error) > turn_first:
                 if stands:
-                    w = approach(error, turn_fastest, limits[i, 3], dt)
+                    w = approach(error - coming, turn_fastest, limits[i, 3], dt)
             else:
-                v = approach(distance, fastest, limits[i, 2], dt)
+                v = approach(max(distance - ahead, 0.0), fastest, limits[i, 2], dt)
                 if math.isinf(braking):
-                    w = approach(error, turn_fastest, limits[i, 3], dt)
+                    w = approach(error - coming, turn_fastest, limits[i, 3], dt)
                 else:
                     # Wheels that speed up as fast as they can do not steer: half of what they can is kept for that.
                     v = min(v, moving[i, 0] + 0.5 * braking)
-                    w = min(max(error / max(_STEERING_TIME, 4.0 * dt), -turn_fastest), turn_fastest)
-        moving[i, 0] = min(max(v, moving[i, 0] - braking), moving[i, 0] + braking)
+                    w = min(max((error - coming) / max(_STEERING_TIME, 4.0 * dt), -turn_fastest), turn_fastest)
+        if lag[i, 0] > 0.0:
+            moving[i, 0], _ = respond(moving[i, 0], v, limits[i, 2], lag[i, 0], dt)
+            turning[i, 0], _ = respond(turning[i, 0], w, limits[i, 3], lag[i, 0], dt)
+        else:
+            moving[i, 0] = min(max(v, moving[i, 0] - braking), moving[i, 0] + braking)
         out[i, 0] = v
         out[i, 1] = 0.0
         out[i, 2] = w

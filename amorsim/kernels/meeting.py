@@ -18,7 +18,7 @@ from amorsim.kernels.compile import kernel
 from amorsim.kernels.contact import map_gap
 from amorsim.kernels.paths import SLACK, Scene, pose_at
 
-__all__ = ["FINEST", "ROUNDING", "TOUCH", "WALL", "resolve"]
+__all__ = ["FINEST", "MOST_LOOKS", "ROUNDING", "TOUCH", "WALL", "resolve"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,6 +30,8 @@ ROUNDING = 4e-15  # [m]
 FINEST = 1e-18  # [m]
 # A wall that a body stopped at is nearer than this.
 TOUCH = 0.01  # [m]
+# So often a pair is looked at in one step: enough for a hundred metres along a wall, touching it, in cells of 1 mm.
+MOST_LOOKS = 400_000
 
 
 # What a look at a pair is for.
@@ -57,6 +59,8 @@ class Scratch(NamedTuple):
 def _meet(scene: Scene, scratch: Scratch, a: int, b: int, since: float, shortest: float, point: Floats) -> float:
     """The last free fraction before two first overlap, from `since` on, inf if never; writes the point [m] (2,).
 
+    It is nan where that takes more than `MOST_LOOKS`.
+
     One loop of looks, as the code for a look is long: first ahead as far as the gap is safe. Then the bracket is
     squeezed, three times, to about a width on either side of where the gap's slope puts the contact: the gap closes
     nearly evenly so close to it, and halving alone, which comes last, takes many more looks. Close to a contact many
@@ -80,6 +84,7 @@ def _meet(scene: Scene, scratch: Scratch, a: int, b: int, since: float, shortest
     width = 0.0
     margin = 0.0
     step = 0
+    looks = 0
     fraction = since
     purpose = _FIRST
     while True:
@@ -146,6 +151,9 @@ def _meet(scene: Scene, scratch: Scratch, a: int, b: int, since: float, shortest
         if hit == math.inf:
             if not (gap < speed * (1.0 - free) + SLACK and free < 1.0):
                 return math.inf
+            looks += 1
+            if looks > MOST_LOOKS:
+                return math.nan
             ahead = max(gap * (1.0 - 1e-9) - SLACK, shortest) / speed
             fraction = min(free + ahead, 1.0)
             purpose = _AHEAD
@@ -201,6 +209,8 @@ def resolve(
     scene: Scene, a: Ints, b: Ints, shortest: float, which: Ints, when: Floats, point: Floats, end: Floats
 ) -> int:
     """How many contacts there are in the step, taking the earliest first; those in it stop there.
+
+    It is -1 where a pair takes more than `MOST_LOOKS`, whose number is the first of `which` then.
 
     Parameters
     ----------
@@ -273,6 +283,9 @@ def resolve(
             else:
                 since = 0.0 if met == 0 else min(a_stop, b_stop)
                 time[q] = _meet(scene, scratch, a[q], b[q], since, shortest, where[q])
+                if math.isnan(time[q]):
+                    which[0] = q
+                    return -1
             _enter(tree, time, q)
         lead = tree[1]
         now = time[lead]

@@ -170,7 +170,7 @@ def go_free(start: Floats, motion: Floats, form: int, reach: Floats, room: Float
     """
     for i in range(reach.shape[0]):
         bound = bound_of(motion[i, 0], motion[i, 1], motion[i, 2], reach[i])
-        if bound > 0.0 and not bound + SLACK < room[i]:
+        if not (bound <= 0.0 or bound + SLACK < room[i]):  # so nan has no room
             return False
         stop[i] = bound
     for i in range(reach.shape[0]):

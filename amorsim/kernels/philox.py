@@ -22,6 +22,7 @@ _WEYL_1 = np.uint64(0xBB67AE85)
 _LOW = np.uint64(0xFFFFFFFF)
 _HALF_WORD = np.uint64(32)
 _TO_UNIT = 1.0 / 9007199254740992.0  # 2**-53
+_LARGEST = 1.0 - _TO_UNIT
 
 Words = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
 
@@ -43,9 +44,9 @@ def philox(c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.ui
 
 @inlined
 def _unit(high: np.uint64, low: np.uint64) -> float:
-    # 53 bits, and half a step, so that neither 0 (its logarithm) nor 1 ever comes out.
+    # 53 bits, and half a step, so that 0 (its logarithm) never comes out; the largest would be rounded up to 1.
     bits = ((high >> np.uint64(5)) << np.uint64(26)) | (low >> np.uint64(6))
-    return (np.float64(np.int64(bits)) + 0.5) * _TO_UNIT
+    return min((np.float64(np.int64(bits)) + 0.5) * _TO_UNIT, _LARGEST)
 
 
 @part

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["social_forces"]
+__all__ = ["NEGLIGIBLE", "social_forces"]
 
 Floats = NDArray[np.float64]
 
-FARTHEST = 6.0
-"""Who is farther away than this [m] is not heeded: a force of less than 1e-7 m/s^2."""
+NEGLIGIBLE = 1e-7
+"""Forces [m/s^2] from about here on down count as none."""
 LEAST = 1e-6  # [m] to which semi-axes and distances are rounded up
 
 
@@ -25,13 +25,17 @@ def social_forces(
     reach: Floats,
     heeded: NDArray[np.bool_],
     own: NDArray[np.int64],
+    velocity: Floats,
     wanted: Floats,
     walls: Floats,
     bearings: Floats,
     numbers: Floats,
     out: Floats,
 ) -> None:
-    """Accelerations [m/s^2] by which others and walls repel pedestrians.
+    """Accelerations [m/s^2] by which others and walls repel pedestrians, some time ahead, as all go on as they do.
+
+    At a distance d from another whose step has the length s, b is at least sqrt(d (d - s)): where that makes a force
+    negligible, it is left out.
 
     Parameters
     ----------
@@ -43,6 +47,8 @@ def social_forces(
         (N, B) whether a pedestrian minds it.
     own
         (N,) which of the bodies is the pedestrian.
+    velocity
+        (N, 2) of the pedestrians over the ground [m/s].
     wanted
         (N, 2) unit vector to where he wants to go.
     walls
@@ -50,9 +56,9 @@ def social_forces(
     bearings
         (k, 2) cosine and sine of the direction of each, evenly around.
     numbers
-        (N, 8) strength [m^2/s^2] and range [m] of the repulsion by others, how far ahead [s] their steps are seen,
-        strength and range of that by walls, cosine of half the angle of sight, weight of what is out of it, and how
-        much of his own step is taken from theirs (0 or 1).
+        (N, 9) strength [m^2/s^2] and range [m] of the repulsion by others, how far ahead [s] their steps are seen,
+        strength and range of that by walls, cosine of half the angle of sight, weight of what is out of it, how
+        much of his own step is taken from theirs (0 or 1), and how far ahead [s] the forces are asked for.
     out
         (N, 2) the sums, in order of body, then of bearing.
     """
@@ -60,24 +66,33 @@ def social_forces(
     for n in range(poses.shape[0]):
         strength, width, ahead = numbers[n, 0], numbers[n, 1], numbers[n, 2]
         wall_strength, wall_width = numbers[n, 3], numbers[n, 4]
-        x, y = poses[n, own[n], 0], poses[n, own[n], 1]
-        c, s = math.cos(poses[n, own[n], 2]), math.sin(poses[n, own[n], 2])
-        my_x = (c * twists[n, own[n], 0] - s * twists[n, own[n], 1]) * ahead * numbers[n, 7]
-        my_y = (s * twists[n, own[n], 0] + c * twists[n, own[n], 1]) * ahead * numbers[n, 7]
+        later = numbers[n, 8]
+        vx, vy = velocity[n, 0], velocity[n, 1]
+        x, y = poses[n, own[n], 0] + vx * later, poses[n, own[n], 1] + vy * later
+        my_x, my_y = vx * ahead * numbers[n, 7], vy * ahead * numbers[n, 7]
+        pace = math.sqrt(vx * vx + vy * vy)
+        relevant = width * math.log(max(strength / width / NEGLIGIBLE, 1.0))
+        relevant *= relevant
         sum_x, sum_y = 0.0, 0.0
         for b in range(poses.shape[1]):
             if b == own[n] or not heeded[n, b]:
                 continue
-            rx, ry = x - poses[n, b, 0], y - poses[n, b, 1]
-            distance = math.sqrt(rx * rx + ry * ry)
-            if not distance - reach[b] < FARTHEST:
+            # Now, and if both went for each other.
+            rx, ry = poses[n, own[n], 0] - poses[n, b, 0], poses[n, own[n], 1] - poses[n, b, 1]
+            fast = math.sqrt(twists[n, b, 0] * twists[n, b, 0] + twists[n, b, 1] * twists[n, b, 1])
+            gap = math.sqrt(rx * rx + ry * ry) - reach[b] - (fast + pace) * later
+            beyond = gap - (fast + pace * numbers[n, 7]) * ahead
+            if beyond > 0.0 and gap * beyond > relevant:
                 continue
-            # From his middle to the other's outline.
-            share = max(distance - reach[b], LEAST) / max(distance, LEAST)
-            rx, ry = rx * share, ry * share
             c, s = math.cos(poses[n, b, 2]), math.sin(poses[n, b, 2])
-            step_x = (c * twists[n, b, 0] - s * twists[n, b, 1]) * ahead - my_x
-            step_y = (s * twists[n, b, 0] + c * twists[n, b, 1]) * ahead - my_y
+            its_x, its_y = c * twists[n, b, 0] - s * twists[n, b, 1], s * twists[n, b, 0] + c * twists[n, b, 1]
+            step_x, step_y = its_x * ahead - my_x, its_y * ahead - my_y
+            rx, ry = x - (poses[n, b, 0] + its_x * later), y - (poses[n, b, 1] + its_y * later)
+            distance = math.sqrt(rx * rx + ry * ry)
+            gap = distance - reach[b]
+            # From his middle to the other's outline.
+            share = max(gap, LEAST) / max(distance, LEAST)
+            rx, ry = rx * share, ry * share
             qx, qy = rx - step_x, ry - step_y
             near = max(math.sqrt(rx * rx + ry * ry), LEAST)
             far = max(math.sqrt(qx * qx + qy * qy), LEAST)
@@ -93,6 +108,7 @@ def social_forces(
         for k in range(rays):
             near = walls[n, k]
             if near < math.inf and near <= walls[n, k - 1] and near < walls[n, (k + 1) % rays]:
+                near = max(near - (vx * bearings[k, 0] + vy * bearings[k, 1]) * later, 0.0)
                 size = wall_strength / wall_width * math.exp(-near / wall_width)
                 sum_x -= size * bearings[k, 0]
                 sum_y -= size * bearings[k, 1]

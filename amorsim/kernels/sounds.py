@@ -59,8 +59,10 @@ def first_sounds(
     itself: Ints,
     points: Floats,
     ranges: Floats,
+    surface: Ints,
     emitters: Floats,
     emitter_axes: Floats,
+    carrier: Ints,
     fires: Floats,
     fired: Bools,
     speed: float,
@@ -76,17 +78,19 @@ def first_sounds(
 
     A sound reads half the way that it could have gone since the receiver began to listen. It goes straight from
     emitter to receiver where each is in the other's cone, or by way of one of the receiver's `points` that lies in the
-    emitter's cone too. Whether anything is in between is not looked at here.
+    emitter's cone too, and not on the emitter's own robot. Whether anything is in between is not looked at here.
 
     Parameters
     ----------
     receivers, receiver_axes, listens, itself
         World poses `(M, 3)`, k for each of N rows in turn, what `axes` says of their cones `(M, 3)`, when each begins
         to listen `(M,)` [s], and which emitter it is itself `(M,)`, -1 for none.
-    points, ranges
-        `(M, f, 2)` [m] where the rays in its cone end, and `(M, f)` [m] how far off.
-    emitters, emitter_axes, fires, fired
-        Of each row: world poses and axes `(N, e, 3)`, when each fires [s], and whether `(N, e)`.
+    points, ranges, surface
+        `(M, f, 2)` [m] where the rays in its cone end, `(M, f)` [m] how far off, and on whose surface: the body that a
+        robot's parts belong to, -1 for a wall or nothing.
+    emitters, emitter_axes, carrier, fires, fired
+        Of each row: world poses and axes `(N, e, 3)`, the body that carries each, when each fires [s], and whether
+        `(N, e)`.
     speed
         Of sound [m/s].
     least, most
@@ -127,7 +131,7 @@ def first_sounds(
                         continue
                     way = across
                 else:
-                    if not math.isfinite(ranges[m, f - 1]):
+                    if not math.isfinite(ranges[m, f - 1]) or surface[m, f - 1] == carrier[n, i]:
                         continue
                     dx, dy = points[m, f - 1, 0] - ex, points[m, f - 1, 1] - ey
                     last = math.sqrt(dx * dx + dy * dy)

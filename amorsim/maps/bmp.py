@@ -6,6 +6,7 @@ import io
 import struct
 import warnings
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,15 +19,26 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
+from amorsim.core.reading import read_bytes, reason
 
 __all__ = ["Bitmap"]
 
+# Of a file: the largest image that pillow unpacks, at four bytes a pixel.
+_MOST_BYTES = 800_000_000
 _SIGNATURES = (b"BM", b"\x89PNG\r\n\x1a\n")
+# [pixels] that are looked at together.
+_BAND = 1_000_000
 # Rec. 601 luma in thousandths; whole numbers, so that two colours are equally bright or they are not.
 _LUMA = (299, 587, 114)
 # What pillow's readers of broken files can end in; its documented UnidentifiedImageError is an OSError.
 _BROKEN = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError, OverflowError)
 _BROKEN_INSIDE = (struct.error, zlib.error, MemoryError)
+
+
+_RESOLUTION = 0.05  # [m]
+_NO_RESOLUTION = (
+    f"no resolution is given, so a pixel is taken for {_RESOLUTION:g} m; say how large one is, as in resolution = 0.02"
+)
 
 
 @attrs.frozen(kw_only=True)
@@ -39,7 +51,7 @@ class Bitmap(MapLoader):
 
     extensions: ClassVar[tuple[str, ...]] = (".bmp", ".png")
 
-    resolution: float = parameter(0.05, unit="m", gt=0, help="side of a pixel")
+    resolution: float | None = parameter(None, unit="m", gt=0, help="side of a pixel; without it 0.05, with a warning")
     origin_x: float = parameter(0.0, unit="m", help="x of the lower left corner of the lower left pixel")
     origin_y: float = parameter(0.0, unit="m", help="y of the lower left corner of the lower left pixel")
     origin_yaw: float = parameter(0.0, unit="rad", help="turn of the image about that corner")
@@ -62,16 +74,17 @@ class Bitmap(MapLoader):
             `threshold` is given.
         """
         try:
-            data = path.read_bytes()
-        except OSError as error:
-            raise MapError(f"{path}: cannot be read: {error.strerror or error}") from error
+            data = read_bytes(path, _MOST_BYTES)
+        except (OSError, ValueError) as error:
+            raise MapError(f"{path}: cannot be read: {reason(error)}") from error
         try:
             occupied = self._occupied(_decode(data))
             return Map.from_array(
                 # An image's first row is its top one, a map's is its bottom one.
                 np.ascontiguousarray(occupied[::-1]),
-                resolution=self.resolution,
+                resolution=_RESOLUTION if self.resolution is None else self.resolution,
                 origin=(self.origin_x, self.origin_y, self.origin_yaw),
+                warnings=() if self.resolution is not None else (_NO_RESOLUTION,),
                 name=path.stem,
             )
         except MapError as error:
@@ -87,13 +100,16 @@ class Bitmap(MapLoader):
 
     def _occupied(self, image: Image.Image) -> NDArray[np.bool_]:
         """Which pixels are occupied, (rows, columns) from the top."""
-        pixels, white = _pixels(image)
+        occupied = np.empty((image.height, image.width), dtype=np.bool_)
         if self.threshold is not None:
-            return _luma(pixels) < self.threshold * white * sum(_LUMA)
-        colours = _distinct(pixels)
+            for top, pixels, white in _bands(image):
+                occupied[top : top + len(pixels)] = _luma(pixels) < self.threshold * white * sum(_LUMA)
+            return occupied
+        colours, white = _colours(image)
         luma = _luma(colours)
         if len(colours) == 1:
-            return np.full(pixels.shape[:2], 2 * luma[0] < white * sum(_LUMA))
+            occupied[:] = 2 * luma[0] < white * sum(_LUMA)
+            return occupied
         if len(colours) > 2:
             raise MapError(
                 f"it has {len(colours)} colours, and a bitmap map has two, the darker one occupied; pass "
@@ -102,7 +118,9 @@ class Bitmap(MapLoader):
         if luma[0] == luma[1]:
             raise MapError("its two colours are equally bright, so neither is the darker, occupied one; make one black")
         darker = colours[int(np.argmin(luma))]
-        return np.asarray(np.all(pixels == darker, axis=-1))
+        for top, pixels, _ in _bands(image):
+            occupied[top : top + len(pixels)] = np.all(pixels == darker, axis=-1)
+        return occupied
 
 
 def _decode(data: bytes) -> Image.Image:
@@ -125,12 +143,21 @@ def _decode(data: bytes) -> Image.Image:
     return image
 
 
-def _pixels(image: Image.Image) -> tuple[NDArray[Any], int]:
+def _bands(image: Image.Image) -> Iterator[tuple[int, NDArray[Any], int]]:
+    """Rows of an image a few at a time, so that hardly more is in memory than the image: the first, and `_pixels`."""
+    is_bmp = image.format == "BMP"
+    rows = max(1, _BAND // image.width)
+    for top in range(0, image.height, rows):
+        band = image.crop((0, top, image.width, min(top + rows, image.height)))
+        yield top, *_pixels(band, is_bmp)
+
+
+def _pixels(image: Image.Image, is_bmp: bool) -> tuple[NDArray[Any], int]:
     """Values (rows, columns, 1 or 3), unsigned, of grey or of red, green and blue; and that of white."""
     if image.mode in ("I;16", "I;16B", "I;16L", "I;16N", "I"):
         return np.asarray(image).astype(np.uint16)[..., np.newaxis], 0xFFFF
     is_transparent = image.mode in ("LA", "La", "PA", "RGBA", "RGBa") or "transparency" in image.info
-    if is_transparent and image.format != "BMP":
+    if is_transparent and not is_bmp:
         colours = image.convert("RGBA")
         paper = Image.new("RGBA", image.size, "white")
         return np.asarray(Image.alpha_composite(paper, colours).convert("RGB")), 0xFF
@@ -139,16 +166,21 @@ def _pixels(image: Image.Image) -> tuple[NDArray[Any], int]:
     return np.asarray(image.convert("RGB")), 0xFF
 
 
-def _distinct(pixels: NDArray[Any]) -> NDArray[Any]:
-    """The different colours, (colours, channels); marked in a table rather than sorted for."""
-    if pixels.shape[-1] == 1:
-        used = np.bincount(pixels.ravel(), minlength=1)
-        return np.flatnonzero(used)[:, np.newaxis].astype(pixels.dtype)
-    red, green, blue = (pixels[..., channel].astype(np.uint32) for channel in range(3))
-    used = np.zeros(1 << 24, np.bool_)
-    used[(red << 16) | (green << 8) | blue] = True
+def _colours(image: Image.Image) -> tuple[NDArray[Any], int]:
+    """The different colours, (colours, channels), marked in a table rather than sorted for; and the value of white."""
+    used = np.zeros(0, np.bool_)
+    for _, pixels, white in _bands(image):
+        channels = pixels.shape[-1]
+        if not len(used):
+            used = np.zeros(white + 1 if channels == 1 else 1 << 24, np.bool_)
+        if channels == 1:
+            used[pixels.ravel()] = True
+        else:
+            red, green, blue = (pixels[..., channel].astype(np.uint32) for channel in range(3))
+            used[(red << 16) | (green << 8) | blue] = True
     codes = np.flatnonzero(used)
-    return np.stack((codes >> 16, (codes >> 8) & 0xFF, codes & 0xFF), axis=-1).astype(pixels.dtype)
+    parts = (codes,) if channels == 1 else (codes >> 16, (codes >> 8) & 0xFF, codes & 0xFF)
+    return np.stack(parts, axis=-1).astype(pixels.dtype), white
 
 
 def _luma(pixels: NDArray[Any]) -> NDArray[np.int32]:

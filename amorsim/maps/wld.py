@@ -10,7 +10,8 @@ A statement a line, lengths in mm, angles in degrees; ``;`` and ``#`` begin a co
     pop                         leave it
     X1 Y1 X2 Y2                 a wall, in the current frame
     X1 Y1 X2 Y2 T H             the same with a thickness and a height (EyeSim)
-    X1 Y1 X2 Y2 T H R G B       the same with a colour
+    X1 Y1 X2 Y2 T H C           the same with a colour, one number
+    X1 Y1 X2 Y2 T H R G B       the same with a colour, three numbers
     floor W H                   size, where width and height say none (EyeSim)
     floor_texture FILE          left out of the map
     WALL (ID) X Y TH LENGTH     a wall centred on X Y (Saphira's artifacts; TH anticlockwise)
@@ -34,13 +35,15 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
+from amorsim.core.reading import read_bytes, reason
 
 __all__ = ["LineWorld", "Wld", "parse_world"]
 
 _PUSH_SIGNS = {"clockwise": -1.0, "anticlockwise": 1.0}
 # Farther out, a double no longer tells apart what differs by a thousandth of a 1 mm cell.
 _FARTHEST_MM = 1e12
-_WALL_COUNTS = (4, 6, 9)
+# What follows the four coordinates of a wall, by how many numbers there are.
+_WALL_COUNTS = {4: "", 6: " T H", 7: " T H C", 9: " T H R G B"}
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _COMMENT = re.compile(r"[;#].*", re.DOTALL)
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -101,9 +104,9 @@ class Wld(MapLoader):
             size.
         """
         try:
-            data = path.read_bytes()
-        except OSError as error:
-            raise MapError(f"{path}: cannot be read: {error.strerror or error}") from error
+            data = read_bytes(path)
+        except (OSError, ValueError) as error:
+            raise MapError(f"{path}: cannot be read: {reason(error)}") from error
         binary = _BINARY.search(data)
         if binary:
             raise MapError(
@@ -280,8 +283,8 @@ class _Reader:
 
     def _read_wall(self, words: list[str]) -> None:
         if len(words) not in _WALL_COUNTS and all(map(_is_numeric, words)):
-            raise _LineError(f"a wall has 4, 6 or 9 numbers, not {len(words)}")
-        names = "X1 Y1 X2 Y2" + {6: " T H", 9: " T H R G B"}.get(len(words), "")
+            raise _LineError(f"a wall has 4, 6, 7 or 9 numbers, not {len(words)}")
+        names = "X1 Y1 X2 Y2" + _WALL_COUNTS.get(len(words), "")
         x1, y1, x2, y2 = self._numbers(words, names)[:4]
         self._add_wall(x1, y1, x2, y2)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
-from amorsim.kernels.social_force import social_forces
+from amorsim.kernels.social_force import NEGLIGIBLE, social_forces
 from amorsim.motions.ways import blocked_for, displacement, facing
 
 __all__ = ["Pedestrian"]
@@ -20,8 +21,6 @@ Array = npt.NDArray[np.float64]
 _RAYS = 24
 _BEARINGS: Array = np.array([2.0 * math.pi * ray / _RAYS for ray in range(_RAYS)])
 _TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
-_LOOK = 10.0
-"""So many times its range away a wall's repulsion is nothing."""
 
 
 @attrs.frozen(kw_only=True)
@@ -76,6 +75,7 @@ class Pedestrian(Motion):
         rows = context.rows
         return {
             "velocity": np.zeros((rows, 2)),
+            "force": np.zeros((rows, 2)),
             "speed": np.zeros((rows, 1)),
             "goal": np.zeros((rows, 1), dtype=np.int64),
             "ahead": np.concatenate((np.cos(context.pose[:, 2:]), np.sin(context.pose[:, 2:])), axis=1),
@@ -83,24 +83,44 @@ class Pedestrian(Motion):
         }
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """A step of the model: the desired speed is taken up exponentially, forces count as they are at its start."""
-        normal, uniform = draws.normal(3), draws.uniform(1)
+        """A step of the model, in closed form for the forces in the middle of it."""
+        normal, uniform = draws.normal(5), draws.uniform(1)
         is_first = view.tick == 0
         speed = np.maximum(self.speed + self.speed_std * normal[:, :1], 0.0)
         state["speed"] = np.where(is_first, speed, state["speed"])
         wanted = self._way(view, dt, state, uniform, is_first)
-        force = self._forces(view, wanted)
         # What was in the way has taken that part of his speed.
         velocity = state["velocity"] * view.free
-        decay = np.exp(-dt / self.relaxation)
-        target = state["speed"] * wanted + self.relaxation * force
-        velocity = target + (velocity - target) * decay + self.waver * np.sqrt(dt) * normal[:, 1:]
-        size = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
+        free = state["speed"] * wanted
+        # His velocity in the middle of the step, by the force of the one before.
+        target = free + self.relaxation * state["force"]
+        middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation)
+        force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt)
+        target = free + self.relaxation * force
+        after, way = self._relaxed(velocity, target, dt, normal[:, 1:])
         most = 1.3 * state["speed"]
-        velocity = velocity * np.where(size > most, most / np.where(size > most, size, 1.0), 1.0)
-        state["velocity"] = velocity
-        dx, dy = velocity[:, :1] * dt, velocity[:, 1:] * dt
+        state["velocity"] = _no_faster(after, most)
+        way = _no_faster(way, most * dt)
+        dx, dy = way[:, :1], way[:, 1:]
         return displacement(view, dx, dy, facing(view, dx, dy, np.full((view.rows, 1), 4.0 * dt)))
+
+    def _relaxed(self, velocity: Array, target: Array, dt: float, normal: Array) -> tuple[Array, Array]:
+        """The velocity `(N, 2)` a step later, and the way [m] `(N, 2)`, of v' = (target - v) / tau + waver noise.
+
+        Both are normal with a common part (an Ornstein-Uhlenbeck process and its integral); `normal` is `(N, 4)`.
+        """
+        tau: Any = self.relaxation
+        part = dt / tau
+        gone = -np.expm1(-part)
+        # Variances and covariance of velocity and way, of noise of density 1.
+        of_velocity = -0.5 * tau * np.expm1(-2.0 * part)
+        common = 0.5 * (tau * gone) ** 2
+        of_way = tau**3 * np.where(part > 1e-2, part - gone - 0.5 * gone**2, part**3 * (1.0 / 3.0 - 0.25 * part))
+        along = common / np.sqrt(of_velocity)
+        aside = np.sqrt(np.maximum(of_way - along**2, 0.0))
+        after = target + (velocity - target) * (1.0 - gone) + self.waver * np.sqrt(of_velocity) * normal[:, :2]
+        way = target * dt + (velocity - target) * (tau * gone)
+        return after, way + self.waver * (along * normal[:, :2] + aside * normal[:, 2:])
 
     def _way(self, view: View, dt: float, state: State, uniform: Array, is_first: npt.NDArray[np.bool_]) -> Array:
         """The direction `(N, 2)` that each wants to go in; none for those that are where they want to be."""
@@ -138,12 +158,15 @@ class Pedestrian(Motion):
         rows = np.arange(len(goals))[:, None]
         return goals[rows, goal, 0] - view.body_pose[:, :1], goals[rows, goal, 1] - view.body_pose[:, 1:2]
 
-    def _forces(self, view: View, wanted: Array) -> Array:
+    def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float) -> Array:
+        """Accelerations by others and walls [m/s^2] `(N, 2)`, `ahead` [s] from now."""
         bodies = view.bodies()
         level: Array = np.zeros((view.rows, 3))  # glances count from the world's x axis
         level[:, :2] = view.body_pose[:, :2]
         look: Array = np.empty((view.rows, 1))
-        look[:] = _LOOK * self.wall_range
+        # As far as a wall pushes by more than nothing, and as he comes nearer meanwhile.
+        push = np.maximum(self.wall_strength / self.wall_range / NEGLIGIBLE, 2.0)
+        look[:] = self.wall_range * np.log(push) + 2.0 * ahead * self.speed
         walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)
         heeded = np.ones((view.rows, len(bodies.reach)), dtype=bool)
         if not self.avoid_robots:
@@ -151,7 +174,7 @@ class Pedestrian(Motion):
         half = np.cos(0.5 * self.sight)
         others, wall = (self.strength, self.range, self.step), (self.wall_strength, self.wall_range)
         relative = np.full((view.rows, 1), float(self.relative))
-        parts = (*others, *wall, half, self.behind, relative)
+        parts = (*others, *wall, half, self.behind, relative, np.full((view.rows, 1), ahead))
         numbers = np.concatenate([np.asarray(part) for part in parts], axis=1)
         out = np.empty((view.rows, 2))
         social_forces(
@@ -160,6 +183,7 @@ class Pedestrian(Motion):
             np.ascontiguousarray(bodies.reach),
             heeded,
             bodies.own,
+            np.ascontiguousarray(velocity),
             np.ascontiguousarray(wanted),
             walls,
             _TABLE,
@@ -167,3 +191,9 @@ class Pedestrian(Motion):
             out,
         )
         return out
+
+
+def _no_faster(vectors: Array, most: Array) -> Array:
+    """The same vectors `(N, 2)`, none longer than `most` `(N, 1)`."""
+    size = np.sqrt(vectors[:, :1] ** 2 + vectors[:, 1:] ** 2)
+    return np.asarray(vectors * np.where(size > most, most / np.where(size > most, size, 1.0), 1.0))

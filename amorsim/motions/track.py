@@ -18,6 +18,7 @@ from amorsim.contracts import Context, Draws, Motion, State, View, parameter
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.core.poses import wrap_angle
+from amorsim.core.reading import read_text, reason
 from amorsim.motions.ways import displacement, facing
 
 __all__ = ["Recorded", "Track", "read_track"]
@@ -55,11 +56,13 @@ def read_track(path: str | os.PathLike[str]) -> Recorded:
         Of `file`, with the line and what would be right.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
+        text = read_text(path, encoding="utf-8-sig")
     except FileNotFoundError:
         raise ParameterError("file", f"expected a track to be there, got no such file as {str(path)!r}") from None
     except (OSError, ValueError) as error:
-        raise ParameterError("file", f"expected a text file, but {str(path)!r} cannot be read: {error}") from None
+        raise ParameterError(
+            "file", f"expected a text file, but {str(path)!r} cannot be read: {reason(error)}"
+        ) from None
     rows = [(number, row) for number, row in enumerate(csv.reader(text.splitlines()), start=1) if any(row)]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     missing = [name for name in _COLUMNS if name not in header]

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View
 from amorsim.core.errors import ComponentError
+from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 from amorsim.motions.ways import displacement
 
@@ -80,7 +81,7 @@ class UserMotion(UserCode, Motion):
             told = ObstacleState(x, y, heading, float(view.free[row, 0]), time, dt, others)
             try:
                 answer = caller(row)(told)
-            except (Exception, SystemExit) as error:
+            except RAISED as error:
                 raise self.raised(error, _who(names, row), time, "") from error
             wanted[row] = self._velocity(answer, _who(names, row))
         dx, dy, turn = (wanted[:, i : i + 1] * dt for i in range(3))
@@ -91,12 +92,12 @@ class UserMotion(UserCode, Motion):
             return 0.0, 0.0, 0.0
         try:
             parts = [float(part) for part in answer]
-        except (TypeError, ValueError):
+        except RAISED:
             parts = []
         if len(parts) not in (2, 3) or not all(abs(part) <= FASTEST for part in parts):
             raise ComponentError(
-                f"motion {self.source!r} of {who} returned {answer!r}; expected the velocity (x, y) [m/s] in the "
-                f"world, (x, y, turn) with rad/s, each at most {FASTEST:g}, or None to stand"
+                f"motion {self.source!r} of {who} returned {in_words(answer)}; expected the velocity (x, y) [m/s] in "
+                f"the world, (x, y, turn) with rad/s, each at most {FASTEST:g}, or None to stand"
             )
         x, y, turn = (*parts, 0.0)[:3]
         return x, y, turn

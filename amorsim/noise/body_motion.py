@@ -1,4 +1,4 @@
-"""What wheel noise in terms of the body's motion needs: how the motion comes of the wheels' travel, and the reverse."""
+"""What noise of the body's motion needs: the motion that wheels make by their travel, and travels for a motion."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy.typing as npt
 from amorsim.contracts import Context, State
 from amorsim.core.errors import ComponentError
 
-__all__ = ["motion_squares", "per_interval", "start_motion", "with_motion_error"]
+__all__ = ["acts_on_wheels", "motion_squares", "per_interval", "slide_along", "start_motion", "with_motion_error"]
 
 Array = npt.NDArray[np.float64]
 
@@ -29,24 +29,50 @@ def per_interval(interval: float | None, elapsed: Array) -> Array:
 def start_motion(element: str, context: Context) -> State:
     """How the body's motion comes of the wheels' travel: the nominal track of a pair of wheels, or their Jacobian.
 
+    Nothing for a drive that steers: its wheels cannot turn the body by what they travel, and so the body slides.
+
     Raises
     ------
     ComponentError
-        For a drive whose wheels cannot give the body any way ahead and any turn by what they travel alone.
+        For values that are no travels of wheels, and for a drive that steers and has parts.
     """
     drive: Any = context.robot.drive
-    offered = getattr(drive, "jacobian", None)
-    if offered is None or sum(joint.rolls for joint in drive.joints) != context.size:
+    rolling = sum(joint.rolls for joint in drive.joints)
+    if rolling != context.size:
         raise ComponentError(
-            f"{element}: expected the ground of a drive whose wheels turn the body by what they travel, such as a "
-            f"differential or a mecanum drive, got {type(drive).__name__} with {context.size} values; take diffusion, "
-            "slip or bump, wheel by wheel"
+            f"{element}: expected the ground of a robot or a zone, with {rolling} joints that roll, got "
+            f"{context.size} values"
         )
+    offered = getattr(drive, "jacobian", None)
+    if offered is None and drive.parts:
+        raise ComponentError(
+            f"{element}: expected a drive without parts, or one whose wheels turn the body by what they travel, got "
+            f"{type(drive).__name__}; take diffusion, slip or bump, which act wheel by wheel"
+        )
+    if offered is None:
+        return {}
     if context.size == 2:
         return {"track": np.array(np.broadcast_to(drive.track, (context.rows, 1)), dtype=np.float64)}
     at = np.zeros((context.rows, len(drive.joints)))
     found = offered(at, at)
     return {"jacobian": np.array(np.broadcast_to(found, (context.rows, 3, context.size)), dtype=np.float64)}
+
+
+def acts_on_wheels(state: State) -> bool:
+    """Whether errors of the motion go into the wheels' travel; if not, the body slides."""
+    return bool(state)
+
+
+def slide_along(motion: Array, way: Array, aside: Array, turn: Array) -> Array:
+    """The slide `(N, 3)` of bodies that go `way` farther and `aside` to the left of their way, and turn by `turn` more.
+
+    All are `(N, 1)`. The way is that of `motion` `(N, 3)`; ahead, where it goes nowhere.
+    """
+    size = np.sqrt(motion[:, :1] ** 2 + motion[:, 1:2] ** 2)
+    goes = size > 0.0
+    over = np.where(goes, size, 1.0)
+    c, s = np.where(goes, motion[:, :1] / over, 1.0), np.where(goes, motion[:, 1:2] / over, 0.0)
+    return np.concatenate((c * way - s * aside, s * way + c * aside, turn), axis=1)
 
 
 def motion_squares(travel: Array, state: State) -> tuple[Array, Array]:

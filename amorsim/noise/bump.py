@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -42,6 +43,8 @@ class Bump(Noise):
     joint
         The name of the joint whose wheel meets bumps; without one, all that roll.
     """
+
+    for_ground: ClassVar[bool] = True
 
     height: float = parameter(unit="m", ge=0, help="height of a bump, below the wheel's radius")
     at: float | None = parameter(None, unit="s", ge=0, help="when wheels meet one, from the start of the episode")

@@ -21,8 +21,8 @@ class CrossTalk(Noise):
     """Takes what a sonar hears of others for its own echo, where it comes first.
 
     For a sonar with a `medium`, which tells what each element hears: the sound of other elements of the ring, of other
-    rings, of other robots, that fire into the same medium; straight across or by way of a wall. A nearer range that
-    has been made so far stands; a lost echo, an inf, gives way.
+    rings, of other robots, that fire into the same medium; straight across or by way of a wall or a body other than the
+    robot that emits it. A nearer range that has been made so far stands; a lost echo, an inf, gives way.
 
     Parameters
     ----------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -28,6 +29,8 @@ class Diffusion(Noise):
     variance_per_length
         Variance of the travel, per metre of it [m^2/m].
     """
+
+    for_ground: ClassVar[bool] = True
 
     variance_per_length: float = parameter(unit="m", ge=0, help="variance of the travel [m^2] per metre of it")
 

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.noise.body_motion import motion_squares, per_interval, start_motion, with_motion_error
+from amorsim.noise.body_motion import (
+    acts_on_wheels,
+    motion_squares,
+    per_interval,
+    slide_along,
+    start_motion,
+    with_motion_error,
+)
 
 __all__ = ["OdometryModel"]
 
@@ -22,13 +30,17 @@ class OdometryModel(Noise):
 
     With the step's turn halved, r1 = r2 [rad], and its way t [m], the errors have the variances a1 r1^2 + a2 t^2,
     a3 t^2 + a4 (r1^2 + r2^2) and a1 r2^2 + a2 t^2: the odometry model of S. Thrun, W. Burgard and D. Fox,
-    "Probabilistic Robotics" (2005), whose r1 and r2 are equal on an arc. Both turns are spread over the step, for
-    a pair of wheels can do no other; what is lost is a step aside, of second order in the errors.
+    "Probabilistic Robotics" (2005), whose r1 and r2 are equal on an arc. With errors e1 and e2 of the turns, the body
+    turns by e1 + e2, evenly over the step, and slides aside by t (e1 - e2) / 2: to first order that is the model's
+    place, too.
 
-    For the `ground` of a drive whose wheels turn the body by what they travel: of a differential one, whose left and
-    right wheel travel t -+ (r1 + r2) track / 2, with the nominal track, or a mecanum drive, whose way is that in the
-    direction in which it goes; any other is refused. As published, an error is drawn per step, so that over a given
-    way the noise is the less, the shorter the steps; with `interval` it does not depend on the step.
+    For the `ground` of any drive. Where wheels turn the body by what they travel, way and turn go into the travels: of
+    a differential drive, whose left and right wheel travel t -+ (r1 + r2) track / 2, with the nominal track, and of a
+    mecanum drive. A car, tricycle or synchro drive turns by how it steers, which no travel changes: its body slides by
+    all errors. The way is that in the direction in which the body goes, the turn that of its frame.
+
+    As published, an error is drawn per step, so that over a given way the noise is the less, the shorter the steps;
+    with `interval` it does not depend on the step.
 
     Parameters
     ----------
@@ -40,6 +52,8 @@ class OdometryModel(Noise):
         The step for which the numbers are meant [s]; none for whatever the simulation's is.
     """
 
+    for_ground: ClassVar[bool] = True
+
     a1: float = parameter(0.0, ge=0, help="variance of each turn per squared turn")
     a2: float = parameter(0.0, unit="rad^2/m^2", ge=0, help="variance of each turn per squared way")
     a3: float = parameter(0.0, ge=0, help="variance of the way per squared way")
@@ -47,16 +61,31 @@ class OdometryModel(Noise):
     interval: float | None = parameter(None, unit="s", gt=0, help="step for which the numbers hold; none for any")
 
     def start(self, context: Context) -> State:
-        """How the motion comes of the wheels; `ComponentError` for a drive of which that cannot be told."""
+        """How the motion comes of the wheels, if it does; `ComponentError` for values that are no travels."""
         return start_motion("OdometryModel", context)
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The travels `(N, r)` [m] over the ground."""
-        way, turn = motion_squares(values, state)
+        if not acts_on_wheels(state):
+            return values
+        forward, first, second = self._errors(*motion_squares(values, state), elapsed, draws)
+        return with_motion_error(values, forward, first + second, state)
+
+    def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
+        """The step aside `(N, 3)` [m, m, rad], and all errors of a body that turns by how it steers."""
+        way = motion[:, :1] ** 2 + motion[:, 1:2] ** 2
+        # Of two equal normal errors the difference is independent of the sum, which the wheels have: so it is drawn.
+        forward, first, second = self._errors(way, motion[:, 2:] ** 2, elapsed, draws)
+        aside = 0.5 * np.sqrt(way) * (first - second)
+        if acts_on_wheels(state):
+            return slide_along(motion, np.zeros_like(way), aside, np.zeros_like(way))
+        return slide_along(motion, forward, aside, first + second)
+
+    def _errors(self, way: Array, turn: Array, elapsed: Array, draws: Draws) -> tuple[Array, Array, Array]:
+        """Errors of the way [m] and of both turns [rad] `(N, 1)`, by the squares of way and turn."""
         half_turn = 0.25 * turn
         share = per_interval(self.interval, elapsed)
         noise = draws.normal(3)
         turn_std = np.sqrt((self.a1 * half_turn + self.a2 * way) * share)
-        turned = noise[:, :1] * turn_std + noise[:, 2:] * turn_std
         forward = noise[:, 1:2] * np.sqrt((self.a3 * way + self.a4 * (2.0 * half_turn)) * share)
-        return with_motion_error(values, forward, turned, state)
+        return forward, noise[:, :1] * turn_std, noise[:, 2:] * turn_std

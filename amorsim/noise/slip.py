@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -35,6 +36,8 @@ class Slip(Noise):
     joint
         The name of the joint that slips; without one, all that roll.
     """
+
+    for_ground: ClassVar[bool] = True
 
     at: float = parameter(unit="s", ge=0, help="when it begins, from the start of the episode")
     duration: float = parameter(unit="s", ge=0, help="how long it lasts")

@@ -20,9 +20,9 @@ Array = npt.NDArray[np.float64]
 class SpecularLoss(Noise):
     """Loses the return of a surface that is met at more than a critical angle, as a mirror sends the pulse away.
 
-    For sensors that tell the angle of incidence of each value, between the beam and the surface's normal: lasers
-    and sonars do. Of a sonar it is that of the nearest return, which meets a wall straight on if the wall's
-    normal lies within the cone. What comes back by way of a second wall (a corner) is not modelled.
+    For sensors that tell the angle of incidence of each value, between the beam and the normal of the surface that it
+    hits: lasers and sonars do. Of a sonar it is that of the nearest return, which meets a surface straight on if
+    the surface's normal lies within the cone. What comes back by way of a second wall (a corner) is not modelled.
 
     Parameters
     ----------

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.noise.body_motion import motion_squares, per_interval, start_motion, with_motion_error
+from amorsim.noise.body_motion import (
+    acts_on_wheels,
+    motion_squares,
+    per_interval,
+    slide_along,
+    start_motion,
+    with_motion_error,
+)
 
 __all__ = ["VelocityModel"]
 
@@ -23,12 +31,15 @@ class VelocityModel(Noise):
     With v [m/s] and w [rad/s] of the wheels' travel, the body really moves with v + N(a1 v^2 + a2 w^2) and
     w + N(a3 v^2 + a4 w^2) + N(a5 v^2 + a6 w^2), N(s) a normal error of variance s: the velocity model of
     S. Thrun, W. Burgard and D. Fox, "Probabilistic Robotics" (2005). The last term, there a turn on the spot at
-    the end of the step, is spread over the step, for a pair of wheels can do no other.
+    the end of the step, is spread over the step.
 
-    For the `ground` of a drive whose wheels turn the body by what they travel: of a differential one, whose left and
-    right wheel travel v dt -+ w dt track / 2, with the nominal track, or a mecanum drive, whose speed is that in the
-    direction in which it goes; any other is refused. As published, an error is drawn per step, so that over a given
-    way the noise is the less, the shorter the steps; with `interval` it does not depend on the step.
+    For the `ground` of any drive. Where wheels turn the body by what they travel, the errors go into the travels: of a
+    differential drive, whose left and right wheel travel v dt -+ w dt track / 2, with the nominal track, and of a
+    mecanum drive. A car, tricycle or synchro drive turns by how it steers, which no travel changes: its body slides by
+    the errors. v is the speed in the direction in which the body goes, w the turn of its frame.
+
+    As published, an error is drawn per step, so that over a given way the noise is the less, the shorter the steps;
+    with `interval` it does not depend on the step.
 
     Parameters
     ----------
@@ -42,6 +53,8 @@ class VelocityModel(Noise):
         The step for which the numbers are meant [s]; none for whatever the simulation's is.
     """
 
+    for_ground: ClassVar[bool] = True
+
     a1: float = parameter(0.0, ge=0, help="variance of the speed per squared speed")
     a2: float = parameter(0.0, unit="m^2/rad^2", ge=0, help="variance of the speed per squared turning rate")
     a3: float = parameter(0.0, unit="rad^2/m^2", ge=0, help="variance of the turning rate per squared speed")
@@ -51,16 +64,28 @@ class VelocityModel(Noise):
     interval: float | None = parameter(None, unit="s", gt=0, help="step for which the numbers hold; none for any")
 
     def start(self, context: Context) -> State:
-        """How the motion comes of the wheels; `ComponentError` for a drive of which that cannot be told."""
+        """How the motion comes of the wheels, if it does; `ComponentError` for values that are no travels."""
         return start_motion("VelocityModel", context)
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The travels `(N, r)` [m] over the ground."""
-        # Squares of the way and of the turn: both sides of the model times dt^2, which so falls out.
-        way, turn = motion_squares(values, state)
+        if not acts_on_wheels(state):
+            return values
+        return with_motion_error(values, *self._errors(*motion_squares(values, state), elapsed, draws), state)
+
+    def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
+        """The errors `(N, 3)` [m, m, rad] of a body that turns by how it steers."""
+        if acts_on_wheels(state):
+            return np.zeros_like(motion)
+        way, turn = self._errors(motion[:, :1] ** 2 + motion[:, 1:2] ** 2, motion[:, 2:] ** 2, elapsed, draws)
+        return slide_along(motion, way, np.zeros_like(way), turn)
+
+    def _errors(self, way: Array, turn: Array, elapsed: Array, draws: Draws) -> tuple[Array, Array]:
+        """Errors of the way [m] and the turn [rad] `(N, 1)`, by the squares of both."""
+        # Both sides of the model times dt^2, which so falls out.
         share = per_interval(self.interval, elapsed)
         noise = draws.normal(3)
         forward = noise[:, :1] * np.sqrt((self.a1 * way + self.a2 * turn) * share)
         turned = noise[:, 1:2] * np.sqrt((self.a3 * way + self.a4 * turn) * share)
         final = noise[:, 2:] * np.sqrt((self.a5 * way + self.a6 * turn) * share)
-        return with_motion_error(values, forward, turned + final, state)
+        return forward, turned + final

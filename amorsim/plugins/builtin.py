@@ -37,6 +37,8 @@ def amorsim_register(registry: Registry) -> None:
     registry.sensor("imu", "amorsim.sensors.imu:Imu")
     registry.sensor("infrared", "amorsim.sensors.infrared:Infrared")
     registry.sensor("light", "amorsim.sensors.light:Light")
+    registry.sensor("line", "amorsim.sensors.line:Line")
+    registry.sensor("cliff", "amorsim.sensors.cliff:Cliff")
 
     registry.noise("gaussian", "amorsim.noise.gaussian:Gaussian")
     registry.noise("aim_gaussian", "amorsim.noise.aim_gaussian:AimGaussian")
@@ -103,5 +105,7 @@ def amorsim_register(registry: Registry) -> None:
         "youbot",
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
-    for scenario in ("demo", "car-park", "synchro-hall", "khepera-maze", "convoy", "yard", "crowd", "doors", "swarm"):
+    for scenario in (
+        *("demo", "car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard", "crowd", "doors", "swarm"),
+    ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

@@ -82,7 +82,7 @@ def _check_methods(contract: type, cls: type) -> Iterator[str]:
             yield f"{name}: expected ({', '.join(wanted_names)}), found ({', '.join(found_names)})"
     if contract.__name__ == "Noise":
         if all(getattr(cls, name) is getattr(contract, name) for name in methods):
-            yield "expected aim, corrupt or delay to be overridden, found none of them"
+            yield "expected aim, corrupt, slide or delay to be overridden, found none of them"
         if (cls.delay is contract.delay) is not (cls.longest_delay is contract.longest_delay):  # type: ignore[attr-defined]
             yield "expected delay and longest_delay both to be overridden, or none of them, found one"
 

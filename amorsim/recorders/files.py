@@ -1,7 +1,8 @@
-"""Text files that hold whole lines whenever a process is killed."""
+"""Text files that lines are appended to, whole ones, so that a process may be killed at any time."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
 from collections.abc import Callable
@@ -13,15 +14,19 @@ __all__ = ["LineFile", "LineFiles"]
 
 LONGEST_WAIT = 0.4  # [s] of the clock on the wall, between a line and the system
 LARGEST_BUFFER = 1 << 16  # bytes, of one file
+PAGE = 4096  # bytes; the system breaks a write of a killed process off between two pages, and nowhere else
 
 
 class LineFile:
     """A file that lines are appended to; what is held back is held here, and handed over in whole lines.
 
+    No more of them at a time than fill a page of memory, so that a kill hardly ever falls into a line.
+
     Raises
     ------
     RunError
-        From each method, if the file cannot be made or written; it then ends with the last whole line.
+        From each method, if the file cannot be made or written; it then ends with the last whole line, and takes no
+        more.
     """
 
     def __init__(self, path: Path, header: str) -> None:
@@ -29,14 +34,20 @@ class LineFile:
         self._lines: list[bytes] = []
         self._size = 0
         self._end = 0  # of what the file holds
+        self._problem = ""  # why it takes no more
         try:
             self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
         except OSError as error:
             raise self._failure(error) from None
-        self._hand_over(header.encode() + b"\n")
+        try:
+            self._hand_over(header.encode() + b"\n")
+        except RunError:
+            os.close(self._descriptor)
+            raise
 
     def write(self, lines: str | bytes | memoryview) -> None:
         """Append whole lines, each with its line end; bytes are UTF-8. Nothing of them is asked for afterwards."""
+        self._check()
         lines = lines.encode() if isinstance(lines, str) else lines
         if self._size + len(lines) > LARGEST_BUFFER:
             self.flush()
@@ -48,6 +59,7 @@ class LineFile:
 
     def flush(self) -> None:
         """Hand everything over to the system."""
+        self._check()
         if not self._lines:
             return
         data = b"".join(self._lines)
@@ -56,15 +68,31 @@ class LineFile:
         self._hand_over(data)
 
     def _hand_over(self, data: bytes | memoryview) -> None:
+        data = bytes(data)
+        start = 0
+        while start < len(data):
+            stop = data.rfind(b"\n", start, start + PAGE) + 1 or data.find(b"\n", start) + 1
+            self._write(memoryview(data)[start:stop])
+            start = stop
+
+    def _write(self, lines: memoryview) -> None:
         done = 0
         try:
-            while done < len(data):  # a full disk or a signal may cut a write short
-                done += os.write(self._descriptor, memoryview(data)[done:])
+            while done < len(lines):  # a full disk or a signal may cut a write short
+                done += os.write(self._descriptor, lines[done:])
         except OSError as error:
-            whole = bytes(data[:done]).rfind(b"\n") + 1
-            os.ftruncate(self._descriptor, self._end + whole)
-            raise self._failure(error) from None
+            whole = bytes(lines[:done]).rfind(b"\n") + 1
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._descriptor, self._end + whole)
+            failure = self._failure(error)
+            self._problem = str(failure)
+            raise failure from None
         self._end += done
+
+    def _check(self) -> None:
+        # A line after those that are missing would hide that they are.
+        if self._problem:
+            raise RunError(self._problem)
 
     def close(self) -> None:
         """Hand everything over and close."""

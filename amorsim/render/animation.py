@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 import math
 from collections.abc import Sequence
@@ -15,6 +16,8 @@ from PIL import Image, ImageDraw
 from amorsim.core.errors import RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.patches import Patch
+from amorsim.core.whole_files import write_bytes
 from amorsim.render.marks import COLOURS
 from amorsim.render.words import font, in_words, round_length
 
@@ -56,6 +59,8 @@ class Animation:
         What is drawn beneath; the picture's edges are parallel to the map's.
     bodies
         What moves, in the order of the poses.
+    patches
+        Markings and drops of the floor, the lowest first.
     size
         Longer side of the picture [px].
 
@@ -65,11 +70,19 @@ class Animation:
         If `size` is less than 120.
     """
 
-    def __init__(self, map: Map, bodies: Sequence[Shown], *, size: int = 480) -> None:  # noqa: A002 - the field's word
+    def __init__(
+        self,
+        map: Map,  # noqa: A002 - the field's word
+        bodies: Sequence[Shown],
+        *,
+        patches: Sequence[Patch] = (),
+        size: int = 480,
+    ) -> None:
         if size < SMALLEST:
             raise ParameterError("size", f"expected at least {SMALLEST} pixels, got {size}")
         self._map = map
         self._bodies = list(bodies)
+        self._patches = list(patches)
         width, height = map.size
         self._scale = min((size - 2 * _MARGIN) / width, (size - _MARGIN - _FOOT) / height)  # [px/m]
         self._plot = _MARGIN, _MARGIN, round(width * self._scale), round(height * self._scale)
@@ -117,15 +130,12 @@ class Animation:
         # GIFs count in hundredths; rounded, but never so that they add up.
         shown = [round(100.0 * (time - self._times[0]) / speed) for time in self._times]
         durations = [10 * max(2, after - before) for before, after in itertools.pairwise(shown)] + [1000]
-        try:
-            frames[0].save(
-                path, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False
-            )
-        except OSError as error:
-            raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+        made = io.BytesIO()
+        frames[0].save(made, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False)
+        write_bytes(path, made.getvalue())
 
     def _background(self) -> Image.Image:
-        """Map and scale bar, in fine pixels."""
+        """Floor, walls and scale bar, in fine pixels."""
         left, top, width, height = (FINENESS * side for side in self._plot)
         image = Image.new("RGB", (FINENESS * self._size[0], FINENESS * self._size[1]), "white")
         fine = 1.0 / (self._scale * FINENESS)
@@ -134,8 +144,10 @@ class Animation:
         thick = cells.copy()
         thick[1:] |= cells[:-1]
         thick[:, 1:] |= cells[:, :-1]
-        image.paste(COLOURS["wall"], (left, top + height - len(thick)), Image.fromarray(thick))
         pen = ImageDraw.Draw(image)
+        for patch in self._patches:
+            self._draw_patch(pen, patch)
+        image.paste(COLOURS["wall"], (left, top + height - len(thick)), Image.fromarray(thick))
         bar = round_length(0.25 * self._size[0] / self._scale)
         y, end = (self._size[1] - 0.5 * _FOOT) * FINENESS, left + bar * self._scale * FINENESS
         tick = 4 * FINENESS
@@ -143,6 +155,14 @@ class Animation:
             pen.line(line, COLOURS["text"], FINENESS)
         pen.text((end + 3 * tick, y), in_words(bar), COLOURS["text"], font(12 * FINENESS), anchor="lm")
         return image
+
+    def _draw_patch(self, pen: ImageDraw.ImageDraw, patch: Patch) -> None:
+        points = [(x, y) for x, y in self._fine(patch.points).tolist()]
+        if patch.width == 0.0:
+            pen.polygon(points, patch.colour)
+            return
+        width = max(round(patch.width * self._scale * FINENESS), FINENESS)
+        pen.line(points, patch.colour, width, joint="curve")
 
     def _draw(self, background: Image.Image, number: int) -> Image.Image:
         image = background.copy()

@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.core.patches import DROP, Patch
 from amorsim.render import marks
 from amorsim.render.canvas import Canvas
 from amorsim.render.things import draw_lamp, draw_landmark, draw_obstacle
@@ -15,7 +16,6 @@ from amorsim.render.things import draw_lamp, draw_landmark, draw_obstacle
 __all__ = ["Item", "items_of"]
 
 _NAMES_SHOWN = 5
-_SAMPLES = {"obstacle": draw_obstacle, "landmark": draw_landmark, "lamp": draw_lamp}
 
 Points = NDArray[np.float64]
 Draw = Callable[[Canvas, Points, float], None]
@@ -43,7 +43,7 @@ def items_of(
     zones, hits
         How many zones and collisions there are.
     kinds
-        Which things stand in it: obstacle, landmark, lamp.
+        Which things stand in it: obstacle, landmark, lamp; and what is on its floor: marking, drop.
     """
     more = len(names) - _NAMES_SHOWN
     heading = ", ".join(names[:_NAMES_SHOWN]) + (f" and {more} more" if more > 0 else "")
@@ -73,3 +73,24 @@ def _line_sample(draw: Draw) -> Draw:
 def _zone_sample(canvas: Canvas, place: Points, unit: float) -> None:
     """A small zone about a place."""
     marks.draw_zone(canvas, place + np.array([(-13.0, -11.0), (13.0, -11.0), (13.0, 11.0), (-13.0, 11.0)]) * unit, unit)
+
+
+def _patch_sample(*, is_drop: bool) -> Draw:
+    """A piece of a marking, or a small drop, about a place."""
+
+    def sample(canvas: Canvas, place: Points, unit: float) -> None:
+        corners = place + np.array([(-13.0, -9.0), (13.0, -9.0), (13.0, 9.0), (-13.0, 9.0)]) * unit
+        along = place + np.array([(-16.0, 0.0), (16.0, 0.0)]) * unit
+        patch = Patch(corners, 0.0, DROP, True) if is_drop else Patch(along, 7.0 * unit, "black")
+        marks.draw_patch(canvas, patch, patch.points, 1.0, unit)
+
+    return sample
+
+
+_SAMPLES = {
+    "marking": _patch_sample(is_drop=False),
+    "drop": _patch_sample(is_drop=True),
+    "obstacle": draw_obstacle,
+    "landmark": draw_landmark,
+    "lamp": draw_lamp,
+}

@@ -7,6 +7,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from amorsim.core.patches import Patch
 from amorsim.render.canvas import Canvas
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "draw_collision",
     "draw_estimated_end",
     "draw_estimated_path",
+    "draw_patch",
     "draw_start",
     "draw_true_end",
     "draw_true_path",
@@ -83,6 +85,17 @@ def draw_zone(canvas: Canvas, outline: Points, unit: float) -> None:
     canvas.polygon(outline, "#f3d9a4", opacity=0.45)
     canvas.hatch(outline, COLOURS["zone"], 14 * unit, 1.6 * unit)
     canvas.line(np.concatenate((outline, outline[:1])), COLOURS["zone"], 2 * unit)
+
+
+def draw_patch(canvas: Canvas, patch: Patch, points: Points, scale: float, unit: float) -> None:
+    """A patch of the floor, its points on the canvas, of which a metre is `scale`; lines are wide enough to be seen."""
+    if patch.width > 0.0:
+        canvas.line(points, patch.colour, max(patch.width * scale, 2.0 * unit))
+    else:
+        canvas.polygon(points, patch.colour)
+    if patch.is_drop:
+        canvas.hatch(points, COLOURS["faint"], 10.0 * unit, 1.6 * unit)
+        canvas.line(np.concatenate((points, points[:1])), COLOURS["edge"], 2.0 * unit)
 
 
 def draw_body(canvas: Canvas, outline: Points, unit: float, colour: str | None = None) -> None:

@@ -13,6 +13,7 @@ from PIL import Image, ImageDraw
 
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.patches import Patch
 from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.legend import Item, items_of
@@ -78,6 +79,7 @@ def draw_run(
     paths: Sequence[RobotPath],
     *,
     zones: Sequence[ArrayLike] = (),
+    patches: Sequence[Patch] = (),
     things: Sequence[Thing] = (),
     size: int = 1600,
     title: str = "",
@@ -86,9 +88,10 @@ def draw_run(
 
     The picture's edges are parallel to the map's, whatever its yaw. Walls are dark, true paths a solid line,
     estimated ones a dashed line, collisions crosses; zones of the floor, whose outlines (V, 2) [m] in the world are
-    given, are hatched; obstacles, landmarks and lamps have their colours; a ring marks where a robot started, a disc
-    (within its outline, if given) where it ended, a diamond where it believed it ended. Paths that leave the map make
-    the picture grow by up to a quarter of the map's longer side, and are cut off beyond.
+    given, are hatched, over its `patches`, which are markings and drops; obstacles, landmarks and lamps have their
+    colours; a ring marks where a robot started, a disc (within its outline, if given) where it ended, a diamond where
+    it believed it ended. Paths that leave the map make the picture grow by up to a quarter of the map's longer side,
+    and are cut off beyond.
 
     Raises
     ------
@@ -97,7 +100,7 @@ def draw_run(
     """
     if size < _SMALLEST:
         raise ParameterError("size", f"expected at least {_SMALLEST} pixels, got {size}")
-    page = _Page(map, paths, [_points(zone) for zone in zones], things, size, title)
+    page = _Page(map, paths, [_points(zone) for zone in zones], patches, things, size, title)
     page.draw_walls()
     page.draw_things()
     for path in paths:
@@ -115,6 +118,7 @@ class _Page:
         map_: Map,
         paths: Sequence[RobotPath],
         zones: Sequence[Points],
+        patches: Sequence[Patch],
         things: Sequence[Thing],
         size: int,
         title: str,
@@ -122,6 +126,7 @@ class _Page:
         self._map = map_
         self._paths = paths
         self._zones = zones
+        self._patches = patches
         self._things = things
         self._title = title
         self._unit = size / 1600  # [px] a line 1 px wide in a picture of 1600 px
@@ -143,7 +148,8 @@ class _Page:
             true=any(len(path.true) for path in self._paths),
             estimated=any(len(path.estimated) for path in self._paths),
             zones=len(self._zones),
-            kinds={thing.kind for thing in self._things},
+            kinds={thing.kind for thing in self._things}
+            | {"drop" if patch.is_drop else "marking" for patch in self._patches},
             hits=sum(len(path.collisions) for path in self._paths),
         )
         lines = 0
@@ -181,6 +187,8 @@ class _Page:
         # Rows begin at the lower edge; the last, on top, may stick out by a part of a pixel.
         top = bottom - (len(pixels) + lacking) / FINENESS
         pixels = _thickened(np.pad(pixels, lacking), lacking)
+        for patch in self._patches:
+            marks.draw_patch(canvas, patch, self._on_page(patch.points), self._scale, self._unit)
         for zone in self._zones:
             marks.draw_zone(canvas, self._on_page(zone), self._unit)
         canvas.mask(pixels, (left - lacking / FINENESS, top), COLOURS["wall"])

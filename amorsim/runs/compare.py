@@ -5,12 +5,15 @@ from __future__ import annotations
 import csv
 import filecmp
 import itertools
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TextIO
 
 import attrs
 
 from amorsim.core.errors import RunError
+from amorsim.runs.tables import LONGEST_LINE, check_file
 
 __all__ = ["TOLERANCE", "Difference", "first_difference"]
 
@@ -77,13 +80,25 @@ def _difference(old: Path, new: Path, name: str, dt: float) -> Difference | None
     if not old.exists() or not new.exists():
         there = ("there", "not there") if old.exists() else ("not there", "there")
         return _whole_file(name, *there)
+    for path in (old, new):
+        check_file(path)
     try:
         if filecmp.cmp(old, new, shallow=False):
             return None
-        with old.open(encoding="utf-8") as one, new.open(encoding="utf-8") as other:
+        with _opened(old) as one, _opened(new) as other:
             return _compare(one, other, name, dt)
-    except (OSError, UnicodeDecodeError) as error:
-        raise RunError(f"{old}: cannot be read ({error})") from None
+    except OSError as error:
+        raise RunError(f"{old}: cannot be read ({error.strerror or error})") from None
+
+
+def _opened(path: Path) -> TextIO:
+    # Bytes that are no text are a difference like any other, and shown as such.
+    return path.open(encoding="utf-8", errors="backslashreplace", newline="\n")
+
+
+def _lines(file: TextIO) -> Iterator[str]:
+    """The lines of a file; one that is too long to be one of a run comes in parts."""
+    return iter(lambda: file.readline(LONGEST_LINE), "")
 
 
 def _whole_file(name: str, was: str, now: str, line: int = 1) -> Difference:
@@ -104,12 +119,12 @@ def _whole_file(name: str, was: str, now: str, line: int = 1) -> Difference:
 def _compare(old: TextIO, new: TextIO, name: str, dt: float) -> Difference | None:
     header: list[str] = []
     first: Difference | None = None
-    lines = itertools.zip_longest(old, new, fillvalue="")
+    lines = itertools.zip_longest(_lines(old), _lines(new), fillvalue="")
     for number, (was, now) in enumerate(lines, start=1):
         if number == 1:
             header = was.rstrip("\n").split(",")
             if was != now:
-                return _whole_file(name, f"headed {was.strip()!r}", f"headed {now.strip()!r}")
+                return _whole_file(name, f"headed {_short(was)!r}", f"headed {_short(now)!r}")
         elif was != now:
             here = _line_difference(header, was, now, name, number, dt)
             first = first or here
@@ -122,11 +137,14 @@ def _line_difference(header: list[str], was: str, now: str, name: str, number: i
     before, after = _cells(was), _cells(now)
     told = dict(zip(header, before if was else after, strict=False))
     time = _number(told.get("time", ""))
-    column, old, new, is_small = "the line", was.strip() or "not there", now.strip() or "not there", False
+    if time is not None and not math.isfinite(time / dt):
+        time = None
+    column, old, new, is_small = "the line", _short(was) or "not there", _short(now) or "not there", False
     if len(before) == len(after) == len(header):
         unequal = [i for i in range(len(header)) if before[i] != after[i]]
         is_small = all(_is_close(before[i], after[i]) for i in unequal)
-        column, old, new = header[unequal[0]], before[unequal[0]], after[unequal[0]]
+        if unequal:
+            column, old, new = header[unequal[0]], _short(before[unequal[0]]), _short(after[unequal[0]])
     return Difference(
         file=name,
         line=number,
@@ -142,7 +160,15 @@ def _line_difference(header: list[str], was: str, now: str, name: str, number: i
 
 
 def _cells(line: str) -> list[str]:
-    return next(csv.reader([line.rstrip("\n")]), [])
+    try:
+        return next(csv.reader([line.rstrip("\n")]), [])
+    except csv.Error:  # no line of a run
+        return []
+
+
+def _short(text: str) -> str:
+    text = text.strip()
+    return text if len(text) <= 200 else f"{text[:197]}..."
 
 
 def _number(cell: str) -> float | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from amorsim.core.errors import RunError
 from amorsim.core.parameters import ParameterError
 from amorsim.render.animation import SMALLEST, Animation, Shown
+from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import Obstacle, Robot
 from amorsim.simulation.simulation import Simulation
 
@@ -78,14 +79,16 @@ class Film:
         scenario, robots = simulation.scenario, set(simulation.names)
         bodies: dict[str, Robot | Obstacle] = {body.name: body for body in scenario.robots}
         bodies |= {body.name: body for body in scenario.obstacles}
+        colours = {body.name: body.colour for body in scenario.obstacles} | robot_colours(scenario.robots)
         world = simulation._fleet.world
         shown = []
         for number, shape in enumerate(world.shapes):
             name, is_part = world.name(int(world.owner[number])), number >= world.named
-            colour = bodies[name].colour
-            shown.append(Shown(outline=shape.outline, is_robot=name in robots, colour=colour, is_part=is_part))
+            shown.append(Shown(outline=shape.outline, is_robot=name in robots, colour=colours[name], is_part=is_part))
         try:
-            self._animation = Animation(simulation.scenario.map, shown, size=size)
+            self._animation = Animation(
+                simulation.scenario.map, shown, patches=simulation.scenario.floor.patches, size=size
+            )
         except ParameterError as error:
             raise ParameterError("gif-size", error.problem) from None
         self._take()

@@ -14,20 +14,25 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import RunError
+from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
 
-__all__ = ["RunFolder", "check_free", "circumstances", "fingerprints", "new_folder", "next_folder", "read_about"]
+__all__ = [
+    "RunFolder",
+    "check_free",
+    "circumstances",
+    "fingerprints",
+    "last_time",
+    "new_folder",
+    "next_folder",
+]
 
 FORMAT = 1
 ABOUT = "run.json"
-
-_EXPECTED: dict[str, tuple[type, str]] = {
-    "status": (str, "a text"),
-    "seed": (int, "a whole number"),
-    "replicas": (list, "a list of numbers"),
-    "dt": (float, "a number"),
-    "steps": (int, "a whole number"),
-}
+CLAIM = ".amorsim-claim"  # a folder that is there while a run takes hold of the one it is in
+ROOM = ".amorsim-room"  # a file that is there until a run ends: on a full disk, the last run.json takes its place
+_LONGEST_LINE = 1 << 20  # bytes
+_ROOM_BESIDES = 16384  # bytes: a folder, and files in whole blocks
 
 
 def new_folder(name: str, base: Path | None = None) -> Path:
@@ -66,8 +71,10 @@ def next_folder(path: str | os.PathLike[str]) -> Path:
     return found
 
 
-def check_free(path: Path | None) -> None:
+def check_free(path: Path | None, besides: str = "") -> None:
     """Complain of a folder that holds something, before anything is computed for it; None is any.
+
+    What is called `besides` may be in it.
 
     Raises
     ------
@@ -79,20 +86,26 @@ def check_free(path: Path | None) -> None:
     if not path.is_dir():
         raise RunError(f"{path}: is a file; name a folder, new or empty")
     try:
-        holds_something = any(path.iterdir())
+        there = next((each.name for each in path.iterdir() if each.name != besides), "")
     except OSError as error:
         raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
-    if holds_something:
-        raise RunError(f"{path}: the folder holds files already; name another one, or one that is not there")
+    if there:  # named, for it may be one that a listing leaves out
+        raise RunError(
+            f"{path}: the folder holds files already, such as {there}; name another one, or one that is not there"
+        )
 
 
 class RunFolder:
-    """A folder that belongs to one run from now on: `path` exists and holds nothing but a new ``run.json``.
+    """A folder that belongs to one run from now on: `path` exists and holds a new, whole ``run.json``.
 
     Parameters
     ----------
     path
         The folder, which must be empty or not be there; without it, a new one is made after `name`.
+    name
+        See `path`.
+    about
+        What ``run.json`` says at first.
 
     Raises
     ------
@@ -100,7 +113,7 @@ class RunFolder:
         If it holds something, or cannot be made or written.
     """
 
-    def __init__(self, path: str | os.PathLike[str] | None, name: str = "run") -> None:
+    def __init__(self, path: str | os.PathLike[str] | None, name: str, about: Mapping[str, Any]) -> None:
         self._made: list[Path] = []  # by us, the innermost first
         if path is None:
             self.path = new_folder(name)
@@ -109,11 +122,13 @@ class RunFolder:
             self.path = Path(path)
             self._make()
         try:
-            # Only one of two that begin together makes this file.
-            (self.path / ABOUT).open("x").close()
+            self._claim(about)
         except OSError as error:
             self._remove_folders()
             raise self._failure(error) from None
+        except RunError:
+            self._remove_folders()
+            raise
 
     def _make(self) -> None:
         check_free(self.path)
@@ -125,6 +140,15 @@ class RunFolder:
             self._made = missing[:-1]
         except OSError as error:
             raise self._failure(error) from None
+
+    def _claim(self, about: Mapping[str, Any]) -> None:
+        claim = self.path / CLAIM
+        claim.mkdir()  # only one of two that begin together makes it
+        try:
+            check_free(self.path, besides=CLAIM)  # the other one may be through with this
+            self.write_about(about)
+        finally:
+            claim.rmdir()
 
     def _failure(self, error: OSError) -> RunError:
         return RunError(f"{self.path}: cannot make this folder for the run ({error.strerror or error})")
@@ -142,43 +166,54 @@ class RunFolder:
                 folder.rmdir()
 
     def write_about(self, about: Mapping[str, Any]) -> None:
-        """Write ``run.json``: beside, and then moved over, so that it is whole at any moment.
+        """Write ``run.json``, which is whole at any moment.
 
         Raises
         ------
         RunError
             If it cannot be written.
         """
-        path = self.path / ABOUT
-        beside = path.with_suffix(".json.part")
+        write_text(self.path / ABOUT, json.dumps(about, indent=2) + "\n")
+
+    def set_room_aside(self, size: int) -> None:
+        """Keep `size` bytes of the disk for `write_end`, and for what a file takes besides.
+
+        Raises
+        ------
+        RunError
+            If there is no room.
+        """
         try:
-            beside.write_text(json.dumps(about, indent=2) + "\n", encoding="utf-8")
-            beside.replace(path)
+            (self.path / ROOM).write_bytes(bytes(size + _ROOM_BESIDES))
         except OSError as error:
-            raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+            raise RunError(f"{self.path}: there is no room for the run's files ({error.strerror or error})") from None
+
+    def write_end(self, about: Mapping[str, Any]) -> None:
+        """As `write_about`, on a disk that is full too, for room was set aside."""
+        with contextlib.suppress(OSError):
+            (self.path / ROOM).unlink()
+        self.write_about(about)
 
 
-def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """What the ``run.json`` of a folder says.
+def last_time(folder: Path) -> float:
+    """The time [s] up to which all of a run's tables have lines, but for those of what happens now and then.
 
-    Raises
-    ------
-    RunError
-        If it is not the folder of a run, or the file is damaged.
+    0 if one has none. A slow sensor's ends before the others, though it is whole.
     """
-    path = Path(folder) / ABOUT
-    try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, NotADirectoryError):
-        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it") from None
-    except (OSError, ValueError) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from None
-    if not isinstance(about, dict):
-        raise RunError(f"{path}: is damaged: expected a table, got {str(about)[:40]!r}")
-    for key, (kind, what) in _EXPECTED.items():
-        if not isinstance(about.get(key), kind):
-            raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {about.get(key)!r}")
-    return about
+    times = []
+    for path in (*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")):
+        if path.name in ("events.csv", "obstacles.csv"):
+            continue
+        try:
+            with path.open("rb") as file:
+                header = file.readline().rstrip(b"\n").split(b",")
+                start = file.tell()
+                file.seek(max(start, file.seek(0, os.SEEK_END) - _LONGEST_LINE))
+                last = file.read().rpartition(b"\n")[0].rpartition(b"\n")[2]
+            times.append(float(last.split(b",")[header.index(b"time")]))
+        except (OSError, ValueError, IndexError):  # no line
+            times.append(0.0)
+    return min(times, default=0.0)
 
 
 def circumstances() -> dict[str, Any]:
@@ -198,9 +233,11 @@ def circumstances() -> dict[str, Any]:
 
 
 def fingerprints(folder: Path, names: list[str]) -> dict[str, str]:
-    """A digest of each of the named files in a folder; without those that are not there."""
+    """A digest of each of the named files in a folder; without those that are not there, or no regular files."""
     found = {}
     for name in names:
         with contextlib.suppress(OSError):
-            found[name] = hashlib.blake2b((folder / name).read_bytes(), digest_size=16).hexdigest()
+            if (folder / name).is_file():  # a pipe would be read for ever
+                with (folder / name).open("rb") as file:
+                    found[name] = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
     return found

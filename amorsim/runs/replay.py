@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterator
+import math
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.errors import RunError
+from amorsim.core.errors import AmorsimError, RunError
+from amorsim.runs.tables import Line, read_lines
+from amorsim.scenario.faults import shown
 from amorsim.scenario.spec import Distribution
-from amorsim.simulation.simulation import Simulation
+from amorsim.simulation.simulation import MAX_REPLICA, Simulation
 
-__all__ = ["Replay", "read_rows"]
+__all__ = ["Replay", "revived"]
 
-Row = dict[str, str]
+_CHANGES = ("parameter_set", "pose_set", "handed_over")
 
 
 class Replay:
@@ -23,86 +24,104 @@ class Replay:
     Raises
     ------
     RunError
-        From each method, if a file of the run does not say what such files say.
+        From each method, if a file of the run does not say what such files say; it names file, line and column.
     """
 
     def __init__(self, simulation: Simulation, folder: Path) -> None:
         self._simulation = simulation
-        self._events = folder / "events.csv"
-        self._commands = folder / "commands.csv"
-        self._changes: dict[int, list[Row]] = {}
-        try:
-            for row in read_rows(self._events):
-                if row["kind"] in ("parameter_set", "pose_set", "handed_over"):
-                    self._changes.setdefault(int(row["tick"]), []).append(row)
-        except (KeyError, ValueError, TypeError) as error:
-            raise _damaged(self._events, error) from None
+        self._changes: dict[int, list[Line]] = {}
+        handed = set()
+        for line in read_lines(folder / "events.csv"):
+            if (kind := line.text("kind")) in _CHANGES:
+                self._changes.setdefault(line.whole("tick"), []).append(line)
+                if kind == "handed_over":
+                    handed.add(line.text("robot"))
         # Others take no commands from outside.
         by_hand = {name for name in simulation.names if simulation.robot(name, simulation.replicas[0]).takes_commands}
-        handed = (row["robot"] for rows in self._changes.values() for row in rows if row["kind"] == "handed_over")
-        self._by_hand = by_hand.union(handed)
-        self._rows = read_rows(self._commands) if self._by_hand else iter(())
-        self._next = next(self._rows, None)
+        self._by_hand = by_hand | handed
+        self._lines = read_lines(folder / "commands.csv") if self._by_hand else iter(())
+        self._next = next(self._lines, None)
 
     def give(self) -> None:
         """Give what was given before the simulation's next step."""
-        simulation = self._simulation
-        for row in self._changes.get(simulation.tick, []):
-            try:
-                replica = int(row.get("replica", simulation.replicas[0]))
-                value = _revived(json.loads(row["value"]))
-            except ValueError as error:
-                raise _damaged(self._events, error) from None
-            if row["kind"] == "pose_set":
-                simulation.set_pose(row["robot"], value, replica=replica)
-            elif row["kind"] == "handed_over":
-                simulation.hand_over(row["robot"], value, replica=replica)
-            else:
-                simulation.set(row["robot"], row["path"], value, replica=replica)
+        for line in self._changes.get(self._simulation.tick, []):
+            self._change(line)
+        self._give_commands()
+
+    def _change(self, line: Line) -> None:
+        simulation, kind = self._simulation, line.text("kind")
+        robot, replica, value = line.text("robot"), self._replica(line), _value(line)
         try:
-            self._give_commands()
-        except (KeyError, ValueError, TypeError) as error:
-            raise _damaged(self._commands, error) from None
+            if kind == "pose_set":
+                simulation.set_pose(robot, _pose(line, value), replica=replica)
+            elif kind == "handed_over":
+                simulation.hand_over(robot, value, replica=replica)
+            else:
+                simulation.set(robot, line.text("path"), value, replica=replica)
+        except RunError:
+            raise
+        except AmorsimError as error:
+            raise line.damaged("value", str(error)) from None
+        except (TypeError, ValueError, AttributeError, OverflowError):
+            # Simulations take what amorsim wrote; what else may stand here has any type.
+            raise line.damaged("value", f"no parameter takes {shown(value)}") from None
+
+    def _replica(self, line: Line) -> int:
+        """The number of the replica that a line is of."""
+        first = self._simulation.replicas[0]
+        replica = line.whole("replica") if "replica" in line.cells else first
+        if replica > MAX_REPLICA or replica not in self._simulation.replicas:
+            raise line.damaged("replica", f"there is no replica {replica}")
+        return replica
 
     def _give_commands(self) -> None:
         """Commands stand in the file at the tick that they led to."""
         simulation = self._simulation
         wanted = simulation.tick + 1
         while self._next is not None:
-            row = self._next
-            tick = round(float(row["time"]) / simulation.dt)
-            if tick > wanted:
+            line = self._next
+            tick = line.real("time") / simulation.dt
+            if math.isinf(tick):
+                raise line.damaged("time", f"expected a time of the run [s], got {line.text('time')[:60]}")
+            if round(tick) > wanted:
                 return
-            if tick == wanted and row["robot"] in self._by_hand:
-                handle = simulation.robot(row["robot"], int(row.get("replica", simulation.replicas[0])))
-                if handle.is_by_hand or (handle.takes_commands and handle.is_active):
-                    handle.command(*(float(row[name]) for name in handle._group.channels))
-            self._next = next(self._rows, None)
+            if round(tick) == wanted and line.text("robot") in self._by_hand:
+                self._command(line)
+            self._next = next(self._lines, None)
+
+    def _command(self, line: Line) -> None:
+        replica = self._replica(line)
+        try:
+            handle = self._simulation.robot(line.text("robot"), replica)
+        except AmorsimError as error:
+            raise line.damaged("robot", str(error)) from None
+        if handle.is_by_hand or (handle.takes_commands and handle.is_active):
+            handle.command(*(line.real(name) for name in handle.channels))
 
 
-def _revived(value: Any) -> Any:
-    """A value of JSON as `Simulation.set` takes it: tables may hold distributions."""
+def _value(line: Line) -> Any:
+    """What a change set, as `Simulation.set` takes it."""
+    try:
+        return revived(json.loads(line.text("value")))
+    except RecursionError:
+        raise line.damaged("value", "expected a value, got tables or lists nested too deeply") from None
+    except (ValueError, AmorsimError) as error:
+        raise line.damaged("value", f"expected a value as JSON ({error})") from None
+
+
+def revived(value: Any) -> Any:
+    """A value read from JSON as `Simulation.set` takes it: tables may hold distributions."""
     if not isinstance(value, dict):
         return value
     if value.keys() == {"kind", "values"}:
+        if not isinstance(value["values"], list):
+            raise ValueError(f"expected a list of numbers under 'values', got {shown(value['values'])}")
         return Distribution(kind=value["kind"], values=tuple(value["values"]))
-    return {name: _revived(part) for name, part in value.items()}
+    return {name: revived(part) for name, part in value.items()}
 
 
-def _damaged(path: Path, error: Exception) -> RunError:
-    return RunError(f"{path}: is damaged ({type(error).__name__}: {error})")
-
-
-def read_rows(path: Path) -> Iterator[Row]:
-    """The rows of a run's text file, by column.
-
-    Raises
-    ------
-    RunError
-        If it cannot be read.
-    """
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            yield from csv.DictReader(file)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise RunError(f"{path}: cannot be read ({error})") from None
+def _pose(line: Line, value: Any) -> list[float]:
+    is_pose = isinstance(value, list) and len(value) == 3
+    if not is_pose or not all(type(part) in (int, float) and abs(part) < math.inf for part in value):
+        raise line.damaged("value", f"expected a pose of three finite numbers, got {shown(value)}")
+    return value  # type: ignore[no-any-return]

@@ -11,10 +11,12 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, RunError
+from amorsim.runs.about import read_about
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
-from amorsim.runs.folder import circumstances, fingerprints, read_about
+from amorsim.runs.folder import circumstances, fingerprints
 from amorsim.runs.replay import Replay
-from amorsim.runs.session import MOST_STEPS, RunSession
+from amorsim.runs.session import RunSession
+from amorsim.runs.tables import check_file, last_line
 from amorsim.scenario.read import load
 from amorsim.simulation.simulation import Simulation
 
@@ -62,13 +64,20 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
     Raises
     ------
     RunError
-        If the folder is none of a run, or the run did not end.
+        If the folder is none of a run, the run did not end, or a file that it is run again from is damaged; the
+        message names the file and the line or key. A damaged result is a difference, and no error.
     """
     before = Path(folder)
     about = read_about(before)
-    steps = _steps_done(before, about)
+    _check_ended(before, about)
     notes = [*_other_circumstances(about), *_other_inputs(about, before)]
     scenario = load(before / "scenario.toml")
+    if scenario.dt != about["dt"]:
+        raise RunError(
+            f"{before / 'run.json'}: is damaged: 'dt' is {about['dt']:g} s, and in {before / 'scenario.toml'} "
+            f"simulation.dt is {scenario.dt:g} s; one of the two has been changed since the run"
+        )
+    steps = _steps_done(before, about)
     scenario = attrs.evolve(scenario, recording=attrs.evolve(scenario.recording, picture=False))
     with tempfile.TemporaryDirectory(prefix="amorsim-") as beside:
         after = Path(beside) / "run"
@@ -90,15 +99,30 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
         return _outcome(about, digests, first_difference(before, after, about["dt"]), steps, notes)
 
 
-def _steps_done(folder: Path, about: Mapping[str, Any]) -> int:
+def _check_ended(folder: Path, about: Mapping[str, Any]) -> None:
     if not about.get("digests"):
         raise RunError(
             f"{folder}: this run did not end in order (its status is {about['status']!r}), so it has no digests to "
             "compare with"
         )
-    steps = about.get("steps_done")
-    if not isinstance(steps, int) or not 0 <= steps <= MOST_STEPS or not isinstance(about["digests"], dict):
-        raise RunError(f"{folder / 'run.json'}: is damaged: expected a number of steps under 'steps_done'")
+
+
+def _steps_done(folder: Path, about: Mapping[str, Any]) -> int:
+    path = folder / "run.json"
+    steps: int | None = about.get("steps_done")
+    if steps is None:
+        raise RunError(f"{path}: is damaged: expected a number of steps under 'steps_done', got nothing")
+    if set(about["digests"]) != set(map(str, about["replicas"])):
+        raise RunError(f"{path}: is damaged: expected a digest of each of the 'replicas' under 'digests'")
+    # A wrong number would keep the simulation busy for as long as it says.
+    last = last_line(folder / "poses.csv")
+    there = -1.0 if last is None else last.real("time") / about["dt"]
+    if not abs(there - steps) <= 0.5:
+        end = "has no line" if last is None else f"ends at {last.text('time')[:60]} s"
+        raise RunError(
+            f"{path}: is damaged: 'steps_done' is {steps}, which is {steps * about['dt']:g} s, and "
+            f"{folder / 'poses.csv'} {end}; one of the two has been changed since the run"
+        )
     return steps
 
 
@@ -158,6 +182,9 @@ def _version(version: Any) -> str:
 
 def _other_inputs(about: Mapping[str, Any], folder: Path) -> list[str]:
     were = about.get("inputs", {})
+    for name in ("scenario.toml", *were):
+        if (folder / name).exists():
+            check_file(folder / name)
     now = fingerprints(folder, list(were))
     return [
         f"{name} {'has been changed' if name in now else 'has gone'} since the run"

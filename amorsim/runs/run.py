@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import signal
-import threading
 from collections.abc import Callable, Sequence
-from types import FrameType
 
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
+from amorsim.runs.interrupt import Interrupt
 from amorsim.runs.session import RunSession, RunSummary, steps_of
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
@@ -30,7 +28,8 @@ def run(
     """Simulate `scenario` and write its files into `folder`, which must not exist or be empty.
 
     `progress` is called after every step with the share done, between 0 and 1. Ctrl-C ends the run after the present
-    step with its files whole, and the summary says that it is not complete; a second one raises `KeyboardInterrupt`.
+    step with its files whole, and the summary says that it is not complete. A second one raises `KeyboardInterrupt`;
+    so does the first where a controller or plugin does not return.
 
     Parameters
     ----------
@@ -56,9 +55,16 @@ def run(
         simulation = Simulation(scenario, seed=seed, replicas=replicas)
     duration = simulation.scenario.duration if duration is None else duration
     steps = steps_of(simulation, duration)
-    with _Interrupt() as interrupt, RunSession(simulation, folder, duration=duration) as session:
+    with Interrupt() as interrupt, RunSession(simulation, folder, duration=duration) as session:
         for done in range(1, steps + 1):
-            simulation.step()
+            interrupt.is_stepping = True
+            try:
+                simulation.step()
+            except KeyboardInterrupt as error:
+                interrupt.explain(error)
+                raise
+            finally:
+                interrupt.is_stepping = False
             session.keep()
             if done == 1:
                 mark_warm()
@@ -67,30 +73,3 @@ def run(
             if interrupt.is_wanted:
                 return session.close("finished" if done == steps else "interrupted")
     return session.summary
-
-
-class _Interrupt:
-    """Takes Ctrl-C for a wish to end after the present step, so that all files end with the same one.
-
-    Where somebody else handles the signal already, or in another thread than the main one, it is left to them.
-    """
-
-    def __init__(self) -> None:
-        self.is_wanted = False
-        self._installed = False
-
-    def __enter__(self) -> _Interrupt:
-        in_main = threading.current_thread() is threading.main_thread()
-        if in_main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            signal.signal(signal.SIGINT, self._note)
-            self._installed = True
-        return self
-
-    def _note(self, number: int, frame: FrameType | None) -> None:
-        if self.is_wanted:
-            raise KeyboardInterrupt
-        self.is_wanted = True
-
-    def __exit__(self, *_: object) -> None:
-        if self._installed:
-            signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import io
+import json
 import os
+import sys
 import time
 from pathlib import Path
 from types import TracebackType
@@ -13,9 +16,11 @@ import attrs
 
 from amorsim.contracts import Recorder, RunInfo
 from amorsim.core.errors import RunError
+from amorsim.core.user_code import go_back, present_folder
+from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
-from amorsim.runs.folder import FORMAT, RunFolder, circumstances, fingerprints
+from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
 from amorsim.runs.traces import Traces
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import document_of, with_copies, write_document
@@ -25,7 +30,6 @@ __all__ = ["MOST_STEPS", "RunSession", "RunSummary", "record", "run_name", "step
 
 SENSOR_FILES_UP_TO = 32  # replicas; beyond, sensors are written only if asked for
 MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
-OUTPUTS = ("run.json", "run.json.part")
 
 
 @attrs.frozen(kw_only=True)
@@ -108,6 +112,8 @@ class RunSession:
         self._simulation = simulation
         self._scenario = scenario
         self._summary: RunSummary | None = None
+        self._has_lost_lines = False  # whether text files end before the simulation did
+        self._process, self._here = os.getpid(), present_folder()
         self._events = 0  # of the simulation's, that have been written
         self._started = time.perf_counter()
         self._registry = default_registry()
@@ -116,34 +122,35 @@ class RunSession:
             self._registry.get("recorder", "text")(),
             *(recorder.fresh() for recorder in scenario.recording.also),
         ]
-        self._folder = RunFolder(folder, run_name(scenario))
-        self.folder = self._folder.path
-        try:
-            self._open(planned)
-        except BaseException:
-            self.give_up()
-            raise
-
-    def _open(self, planned: int) -> None:
-        simulation = self._simulation
-        write_document(with_copies(self._scenario, self.folder), self.folder / "scenario.toml")
-        files = (path.relative_to(self.folder).as_posix() for path in self.folder.rglob("*") if path.is_file())
-        inputs = sorted(name for name in files if name not in OUTPUTS)
-        wanted = self._scenario.recording.sensors
-        many = len(simulation.replicas) > SENSOR_FILES_UP_TO
-        self._with_sensors = wanted == "all" or (wanted == "auto" and not many)
         self._about: dict[str, Any] = {
             "format": FORMAT,
             "status": "running",
             "seed": simulation.seed,
             "replicas": list(simulation.replicas),
             "dt": simulation.dt,
-            "duration": self._scenario.duration,
+            "duration": duration,
             "steps": planned,
-            "inputs": fingerprints(self.folder, inputs),
+            "inputs": {},
             **circumstances(),
         }
+        self._folder = RunFolder(folder, run_name(scenario), self._about)
+        self.folder = self._folder.path
+        try:
+            self._open()
+        except BaseException:
+            self.give_up()
+            raise
+
+    def _open(self) -> None:
+        simulation = self._simulation
+        write_document(with_copies(self._scenario, self.folder), self.folder / "scenario.toml")
+        files = (path.relative_to(self.folder).as_posix() for path in self.folder.rglob("*") if path.is_file())
+        self._about["inputs"] = fingerprints(self.folder, sorted(name for name in files if name != ABOUT))
         self._folder.write_about(self._about)
+        self._folder.set_room_aside(_most_bytes(simulation))
+        wanted = self._scenario.recording.sensors
+        many = len(simulation.replicas) > SENSOR_FILES_UP_TO
+        self._with_sensors = wanted == "all" or (wanted == "auto" and not many)
         info = RunInfo(
             folder=self.folder, dt=simulation.dt, replicas=simulation.replicas, with_sensors=self._with_sensors
         )
@@ -162,6 +169,7 @@ class RunSession:
             If not exactly one step was made since the last, or a file cannot be written.
         """
         simulation = self._simulation
+        self._expect_original()
         if self._summary is not None:
             raise RunError(f"{self.folder}: this run has been closed")
         ticks = simulation._fleet.ticks
@@ -197,10 +205,16 @@ class RunSession:
         """Close the files, draw the picture, and say in ``run.json`` how the run ended."""
         if self._summary is not None:
             return self._summary
+        self._expect_original()
+        go_back(self._here, "a controller or plugin")
         try:
             self._close_recorders()
-        except Exception:
-            self._end("broken off")
+        except Exception as error:
+            try:
+                self._end("broken off", str(error))
+            except RunError as second:
+                error.add_note(str(second))
+            error.add_note(self._told_files())
             raise
         self._end(status)
         if self._scenario.recording.picture:
@@ -208,42 +222,55 @@ class RunSession:
                 self._scenario.map,
                 self._traces.paths(),
                 zones=[zone.outline for zone in self._scenario.zones],
+                patches=self._scenario.floor.patches,
                 things=self._traces.things(),
                 title=self._title(),
             )
-            try:
-                # Beside, and then moved over, so that a process that is killed leaves a whole one or none.
-                beside = self.folder / "picture.png.part"
-                picture.save(beside, "PNG")
-                beside.replace(self.folder / "picture.png")
-            except OSError as error:
-                raise RunError(f"{self.folder / 'picture.png'}: cannot be written ({error})") from None
+            drawn = io.BytesIO()
+            picture.save(drawn, "PNG")
+            write_bytes(self.folder / "picture.png", drawn.getvalue())
         run_finished(self._simulation, self._registry)
         return self.summary
+
+    def _expect_original(self) -> None:
+        """End this process if it is a copy that code of a user's has forked: it would write into the same files."""
+        if os.getpid() != self._process:
+            sys.stderr.write(
+                f"{self.folder}: a controller or plugin forked the process of this run; the copy ends here, and writes "
+                "nothing. Start other programs with subprocess, and end a copy with os._exit\n"
+            )
+            sys.stderr.flush()
+            os._exit(1)
 
     def _close_recorders(self) -> None:
         """Close each, also after another failed; the first failure is raised."""
         problem: Exception | None = None
-        for recorder in self._recorders:
+        for place, recorder in enumerate(self._recorders):
             try:
                 recorder.close()
             except Exception as error:
+                self._has_lost_lines |= place == 0  # of the text files
                 problem = problem or error
         if problem is not None:
             raise problem
 
-    def _end(self, status: str) -> None:
-        self._summary = self._sum_up(status)
-        self._folder.write_about(self._about | _outcome(self._summary, status))
+    def _end(self, status: str, problem: str = "") -> None:
+        """Say how the run ended, and what went wrong with its files."""
+        simulation, steps = self._simulation, self.steps
+        if self._has_lost_lines:
+            steps = min(steps, round(last_time(self.folder) / simulation.dt))
+        # Lost lines leave nothing that a second run could be compared with, nor does an error in the middle of a step.
+        is_whole = not self._has_lost_lines and not (simulation.ticks != self.steps).any()
+        self._summary = self._sum_up(status, steps, is_whole=is_whole)
+        outcome = _outcome(self._summary, status) | ({"problem": problem} if problem else {})
+        self._folder.write_end(self._about | outcome)
 
-    def _sum_up(self, status: str) -> RunSummary:
+    def _sum_up(self, status: str, steps: int, *, is_whole: bool) -> RunSummary:
         simulation = self._simulation
-        # An error in the middle of a step leaves nothing that a second run could be compared with.
-        is_whole = not (simulation.ticks != self.steps).any()
         names = simulation.names
         return RunSummary(
             folder=self.folder,
-            steps=self.steps,
+            steps=steps,
             digests={replica: simulation.digest(replica) for replica in simulation.replicas} if is_whole else {},
             distance=dict(zip(names, self._traces.distance.tolist(), strict=True)),
             final_error=dict(zip(names, self._traces.errors().tolist(), strict=True)),
@@ -273,10 +300,24 @@ class RunSession:
         except RunError as second:
             if str(second) != str(error):  # the first one says why
                 error.add_note(str(second))
-        error.add_note(f"the files up to {self.steps * self._simulation.dt:g} s are in {self.folder}")
+        if self._told_files() not in getattr(error, "__notes__", ()):
+            error.add_note(self._told_files())
+
+    def _told_files(self) -> str:
+        """Up to where there are files, in words."""
+        dt = self._simulation.dt
+        if self._has_lost_lines and self._summary is not None:
+            end = self._summary.steps * dt
+            return (
+                f"the files in {self.folder} end early, the first of them at {end:g} s, though {self.steps * dt:g} s "
+                "were simulated"
+            )
+        return f"the files up to {self.steps * dt:g} s are in {self.folder}"
 
     def give_up(self) -> None:
         """Remove the folder again: for a run in which nothing happened."""
+        self._expect_original()
+        go_back(self._here, "a controller or plugin")
         with contextlib.suppress(Exception):  # what went wrong before is what is told
             self._close_recorders()
         self._folder.give_back()
@@ -301,6 +342,12 @@ def steps_of(simulation: Simulation, duration: float) -> int:
             f"(2^32 - 1 steps of {simulation.dt:g} s), got {duration!r}"
         )
     return simulation.steps_of(duration)
+
+
+def _most_bytes(simulation: Simulation) -> int:
+    """What ``run.json`` takes at the end of a run, at most: numbers of each robot, and a digest of each replica."""
+    names = sum(len(json.dumps(name)) for name in simulation.names)
+    return 65536 + 3 * names + 120 * len(simulation.names) + 100 * len(simulation.replicas)
 
 
 def _outcome(summary: RunSummary, status: str) -> dict[str, Any]:

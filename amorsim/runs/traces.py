@@ -11,6 +11,7 @@ from amorsim.contracts import Frame
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.render.picture import RobotPath, Thing
+from amorsim.scenario.colours import robot_colours
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Traces"]
@@ -122,6 +123,7 @@ class Traces:
         self._settle()
         points = np.array([*self._kept, self._last])
         robots = {robot.name: robot for robot in self._simulation.scenario.robots}
+        colours = robot_colours(self._simulation.scenario.robots)
         found = []
         for i, name in enumerate(self._simulation.names):
             handle = self._simulation.robot(name, self._simulation.replicas[0])
@@ -133,7 +135,7 @@ class Traces:
                     outline=_placed(robots[name].shape, self._simulation.true_pose[i : i + 1]),
                     collisions=self.collisions(name),
                     parts=[_placed(part.shape, handle.parts[part.name][None]) for part in handle.true.drive.parts],
-                    colour=robots[name].colour,
+                    colour=colours[name],
                 )
             )
         return found

@@ -21,7 +21,7 @@ from amorsim.scenario.controller_files import (
 )
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording, column_problem
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording, column_problem, not_for_sensors
 from amorsim.scenario.values import check_values
 
 __all__ = [
@@ -120,8 +120,11 @@ def _column(item: Node, registry: Registry, sensor: Sensor | None) -> str:
     column = child.text("the name of a column", default="") or ""
     use = item.value.get("use")
     if sensor is not None and isinstance(use, str) and use in registry.names("noise"):
-        problem = column_problem(sensor, registry.get("noise", use), column)
-        if problem:
+        noise = registry.get("noise", use)
+        problem = column_problem(sensor, noise, column)
+        if noise.for_ground:
+            item.child("use").fault(not_for_sensors(noise))
+        elif problem:
             child.fault(problem)
     elif column and sensor is None:
         child.fault("this chain has no columns")

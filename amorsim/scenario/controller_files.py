@@ -14,6 +14,9 @@ from types import ModuleType
 from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
+from amorsim.core.reading import read_bytes, reason
+from amorsim.core.trouble import RAISED, error_in_words, in_words
+from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
 
 __all__ = ["is_controller_file", "load_controller", "reference_to", "split_reference"]
@@ -71,17 +74,17 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
         known = ", ".join(own) or "none"
         raise ControllerError(f"there is no {name!r} in {path}, but: {known}.{did_you_mean(name, own)}")
     if not callable(found):
-        raise ControllerError(f"{name!r} in {path} is neither a function nor a class, but {found!r}")
+        raise ControllerError(f"{name!r} in {path} is neither a function nor a class, but {in_words(found)}")
     _check_arguments(path, name, found, options, arguments)
     return found
 
 
 def _load_module(path: Path) -> ModuleType:
     try:
-        data = path.read_bytes()
+        data = read_bytes(path)
     except (OSError, ValueError) as error:
         is_missing = isinstance(error, FileNotFoundError)
-        problem = "there is no such file" if is_missing else f"cannot be read: {error}"
+        problem = "there is no such file" if is_missing else f"cannot be read: {reason(error)}"
         raise ControllerError(f"{path}: {problem}") from error
     beside = files_beside(path, data)
     said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
@@ -95,13 +98,16 @@ def _load_module(path: Path) -> ModuleType:
         raise ControllerError(f"{path}: Python knows no way to load this file")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module
+    here = present_folder()
     try:
         # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
         make_importable(beside)
         exec(compile(data, str(path), "exec"), vars(module))
-    except (Exception, SystemExit) as error:
+    except RAISED as error:
         del sys.modules[module_name]
-        raise ControllerError(f"{path}{_line(error, path)}: {type(error).__name__}: {_text(error)}") from error
+        raise ControllerError(f"{path}{_line(error, path)}: {_text(error)}") from error
+    finally:
+        go_back(here, str(path))
     return module
 
 
@@ -113,7 +119,7 @@ def _line(error: BaseException, path: Path) -> str:
 
 
 def _text(error: BaseException) -> str:
-    return error.msg if isinstance(error, SyntaxError) else str(error)
+    return f"{type(error).__name__}: {error.msg}" if isinstance(error, SyntaxError) else error_in_words(error)
 
 
 def _check_arguments(path: Path, name: str, found: Any, options: Mapping[str, Any], arguments: tuple[str, ...]) -> None:

@@ -15,6 +15,8 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import write_shape
 from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
+from amorsim.scenario.floor import Floor
+from amorsim.scenario.floor_file import write_floor
 from amorsim.scenario.models import FORMAT, LOOKS
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario, Zone
 from amorsim.scenario.starts import series_of
@@ -79,6 +81,8 @@ class _Writer:
                 document[key] = [write_fields(thing) for thing in things]
         if scenario.zones:
             document["zones"] = [self._zone(zone, f"zones.{i}") for i, zone in enumerate(scenario.zones)]
+        if scenario.floor != Floor():
+            document["floor"] = write_floor(scenario.floor, self._shape)
         return document
 
     def _fault(self, path: str, message: str) -> None:

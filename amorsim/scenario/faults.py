@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
+from amorsim.plugins.checks import check_name
 
 __all__ = ["Book", "Node", "Source"]
 
@@ -45,6 +46,10 @@ class Book:
         self._count = 0
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
+        self.document: Any = None
+        """The whole document, for the names of what stands in its lists."""
+        self.warnings: tuple[str, ...] = ()
+        """Of the map, to be told with the faults."""
 
     def set_source(self, path: Path_, source: Source) -> None:
         """From now on, everything at `path` and below came from `source`."""
@@ -69,7 +74,18 @@ class Book:
     def fault(self, path: Path_, message: str) -> None:
         """Note what is wrong at `path`."""
         source = self.source(path)
-        self.add(Fault(file=source.file, path=".".join(path[source.depth :]), message=message))
+        place, named = (".".join(parts[source.depth :]) for parts in (path, self._named(path)))
+        self.add(Fault(file=source.file, path=place, message=message, named="" if named == place else named))
+
+    def _named(self, path: Path_) -> Path_:
+        """A path with the name of a robot, obstacle or zone in the place of its number, if no other is called so."""
+        things = self.document.get(path[0]) if isinstance(self.document, dict) and len(path) > 1 else None
+        if path[:1] not in (("robots",), ("obstacles",), ("zones",)) or not isinstance(things, list):
+            return path
+        names = [thing.get("name") if isinstance(thing, dict) else None for thing in things]
+        name = names[int(path[1])] if path[1].isdigit() and int(path[1]) < len(names) else None
+        is_told = isinstance(name, str) and not check_name(name) and names.count(name) == 1
+        return (path[0], str(name), *path[2:]) if is_told else path
 
     def add(self, fault: Fault) -> None:
         """Note a fault, once: a model's is found for every robot that is of the model."""
@@ -89,7 +105,7 @@ class Book:
     def raise_if_any(self) -> None:
         """Raise `ScenarioError` with all faults, if there are any."""
         if self._faults:
-            raise ScenarioError(self._faults)
+            raise ScenarioError(self._faults, self.warnings)
 
 
 @attrs.frozen
@@ -176,4 +192,6 @@ def shown(value: Any) -> str:
         text = repr(value)
     except ValueError:  # a whole number of thousands of digits
         text = "a number of thousands of digits"
+    except RecursionError:
+        text = "tables or lists in one another, too many to show"
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from amorsim.core.parameters import ParameterError
 
-__all__ = ["by_name", "is_a", "many"]
+__all__ = ["by_name", "check_colour", "is_a", "many"]
 
 Thing = TypeVar("Thing")
 Validator = Callable[[Any, Any, Any], None]
@@ -46,6 +46,18 @@ def many(name: str, kind: type[Thing], given: Iterable[Thing]) -> tuple[Thing, .
         if not isinstance(thing, kind):
             raise ParameterError(name, f"expected a list of {kind.__name__}, got one with {thing!r}")
     return things
+
+
+def check_colour(colour: str | None) -> None:
+    """Raise `ParameterError` unless it is a colour, or none."""
+    if colour is None:
+        return
+    from PIL import ImageColor
+
+    try:
+        ImageColor.getrgb(colour)
+    except ValueError:
+        raise ParameterError("colour", f"expected a colour's name in CSS, or '#rrggbb', got {colour!r}") from None
 
 
 def _wrong(kind: type, example: str, value: Any) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
+import os
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import attrs
 
@@ -12,13 +13,16 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
+from amorsim.core.reading import check_readable, reason
 from amorsim.core.same_cells import have_same_cells
+from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 
-__all__ = ["MapFile", "find_loader", "load_map", "read_map", "save_map"]
+__all__ = ["MapFile", "companions_of", "find_loader", "load_map", "read_map", "save_map"]
 
 _HEAD = 4096
+_MOST_BYTES = 10**9  # of any map; loaders that hold it in memory as it is written ask for less
 
 
 @attrs.frozen(kw_only=True)
@@ -87,7 +91,34 @@ def read_map(file: MapFile) -> Map:
         raise MapError(f"{file.path}: {loader} failed with {type(error).__name__}: {error}") from error
     if not isinstance(found, Map):
         raise MapError(f"{file.path}: {type(file.loader).__name__} gave {found!r}, which is no map")
+    if getattr(file.loader, "resolution", 0.0) is None:  # what the loader took is what a run writes down
+        file = attrs.evolve(file, loader=attrs.evolve(cast(Any, file.loader), resolution=found.resolution))
     return attrs.evolve(found, source=file)
+
+
+def companions_of(file: MapFile) -> list[Path]:
+    """The other files that are read for a map's file, by their absolute paths.
+
+    Raises
+    ------
+    MapError
+        If the loader cannot tell, or one of them is no file.
+    """
+    loader = type(file.loader).__name__
+    try:
+        found = file.loader.companions(file.path)
+    except MapError:
+        raise
+    except Exception as error:  # a third party's loader
+        raise MapError(f"{file.path}: {loader}.companions failed with {type(error).__name__}: {error}") from error
+    if not isinstance(found, Sequence) or not all(isinstance(path, Path) for path in found):
+        raise MapError(f"{file.path}: {loader}.companions gave {found!r}; expected a list of paths")
+    # Not resolve(), for the same reason as where a scenario names its map.
+    paths = [Path(os.path.abspath(file.path.parent / path)) for path in found]  # noqa: PTH100
+    for path in paths:
+        if not path.is_file():
+            raise MapError(f"{file.path}: {path}, which it should read, is no file")
+    return paths
 
 
 def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: Registry | None = None) -> Map:
@@ -101,7 +132,7 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
     world
         The map.
     path
-        The file. One that is there is replaced.
+        The file. One that is there is replaced once the new one is whole.
     use
         The loader's name, where the extension does not tell.
     registry
@@ -110,8 +141,8 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
     Raises
     ------
     MapError
-        If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. There
-        is no file then.
+        If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. The
+        file that was there is there still.
     """
     path = Path(path)
     registry = registry or default_registry()
@@ -119,16 +150,23 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
         cls = _writer(path, use, registry)
     except PluginError as error:
         raise MapError(f"{path}: {error}") from error
+    with replacing(path, MapError) as new:
+        try:
+            again = read_map(_written(cls, world, new))
+            if not have_same_cells(again, world):
+                raise MapError(f"read again, it has other cells; {cls.__name__} cannot hold this map exactly")
+        except MapError as error:
+            raise MapError(f"{path}: cannot be written: {str(error).removeprefix(f'{new}: ')}") from error
+    return attrs.evolve(again, source=MapFile(path=path, loader=again.source.loader))
+
+
+def _written(cls: type[MapLoader], world: Map, path: Path) -> MapFile:
     try:
-        again = read_map(MapFile(path=path, loader=cls.save(world, path)))
-        if not have_same_cells(again, world):
-            raise MapError(f"read again, it has other cells; {cls.__name__} cannot hold this map exactly")
-    except (MapError, OSError, ValueError) as error:
-        with contextlib.suppress(OSError):
-            path.unlink()
-        problem = error.strerror or error if isinstance(error, OSError) else error
-        raise MapError(f"{path}: cannot be written: {problem}") from error
-    return again
+        return MapFile(path=path, loader=cls.save(world, path))
+    except (MapError, OSError):
+        raise
+    except Exception as error:  # a third party's loader
+        raise MapError(f"{cls.__name__} failed with {type(error).__name__}: {error}") from error
 
 
 def _writer(path: Path, use: str | None, registry: Registry) -> type[MapLoader]:
@@ -177,6 +215,7 @@ def find_loader(path: Path, use: str | None, registry: Registry) -> tuple[str, t
 
 def _head(path: Path) -> bytes:
     try:
+        check_readable(path, _MOST_BYTES)
         with path.open("rb") as file:
             return file.read(_HEAD)
     except FileNotFoundError:
@@ -188,4 +227,4 @@ def _head(path: Path) -> bytes:
         problem = "this is a folder; a map is a file" if path.is_dir() else "no permission to read this file"
         raise MapError(f"{path}: {problem}") from None
     except (OSError, ValueError) as error:
-        raise MapError(f"{path}: cannot be read: {error}") from None
+        raise MapError(f"{path}: cannot be read: {reason(error)}") from None

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import copy
+import re
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.reading import read_text, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Node, Source, shown
@@ -39,17 +41,30 @@ _NAMED = ("sensors", "estimators")
 def read_toml(path: Path) -> dict[str, Any] | str:
     """The document in a TOML file, or a text that says why there is none."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_text(path)
     except FileNotFoundError:
         return "there is no such file"
     except UnicodeDecodeError as error:
         return f"not a text file in UTF-8: byte {error.start} is {error.object[error.start]:#04x}"
     except (OSError, ValueError) as error:
-        return f"cannot be read: {'it is a folder' if isinstance(error, IsADirectoryError) else error}"
+        return f"cannot be read: {'it is a folder' if isinstance(error, IsADirectoryError) else reason(error)}"
     try:
         return tomllib.loads(text.removeprefix("\N{BOM}"), parse_float=parse_float)
     except (ValueError, RecursionError) as error:
-        return f"not valid TOML: {error}"
+        return _toml_problem(error)
+
+
+def _toml_problem(error: Exception) -> str:
+    """What is wrong with a file's TOML; what Python tells only in words of its own is said plainly."""
+    text = str(error)
+    place = re.search(r"\(at (line \d+), column \d+\)", text)
+    where = f"{place[1]}: " if place else ""
+    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
+        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
+        return f"{where}the table [{name}] stands in this file already; put what is here under the first one"
+    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
+        return f"{where}this key has a value already; leave one of the two out"
+    return f"not valid TOML: {error}"
 
 
 def check_format(node: Node) -> None:

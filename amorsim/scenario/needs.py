@@ -2,30 +2,56 @@
 
 from __future__ import annotations
 
-from amorsim.core.map import Map
-from amorsim.core.parameters import ParameterError
-from amorsim.scenario.spec import Obstacle, RandomStart, Robot
+import numpy as np
+import numpy.typing as npt
 
-__all__ = ["least_bytes", "most_room"]
+from amorsim.contracts import Noise
+from amorsim.core.map import Map
+from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED
+from amorsim.scenario.spec import MountedSensor, Obstacle, RandomStart, Robot
+
+__all__ = ["least_bytes", "most_room", "samples_under_way"]
 
 _BODY = 1000  # [bytes]
 _VALUE = 100  # [bytes]: a sensor's value, true, measured and held, and what its chain works in
+_LATE = 1e-9  # of a step: 0.3 s at 0.1 s are three of them, though 0.3 / 0.1 need not be 3
+_WAITING = 32  # [bytes]: a value of a sample under way, true and measured, and both once more while a step is made
 
 
-def least_bytes(body: Robot | Obstacle) -> int:
+def samples_under_way(longest: npt.NDArray[np.float64], dt: float) -> int:
+    """How many samples of a sensor are under way at once, at the most, where none takes longer than `(N, 1)` [s]."""
+    return int(np.ceil(longest / dt - _LATE).max())
+
+
+def _waiting(unit: MountedSensor, size: int, dt: float) -> int:
+    """How much memory the readings of `size` values take that are under way [bytes]."""
+    longest = np.array([[unit.latency]])
+    for element in unit.noise:
+        if type(element.noise).delay is not Noise.delay:
+            longest = longest + stack([element.noise]).longest_delay()
+    return _WAITING * size * samples_under_way(longest, dt)
+
+
+def least_bytes(body: Robot | Obstacle, dt: float | None = None) -> int:
     """How much memory a body takes in one replica [bytes]: a little less than was measured of those that ship.
+
+    With the step `dt` [s], its sensors' readings that are under way are counted too.
 
     Taken for its readings and for itself; what a plugin's estimator or controller keeps is not known.
     """
     if isinstance(body, Obstacle):
         return _BODY
-    values = 0
+    values = waiting = 0
     for unit in body.sensors.values():
         try:
-            values += unit.sensor.size(body.drive)
-        except ParameterError:  # said by whoever makes the sensor
+            size = unit.sensor.size(body.drive)
+            late = 0 if dt is None else _waiting(unit, size, dt)
+        except RAISED:  # said where the sensor is made
             continue
-    return _BODY + _VALUE * values
+        values += size
+        waiting += late
+    return _BODY + _VALUE * values + waiting
 
 
 def most_room(world: Map, start: RandomStart, reach: float) -> float:

@@ -14,6 +14,7 @@ from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, 
 __all__ = ["changed", "with_value"]
 
 Change = Callable[[Any], Any]
+_NUMBERS = ("scale", "add", "value")  # of a deviation
 
 
 def with_value(robot: Robot, path: str, value: Any) -> Robot:
@@ -32,14 +33,27 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     parts = path.split(".")
     if parts[0] != "errors":
         return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]
-    if parts[-1] in ("scale", "add", "value") and not isinstance(value, (dict, Deviation)):
-        target, field = ".".join(parts[1:-1]), parts[-1]
-        deviation = attrs.evolve(robot.errors.get(target, Deviation()), **{field: value})
-    else:
+    if isinstance(value, (dict, Deviation)):
         target = ".".join(parts[1:])
-        deviation = value if isinstance(value, Deviation) else Deviation(**value)
+        deviation = value if isinstance(value, Deviation) else _deviation(value)
+    else:
+        target, field = ".".join(parts[1:-1]), parts[-1]
+        if field not in _NUMBERS:
+            raise LookupError(
+                f"expected a path that ends with one of {', '.join(_NUMBERS)}, as in errors.drive.track.scale, or a "
+                f"table of these, got {value!r}.{did_you_mean(field, _NUMBERS)}"
+            )
+        deviation = attrs.evolve(robot.errors.get(target, Deviation()), **{field: value})
     changed(robot, target.split("."), lambda nominal: nominal, live=True)  # the path must lead somewhere
     return attrs.evolve(robot, errors={**robot.errors, target: deviation})
+
+
+def _deviation(table: dict[str, Any]) -> Deviation:
+    known = attrs.fields_dict(Deviation)
+    for name in table:
+        if name not in known:
+            raise LookupError(f"an error has no {name!r}, but: {', '.join(known)}.{did_you_mean(str(name), known)}")
+    return Deviation(**table)
 
 
 def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) -> Any:

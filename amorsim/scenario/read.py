@@ -22,6 +22,7 @@ from amorsim.scenario.components import read_recording
 from amorsim.scenario.document import document_of
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.floor_file import read_floor
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
@@ -33,7 +34,7 @@ __all__ = ["check_words", "is_model", "load", "loads", "scenario_for_map", "scen
 
 _KEYS = (
     *("format", "description", "world", "simulation", "recording"),
-    *("robots", "obstacles", "landmarks", "lights", "zones"),
+    *("robots", "obstacles", "landmarks", "lights", "zones", "floor"),
 )
 _TIMES = ("dt", "duration", "seed")
 _MODEL = {"drive", "shape"}
@@ -210,6 +211,7 @@ def _values(
     is_map_alone: bool,
 ) -> dict[str, Any]:
     """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
+    book.document = document
     settings = parse_overrides(overrides, book)
     apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
     merge_models(document, book, registry)
@@ -226,6 +228,8 @@ def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_al
     world = None
     if "world" in top:
         world = maps.read(top.child("world"))
+        if world is not None:
+            top.book.warnings = tuple(f"{world.name}: {warning}" for warning in world.warnings)
     else:
         top.child("world").fault("missing; expected [world] with map = the path of a map file")
     if "simulation" in top and (node := top.child("simulation")).expect_table():
@@ -244,6 +248,8 @@ def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_al
         read_zones = [read_zone(node, number, registry) for number, node in enumerate(zones.items(), start=1)]
         values["zones"] = [zone for zone in read_zones if zone]
     _check_names({}, zones)
+    if "floor" in top and (floor := read_floor(top.child("floor"))) is not None:
+        values["floor"] = floor
     marks = values.get("landmarks", ())
     robots, obstacles, stand = _read_bodies(top, maps, world, registry, marks, is_map_alone)
     if starts and world is not None:

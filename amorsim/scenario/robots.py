@@ -12,6 +12,7 @@ from amorsim.contracts import Drive
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.plugins.checks import check_name
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -144,6 +145,9 @@ def _check_sizes(node: Node, drive: Drive, sensors: Mapping[str, MountedSensor |
                 unit.sensor.size(drive)
         except ParameterError as error:
             node.child("sensors").child(name).child(error.name).fault(error.problem)
+        except RAISED as error:
+            sensor = type(unit.sensor).__name__ if unit else ""
+            node.child("sensors").child(name).fault(f"size() of {sensor} raised {error_in_words(error)}")
 
 
 def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | None:

@@ -25,14 +25,19 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
 from amorsim.motions.user import UserMotion
-from amorsim.scenario.kinds import by_name, is_a, many
+from amorsim.scenario.floor import Drop, Floor, Marking
+from amorsim.scenario.kinds import by_name, check_colour, is_a, many
+from amorsim.scenario.pose import Pose
 
 __all__ = [
     "Deviation",
     "Distribution",
+    "Drop",
+    "Floor",
     "Knowledge",
     "Landmark",
     "Light",
+    "Marking",
     "MountedSensor",
     "NoiseElement",
     "Obstacle",
@@ -43,6 +48,7 @@ __all__ = [
     "Scenario",
     "Zone",
     "column_problem",
+    "not_for_sensors",
 ]
 
 _SHAPE, _POSE, _START = "am.Shape.circle(0.2)", "am.Pose(x=1.0)", "am.RandomStart()"
@@ -55,15 +61,6 @@ def _check_name(_: Any, attribute: Any, value: Any) -> None:
             attribute.name,
             f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {value!r}",
         )
-
-
-@attrs.frozen(kw_only=True)
-class Pose:
-    """A pose in the world."""
-
-    x: float = parameter(0.0, unit="m", help="to the right in the world")
-    y: float = parameter(0.0, unit="m", help="up in the world")
-    heading: float = parameter(0.0, unit="rad", help="anticlockwise from the world's x axis")
 
 
 @attrs.frozen(kw_only=True)
@@ -104,6 +101,11 @@ class Distribution:
             raise ParameterError("normal", f"expected a standard deviation >= 0, got {second!r}")
         if self.kind == "uniform" and second < first:
             raise ParameterError("uniform", f"expected low <= high, got {first!r} and {second!r}")
+
+    def __str__(self) -> str:
+        """As ``normal(1, 0.02)``."""
+        first, second = self.values
+        return f"{self.kind}({first:g}, {second:g})"
 
 
 Number = float | Distribution
@@ -174,12 +176,22 @@ class MountedSensor:
 
     def __attrs_post_init__(self) -> None:
         for element in self.noise:
+            if element.noise.for_ground:
+                raise ParameterError("noise", f"{element.name}: {not_for_sensors(type(element.noise))}")
             problem = column_problem(self.sensor, type(element.noise), element.column)
             if problem:
                 raise ParameterError("noise", f"{element.name}: column: {problem}")
 
 
-def column_problem(sensor: Sensor, noise: type, column: str) -> str:
+def not_for_sensors(noise: type[Noise]) -> str:
+    """Why a noise that is `for_ground` is refused in a sensor's chain."""
+    return (
+        f"{noise.__name__} acts between wheels and ground, on travels [m]; expected it in the robot's `ground` or in a "
+        "zone's, got it in a sensor's noise"
+    )
+
+
+def column_problem(sensor: Sensor, noise: type[Noise], column: str) -> str:
     """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
     columns = sensor.columns()
     if column in columns:
@@ -207,7 +219,7 @@ class Landmark:
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
 
     def __attrs_post_init__(self) -> None:
-        _check_colour(self.colour)
+        check_colour(self.colour)
 
 
 @attrs.frozen(kw_only=True)
@@ -217,17 +229,6 @@ class Light:
     x: float = parameter(0.0, unit="m", help="to the right in the world")
     y: float = parameter(0.0, unit="m", help="up in the world")
     intensity: float = parameter(1.0, unit="cd", ge=0, help="how much it shines")
-
-
-def _check_colour(colour: str | None) -> None:
-    if colour is None:
-        return
-    from PIL import ImageColor
-
-    try:
-        ImageColor.getrgb(colour)
-    except ValueError:
-        raise ParameterError("colour", f"expected a colour's name in CSS, or '#rrggbb', got {colour!r}") from None
 
 
 def _places(given: Iterable[Iterable[float]]) -> tuple[tuple[float, float], ...]:
@@ -335,7 +336,7 @@ class Robot:
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
 
     def __attrs_post_init__(self) -> None:
-        _check_colour(self.colour)
+        check_colour(self.colour)
         if self.pose is not None and self.start is not None:
             raise ParameterError("start", "expected either a pose or a start at random, got both")
 
@@ -372,7 +373,7 @@ class Obstacle:
         return Pose() if place is None else Pose(x=place[0], y=place[1], heading=place[2])
 
     def __attrs_post_init__(self) -> None:
-        _check_colour(self.colour)
+        check_colour(self.colour)
 
 
 def _check_zone_shape(_: Any, attribute: Any, value: Any) -> None:
@@ -455,8 +456,9 @@ class Scenario:
     landmarks: tuple[Landmark, ...] = attrs.field(default=(), converter=_landmarks)
     lights: tuple[Light, ...] = attrs.field(default=(), converter=_lights)
     zones: tuple[Zone, ...] = attrs.field(default=(), converter=_zones)
-    dt: float = parameter(0.1, unit="s", gt=0, le=10, help="length of a step")
-    duration: float = parameter(60.0, unit="s", gt=0, help="simulated time of a run")
+    floor: Floor = attrs.field(factory=Floor, validator=is_a(Floor, "am.Floor(markings=[...])"))
+    dt: float = parameter(0.1, unit="s", ge=1e-6, le=10, help="length of a step")
+    duration: float = parameter(60.0, unit="s", gt=0, le=1e9, help="simulated time of a run")
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")
     recording: Recording = attrs.field(factory=Recording)
     source: Path | None = None

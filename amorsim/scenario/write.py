@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,12 @@ from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 from amorsim.core.errors import MapError, RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
+from amorsim.core.whole_files import copy_file, write_text
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.beside import files_beside
 from amorsim.scenario.controller_files import is_controller_file
 from amorsim.scenario.document import document_of
-from amorsim.scenario.maps import save_map
+from amorsim.scenario.maps import companions_of, save_map
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.starts import series_of
 
@@ -29,6 +30,7 @@ _HEADED = (
     ("world",),
     ("simulation",),
     ("recording",),
+    ("floor",),
     ("robots", "shape"),
     ("robots", "drive"),
     ("robots", "sensors"),
@@ -46,17 +48,16 @@ def write_document(document: Mapping[str, Any], path: str | Path) -> None:
     Raises
     ------
     RunError
-        If the file cannot be written.
+        If the file cannot be written; one that was there is there still.
     """
-    text = document_text(document)
-    try:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise RunError(f"{path}: cannot be written: {error.strerror or error}") from error
+    write_text(path, document_text(document))
 
 
-def document_text(document: Mapping[str, Any]) -> str:
-    """A document as TOML: a table a thing, mounts, poses and noise on a line each."""
+def document_text(document: Mapping[str, Any], *, with_remarks: bool = False) -> str:
+    """A document as TOML: a table a thing, mounts, poses and noise on a line each.
+
+    With remarks it also says, in comments, that a sensor has no rate; TOML has no word for that.
+    """
     root = tomlkit.document()
     for key, value in document.items():
         if key in ("robots", "obstacles", "landmarks", "lights", "zones"):
@@ -66,6 +67,11 @@ def document_text(document: Mapping[str, Any]) -> str:
             root.append(key, array)
         else:
             root.append(key, _item(value, (key,)))
+    if with_remarks:
+        for robot in root["robots"]:
+            for sensor in robot.get("sensors", {}).values():
+                if "rate" not in sensor:
+                    sensor.add(tomlkit.comment("rate: none is given, so it reads in every step"))
     return tomlkit.dumps(root)
 
 
@@ -127,7 +133,7 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     """The document of a scenario, its map and controller files copied into a folder and named there.
 
     A map that was made in Python gets a file there. Each file is copied once; files of the same name from different
-    places get numbers.
+    places get numbers. A map of several files gets a folder of its own, for the files name each other.
 
     Raises
     ------
@@ -138,12 +144,13 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     """
     copies = _Copies(Path(folder))
     document_of(scenario, maps_in_files=False)  # complains before anything is written
-    document = document_of(_with_files(scenario, copies))
-    document["world"]["map"] = copies.of(document["world"]["map"])
-    for robot in document["robots"]:
-        if "map" in robot.get("knowledge", {}):
-            robot["knowledge"]["map"] = copies.of(robot["knowledge"]["map"])
-        copies.of_program(robot.get("controller", {}))
+    scenario = _with_files(scenario, copies)
+    document = document_of(scenario)
+    document["world"]["map"] = copies.of_map(scenario.map)
+    for (robot, *_), written in zip(series_of(scenario.robots), document["robots"], strict=True):
+        if robot.knowledge.map is not None:
+            written["knowledge"]["map"] = copies.of_map(robot.knowledge.map)
+        copies.of_program(written.get("controller", {}))
     for (first, *_), written in zip(series_of(scenario.obstacles), document.get("obstacles", ()), strict=True):
         copies.of_program(written.get("motion", {}))
         _copy_files(first.motion, written.get("motion", {}), copies)
@@ -205,6 +212,9 @@ class _Copies:
         "obstacles.csv",
         "parts.csv",
         "picture.png",
+        "sensors",
+        "estimates",
+        "plots",
     )
 
     def __init__(self, folder: Path) -> None:
@@ -223,7 +233,7 @@ class _Copies:
 
     def _free_name(self, path: Path) -> str:
         name, number = path.name, 1
-        taken = {known.casefold() for known in (*self._TAKEN, *self._names.values())}
+        taken = {known.partition("/")[0].casefold() for known in (*self._TAKEN, *self._names.values())}
         while name.casefold() in taken:
             number += 1
             name = f"{path.stem}_{number}{path.suffix}"
@@ -244,29 +254,56 @@ class _Copies:
         file = str(path)
         if file in self._names or path.resolve() == target.resolve():
             return
-        try:
-            if key in self._names.values() or key in self._TAKEN:
+        if key in self._names.values() or key in self._TAKEN:
+            try:
                 if target.is_file() and target.read_bytes() == path.read_bytes():
                     return
-                raise RunError(
-                    f"{file}: cannot be copied into {self._folder} as {key}, which is another file there; give it "
-                    "another name, for a run's folder has one place for both"
-                )
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, target)
-        except OSError as error:
-            raise RunError(f"{file}: cannot be copied into {self._folder}: {error.strerror or error}") from error
+            except OSError as error:
+                raise RunError(f"{file}: cannot be copied into {self._folder} ({error.strerror or error})") from error
+            raise RunError(
+                f"{file}: cannot be copied into {self._folder} as {key}, which is another file there; give it "
+                "another name, for a run's folder has one place for both"
+            )
+        self._copy(path, target)
         self._names[file] = key
+
+    def of_map(self, world: Map) -> str:
+        """The name of the copy of a map's file, with its companions copied too."""
+        try:
+            beside = companions_of(world.source)
+        except MapError as error:
+            raise RunError(str(error)) from error
+        path = world.source.path.absolute()
+        if str(path) in self._names or not beside:
+            return self.of(str(path))
+        # The part of the disk that all of them lie in, as a folder of the map's name.
+        root = Path(os.path.commonpath([path.parent, *(each.parent for each in beside)]))
+        folder = self._folder / self._free_name(Path(path.stem))
+        copies = [folder / each.relative_to(root) for each in (path, *beside)]
+        for each, copy in zip((path, *beside), copies, strict=True):
+            self._copy(each, copy)
+        read = companions_of(attrs.evolve(world.source, path=copies[0]))
+        for each in read:
+            if each not in copies:
+                raise RunError(f"{path}: its copy would still read {each}; name that file relative to {path.name}")
+        self._names[str(path)] = copies[0].relative_to(self._folder).as_posix()
+        return self._names[str(path)]
+
+    def _copy(self, path: Path, copy: Path) -> None:
+        """Copy a file, unless that is where it lies."""
+        try:
+            if copy.parent != self._folder:
+                copy.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RunError(f"{copy.parent}: cannot make this folder ({error.strerror or error})") from None
+        if path.resolve() != copy.resolve():
+            copy_file(path, copy)
 
     def of(self, file: str) -> str:
         """The name of a file's copy."""
         if file not in self._names:
             path = Path(file)
             name = self._free_name(path)
-            try:
-                if path.resolve() != (self._folder / name).resolve():
-                    shutil.copyfile(path, self._folder / name)
-            except OSError as error:
-                raise RunError(f"{file}: cannot be copied into {self._folder}: {error.strerror or error}") from error
+            self._copy(path, self._folder / name)
             self._names[file] = name
         return self._names[file]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from amorsim.sensors.bumper import Bumper, Sector
 from amorsim.sensors.camera import Camera
+from amorsim.sensors.cliff import Cliff
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.fiducial import Fiducial
@@ -13,11 +14,13 @@ from amorsim.sensors.imu import Imu
 from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.light import Light
+from amorsim.sensors.line import Line
 from amorsim.sensors.sonar import Sonar
 
 __all__ = [
     "Bumper",
     "Camera",
+    "Cliff",
     "Compass",
     "Encoder",
     "Fiducial",
@@ -27,6 +30,7 @@ __all__ = [
     "Infrared",
     "Laser",
     "Light",
+    "Line",
     "Sector",
     "Sonar",
 ]

@@ -63,7 +63,7 @@ class Bumper(Sensor):
     unit: ClassVar[str] = "contact"
 
     segments: tuple[Sector, ...] = parameter(_FRONT, static=True, help="the directions, each with a value of its own")
-    reach: float = parameter(0.005, unit="m", gt=0, help="how far it stands out from the footprint")
+    reach: float = parameter(0.005, unit="m", gt=0, le=10, help="how far it stands out from the footprint")
 
     def __attrs_post_init__(self) -> None:
         if not self.segments:

@@ -38,7 +38,8 @@ def hear(
     """What the sound of others, and of other elements of the ring itself, would read `(N, k)` [m]; inf for silence.
 
     Sound goes straight from one transducer to another where each is in the other's cone, or by way of any surface that
-    is seen from both within both cones; of all ways the shortest, which on a flat wall is the mirror's. A transducer
+    is seen from both within both cones, other than those of the robot that emits it; of all ways the shortest, which
+    on a flat wall is the mirror's. A transducer
     takes what comes for its own echo: it reads half the way that sound would have gone since it fired itself. Nothing
     is heard below `range_min`, while it still rings, nor beyond `range_max`.
 
@@ -58,7 +59,9 @@ def hear(
     limit = 2.0 * range_max + SOUND * np.maximum(listens.max(axis=1, keepdims=True) - reach, 0.0)
     half = np.repeat(np.broadcast_to(half_angle, (rows, 1)), k)
     fan = half[:, None] * _FAN
-    ranges = view.cast(receivers, fan, limit)
+    ranges, met = view.look(receivers, fan, limit, landmarks=False)
+    owner = view.bodies().owner
+    surface = _owners(met, owner)
     points = np.empty((len(receivers), len(_FAN), 2))
     sounds.surface_points(receivers, half, _FAN, ranges, points)
     least = np.repeat(np.broadcast_to(range_min, (rows, 1)), k)
@@ -68,10 +71,10 @@ def hear(
     after, after_which = np.full(count, -np.inf), np.full(count, -1, dtype=np.int64)
     heard, which = np.empty((count, _BATCH)), np.empty((count, _BATCH), dtype=np.int64)
     path = np.empty((count, _BATCH, 4))
-    bodies = view.bodies()
-    hearers = _axes(receivers, half), np.ascontiguousarray(listens).reshape(-1), itself, points, ranges
+    hearers = _axes(receivers, half), np.ascontiguousarray(listens).reshape(-1), itself, points, ranges, surface
     emitters = np.ascontiguousarray(said.poses)
     cones = _axes(emitters.reshape(-1, 3), said.half_angle.reshape(-1)).reshape(emitters.shape)
+    carriers = np.ascontiguousarray(said.body)
     fires, fired = np.ascontiguousarray(said.time), np.ascontiguousarray(said.fired)
     row = np.repeat(np.arange(count) // k, _BATCH)
     # Sounds in the order in which they come, until for each hearer one is found that nothing keeps off.
@@ -81,6 +84,7 @@ def hear(
             *hearers,
             emitters,
             cones,
+            carriers,
             fires,
             fired,
             SOUND,
@@ -95,10 +99,8 @@ def hear(
         comes = which >= 0
         if not comes.any():
             break
-        carrier = np.where(comes, which, 0).reshape(-1) // (len(_FAN) + 1)
-        body = said.body[row, carrier]
-        base, reach_of = bodies.poses[row, body], bodies.reach[body]
-        free = comes & _is_free(view, receivers, path, limit, base, reach_of).reshape(comes.shape)
+        emitter = np.where(comes, which, 0).reshape(-1) // (len(_FAN) + 1)
+        free = comes & _is_free(view, receivers, path, limit, carriers[row, emitter], owner).reshape(comes.shape)
         has = free.any(axis=1)
         first = np.argmax(free, axis=1)
         found = np.where(has, heard[np.arange(count), first], found)
@@ -123,22 +125,30 @@ def _itself(own: npt.NDArray[np.bool_], k: int) -> npt.NDArray[np.int64]:
     return np.ascontiguousarray(np.argsort(~own, axis=1, kind="stable")[:, :k]).reshape(-1)
 
 
+def _owners(met: npt.NDArray[np.int64], owner: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Whose surface rays end on: of a part of a robot, the robot's body; -1 for a wall or none."""
+    return np.where(met >= 0, owner[met], -1)
+
+
 def _is_free(
-    view: View, receivers: Array, path: Array, limit: Array, base: Array, reach: Array
+    view: View,
+    receivers: Array,
+    path: Array,
+    limit: Array,
+    carrier: npt.NDArray[np.int64],
+    owner: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.bool_]:
     """Whether the straight lines `(M * b,)` of `path` `(M, b, 4)` to the emitters meet nothing but what carries these.
 
-    What ends a line within `reach` [m] `(M * b,)` of the carrier's base point `(M * b, 3)` is the carrier.
+    Who is met is told by number, not by place: an emitter at the rim of its `carrier` `(M * b,)` is as far off as the
+    rim, up to rounding.
     """
     start, end = path.reshape(-1, 4)[:, :2], path.reshape(-1, 4)[:, 2:]
     back = np.repeat(receivers[:, :2], path.shape[1], axis=0) - start
     way = np.sqrt(back[:, :1] ** 2 + back[:, 1:] ** 2)
     start = start + back * np.minimum(_OFF / np.where(way > 0.0, way, 1.0), 1.0)
     ahead = end - start
-    way = np.sqrt(ahead[:, :1] ** 2 + ahead[:, 1:] ** 2)
-    ahead = ahead / np.where(way > 0.0, way, 1.0)
+    way = np.sqrt(ahead[:, 0] ** 2 + ahead[:, 1] ** 2)
     towards = np.concatenate((start, np.arctan2(ahead[:, 1:], ahead[:, :1])), axis=1)
-    met = np.minimum(view.cast(towards, np.zeros((1, 1)), limit), way)
-    apart = start + met * ahead - base[:, :2]
-    is_carrier = apart[:, 0] ** 2 + apart[:, 1] ** 2 <= reach**2
-    return np.asarray((met[:, 0] >= way[:, 0]) | is_carrier)
+    reach, met = view.look(towards, np.zeros((1, 1)), limit, landmarks=False)
+    return np.asarray((reach[:, 0] >= way) | (_owners(met[:, 0], owner) == carrier))

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
+from amorsim.core.parameters import ParameterError
 from amorsim.sensors.incidence import incidence
 from amorsim.sensors.side import Side
 from amorsim.sensors.sweep import poses_at
@@ -32,7 +33,7 @@ def _fractions(beams: int) -> tuple[Array, Array]:
 
 @attrs.frozen(kw_only=True)
 class Laser(Sensor):
-    """Ranges [m] along beams spread evenly over a field of view, from its right end; inf for no return.
+    """Ranges [m] along beams spread evenly over a field of view, from its right end; inf for no return, -inf too near.
 
     The first beam looks at -fov / 2 from the mount's heading and the last at fov / 2; a full circle does not
     double its last beam; a single beam of a smaller field looks straight ahead.
@@ -45,6 +46,9 @@ class Laser(Sensor):
         Angle from the first beam to the last [rad].
     range_max
         Longest range that is seen [m].
+    range_min
+        Shortest range that is measured [m]. Nearer things read -inf, "too close to measure", as REP 117 of ROS has it.
+        They still hide what is behind them.
     """
 
     unit: ClassVar[str] = "m"
@@ -52,12 +56,19 @@ class Laser(Sensor):
     beams: int = parameter(181, ge=1, le=100_000, static=True, help="beams in a scan")
     fov: float = parameter(math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="angle from the first beam to the last")
     range_max: float = parameter(8.0, unit="m", gt=0, help="longest range that is seen")
+    range_min: float = parameter(0.0, unit="m", ge=0, help="shortest range that is measured; nearer things read -inf")
     traversal: str = parameter(
         "exact",
         choices=("exact", "bresenham"),
         static=True,
         help="how walls are looked for: exactly, or along the cells of Bresenham's line as the original AMORsim did",
     )
+
+    def __attrs_post_init__(self) -> None:
+        if self.range_min >= self.range_max:
+            raise ParameterError(
+                "range_min", f"expected less than range_max {self.range_max!r}, got {self.range_min!r}"
+            )
 
     def size(self, drive: Drive) -> int:
         """One value for each beam."""
@@ -72,7 +83,10 @@ class Laser(Sensor):
         return np.asarray(np.where(np.less(fov, _FULL_CIRCLE), part, full) * fov)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges `(N, beams)` [m], inf for no return; beside them each beam's angle of ``incidence`` [rad]."""
+        """Ranges `(N, beams)` [m], inf for no return, -inf for what is nearer than `range_min`.
+
+        Beside them each beam's angle of ``incidence`` [rad].
+        """
         bearings = self.bearings()
         if aim.bearing is not None:
             bearings = bearings + aim.bearing
@@ -84,4 +98,4 @@ class Laser(Sensor):
             bearings = np.array(np.broadcast_to(bearings, shape)).reshape(-1, 1)
         ranges = view.cast(origins, bearings, range_max, self.traversal)
         side = Side(incidence=lambda: incidence(view, origins, bearings, ranges, range_max).reshape(shape))
-        return ranges.reshape(shape), side
+        return np.where(ranges.reshape(shape) < self.range_min, -np.inf, ranges.reshape(shape)), side

@@ -13,7 +13,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.kernels import readings
 from amorsim.sensors.sweep import poses_at
 
-__all__ = ["check_table", "respond", "ring_poses"]
+__all__ = ["check_table", "respond", "ring_poses", "ring_size"]
 
 Array = npt.NDArray[np.float64]
 
@@ -41,6 +41,11 @@ def respond(ranges: Array, distances: Array, values: Array) -> Array:
         part = np.where((ranges > near) & (ranges <= far), (far - ranges) / (far - near), 0.0)
         answer = np.where((ranges > near) & (ranges <= far), last + (first - last) * part, answer)
     return answer
+
+
+def ring_size(ring: Any) -> int:
+    """How many elements a ring has: a tuple of mounts, or over rows a table of arrays `(N, k)`."""
+    return int(ring.x.shape[1]) if hasattr(ring, "x") else len(ring)
 
 
 def ring_poses(view: View, ring: Any, aim: Aim) -> Array:

@@ -13,17 +13,13 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Draws, Drive, Emission, Mount, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
 from amorsim.sensors.hearing import hear
-from amorsim.sensors.incidence import incidence
+from amorsim.sensors.incidence import nearest_incidence
 from amorsim.sensors.response import ring_poses
 from amorsim.sensors.side import Side
 
 __all__ = ["Sonar"]
 
 Array = npt.NDArray[np.float64]
-
-# Rays in which the nearest return is looked for, by parts of a cone's half angle. Their number is fixed: one that hung
-# on the widest cone of all rows would make a row's bits hang on its company.
-_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
 
 
 @attrs.frozen(kw_only=True)
@@ -109,7 +105,7 @@ class Sonar(Sensor):
         range_max: Any = self.range_max
         ranges = view.cone(origins, half_angle, range_max, self.traversal)
         makers: dict[str, Callable[[], Array]] = {
-            "incidence": lambda: _nearest_incidence(view, origins, half_angle, range_max)
+            "incidence": lambda: nearest_incidence(view, origins, half_angle, range_max)
         }
         if self.medium:
             near: Any = self.range_min
@@ -132,14 +128,3 @@ class Sonar(Sensor):
         turns: Any = self.firing
         late = np.zeros((rows, self.bearings().shape[1])) if isinstance(turns, tuple) else turns * self.interval
         return np.asarray(late + self.phase)
-
-
-def _nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Array:
-    """Angles of incidence [rad] `(N, m)` where the cones' nearest returns come from; 0 where nothing returns."""
-    per_row = len(origins) // view.rows
-    fan = np.repeat(half_angle, per_row, axis=0) * _FAN
-    ranges = view.cast(origins, fan, range_max)
-    nearest = np.argmin(ranges, axis=1)[:, None]
-    bearing = np.take_along_axis(fan, nearest, axis=1)
-    found = incidence(view, origins, bearing, np.take_along_axis(ranges, nearest, axis=1), range_max)
-    return found.reshape(view.rows, per_row)

@@ -9,10 +9,10 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.contracts import Controller, Motion
-from amorsim.controllers.goto import GoTo
-from amorsim.controllers.square import Square
+from amorsim.core.errors import ComponentError
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.core.ways import shut_off
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
@@ -46,12 +46,6 @@ def advice(scenario: Scenario) -> list[str]:
         if robot.controller is None:
             remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
         remarks += _factors(robot)
-        lag = getattr(robot.drive, "lag", 0.0)
-        if isinstance(robot.controller, (GoTo, Square)) and lag > scenario.dt:
-            remarks.append(
-                f"robots.{robot.name}.drive.lag: {lag:g} s is longer than a step ({scenario.dt:g} s), which its "
-                "controller does not reckon with: it may drive about its goal for ever"
-            )
     remarks += _unreachable(scenario)
     remarks += _alike(scenario)
     for i, mark in enumerate(scenario.landmarks):
@@ -95,7 +89,11 @@ def _unreachable(scenario: Scenario) -> list[str]:
         *((f"obstacles.{obstacle.name}.motion", obstacle.motion, obstacle) for obstacle in scenario.obstacles),
     ]
     for path, component, body in bodies:
-        places = [] if component is None or id(component) in asked else list(component.makes_for())
+        try:
+            places = [] if component is None or id(component) in asked else list(component.makes_for())
+        except RAISED as error:
+            what = f"{path} ({type(component).__name__})"
+            raise ComponentError(f"{what}: makes_for() raised {error_in_words(error)}") from error
         asked.add(id(component))
         if not places:
             continue

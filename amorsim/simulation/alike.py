@@ -11,6 +11,7 @@ from amorsim.contracts import RobotModel, SensorModel
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.rows import signature, stack
+from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.scenario.spec import Robot
 
 __all__ = ["group_key", "poses_of", "reading_size", "robot_model"]
@@ -86,3 +87,6 @@ def reading_size(robot: Robot, name: str) -> int:
         return robot.sensors[name].sensor.size(robot.drive)
     except ParameterError as error:
         raise ComponentError(f"robot {robot.name!r}: sensors.{name}.{error}") from None
+    except RAISED as error:
+        what = f"sensor {name!r} ({type(robot.sensors[name].sensor).__name__}) of robot {robot.name!r}"
+        raise ComponentError(f"{what}: size() raised {error_in_words(error)}") from error

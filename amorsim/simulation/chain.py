@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Noise, State
-from amorsim.core.draws import stream_key
+from amorsim.core.draws import Medians, stream_key
 from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED
 from amorsim.core.workers import Workers
 from amorsim.scenario.spec import NoiseElement
+from amorsim.simulation.whose import Whose
 
 __all__ = ["Chain", "Streams"]
 
@@ -51,9 +53,11 @@ class Chain:
     """The elements in order, with their states and draws."""
 
     def __init__(
-        self, elements: Sequence[NoiseElement], streams: Streams, *where: str, columns: Sequence[str] = ()
+        self, elements: Sequence[NoiseElement], streams: Streams, whose: Whose, *where: str, columns: Sequence[str] = ()
     ) -> None:
         self.names = [element.name for element in elements]
+        self._whose = whose
+        self._where = " ".join([where[0], *map(repr, where[1:])])
         self.draws = [streams.draws(*where, "noise", name) for name in self.names]
         self.states: list[State] = [{} for _ in self.names]
         self.elements: list[Noise] = []
@@ -65,6 +69,7 @@ class Chain:
         self.columns = len(columns)
         # Called with an element's number, the element and what its `corrupt` gets, in the place of that.
         self.watch: Callable[..., Array] | None = None
+        self.slides = [i for i, kind in enumerate(kinds) if kind.slide is not Noise.slide]
         self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
@@ -74,38 +79,84 @@ class Chain:
     def start(self, context: Context) -> list[State]:
         """The elements' states at the start of an episode."""
         part = attrs.evolve(context, size=context.size // self.columns) if self.columns else context
-        return [
-            dict(element.start(context if column is None else part))
-            for element, column in zip(self.elements, self.column, strict=True)
-        ]
+        states = []
+        for i, column in enumerate(self.column):
+            try:
+                states.append(dict(self.elements[i].start(context if column is None else part)))
+            except RAISED as error:
+                self._blame(i, error)
+        return states
 
     def aim(self, elapsed: Array) -> Aim:
         """Where the device really looks."""
         aim = Aim()
         for i in self.aims:
-            aim = self.elements[i].aim(aim, elapsed, self.states[i], self.draws[i])
+            try:
+                aim = self.elements[i].aim(aim, elapsed, self.states[i], self.draws[i])
+            except RAISED as error:
+                self._blame(i, error)
         return aim
 
     def delay(self, elapsed: Array) -> Array:
         """How much later than the latency a reading arrives `(N, 1)` [s]."""
         late = np.zeros_like(elapsed)
         for i in self.delays:
-            late = late + self.elements[i].delay(elapsed, self.states[i], self.draws[i])
+            try:
+                late = late + self.elements[i].delay(elapsed, self.states[i], self.draws[i])
+            except RAISED as error:
+                self._blame(i, error)
         return late
+
+    def median(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        """What the values `(N, k)` would become on the whole, without what is random; nothing changes by it."""
+        for i in self.corrupts:
+            state = {name: array.copy() for name, array in self.states[i].items()}
+            draws = Medians(self.draws[i].keys, self.draws[i].counter)
+            try:
+                values = self.elements[i].corrupt(values, side, elapsed, state, draws)
+            except RAISED as error:
+                self._blame(i, error)
+        return values
+
+    def slide(self, motion: Array, elapsed: Array) -> Array:
+        """How far bodies slide `(N, 3)` in addition to their `motion`."""
+        slid = np.zeros_like(motion)
+        for i in self.slides:
+            try:
+                slid = slid + self.elements[i].slide(motion, elapsed, self.states[i], self.draws[i])
+            except RAISED as error:
+                self._blame(i, error)
+        return slid
+
+    def longest_delay(self) -> Array:
+        """What `delay` never exceeds `(N, 1)` [s]; `(1, 1)` where that is the same for all."""
+        longest = np.zeros((1, 1))
+        for i in self.delays:
+            try:
+                longest = longest + self.elements[i].longest_delay()
+            except RAISED as error:
+                self._blame(i, error)
+        return longest
 
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
         """What the values `(N, k)` become on their way through the chain."""
         for i in self.corrupts:
             column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
             corrupt = element.corrupt if self.watch is None else functools.partial(self.watch, i, element)
-            if column is None:
-                values = corrupt(values, side, elapsed, state, draws)
-            else:
-                mine = slice(column, None, self.columns)
-                part = np.ascontiguousarray(values[:, mine])
-                values = values.copy()
-                values[:, mine] = corrupt(part, _Part(side, mine), elapsed, state, draws)
+            try:
+                if column is None:
+                    values = corrupt(values, side, elapsed, state, draws)
+                else:
+                    mine = slice(column, None, self.columns)
+                    part = np.ascontiguousarray(values[:, mine])
+                    values = values.copy()
+                    values[:, mine] = corrupt(part, _Part(side, mine), elapsed, state, draws)
+            except RAISED as error:
+                self._blame(i, error)
         return values
+
+    def _blame(self, i: int, error: BaseException) -> NoReturn:
+        self._whose.blame(f"noise element {self.names[i]!r} of {self._where}", self.elements[i], error)
 
 
 class _Part(Mapping[str, Array]):

@@ -24,7 +24,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.meeting import FINEST, ROUNDING, TOUCH, WALL, resolve
+from amorsim.core.errors import ContactError
+from amorsim.kernels.meeting import FINEST, MOST_LOOKS, ROUNDING, TOUCH, WALL, resolve
 from amorsim.kernels.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, go_free, poses_at, set_out
 from amorsim.kernels.setting_out import NEAR_BODY, NEAR_WALL, look_out
 from amorsim.simulation.bodies import World
@@ -217,6 +218,8 @@ def _meet(world: World, paths: _Paths) -> tuple[Array, Array, list[Contact]]:
     else:  # parts that might meet something are not among them
         which, when, point = np.empty(len(a), dtype=np.int64), np.empty(len(a)), np.empty((len(a), 2))
         met = resolve(paths.scene, a, b, shortest, which, when, point, paths.end)
+        if met < 0:
+            raise _too_many_looks(world, paths, int(a[which[0]]), int(b[which[0]]))
         a, b, when, point = a[which[:met]], b[which[:met]], when[:met], point[:met]
         if world.has_parts:
             _stop_parts(world, paths)
@@ -314,12 +317,16 @@ def _first_contacts(world: World, paths: _Paths, a: Ints, b: Ints, since: Array,
     found = np.full(len(a), np.inf)
     active = np.flatnonzero(speed > 0.0)
     gap = _gaps(world, paths, a[active], b[active], fraction[active], speed[active] + SLACK)
+    looks = 0
     while len(active):
         left = speed[active] * (1.0 - fraction[active])
         going = (gap < left + SLACK) & (fraction[active] < 1.0)
         active, gap = active[going], gap[going]
         if not len(active):
             break
+        looks += 1
+        if looks > MOST_LOOKS:
+            raise _too_many_looks(world, paths, int(a[active[0]]), int(b[active[0]]))
         ahead = np.maximum(gap * (1.0 - 1e-9) - SLACK, shortest) / speed[active]
         following = np.minimum(fraction[active] + ahead, 1.0)
         cap = speed[active] + SLACK
@@ -331,6 +338,18 @@ def _first_contacts(world: World, paths: _Paths, a: Ints, b: Ints, since: Array,
         fraction[active] = following
         active, gap = active[~hit], next_gap[~hit]
     return found
+
+
+def _too_many_looks(world: World, paths: _Paths, a: int, b: int) -> ContactError:
+    """What is wrong with a step in which two are looked at without end."""
+    fast = a if b == WALL or paths.bound[a] >= paths.bound[b] else b
+    other = "the walls" if b == WALL else repr(world.name(b if fast == a else a))
+    return ContactError(
+        f"{world.name(fast)!r}, of {2.0 * world.bodies.reach[fast]:.3g} m, moves points of its outline by up to "
+        f"{paths.bound[fast]:.3g} m in one step, and goes along {other} so closely that its contacts cannot be found: "
+        f"they were looked for at {MOST_LOOKS} places; expected some metres a step at the most, as of a shorter dt, or "
+        "of smaller speeds and rates"
+    )
 
 
 def _last_free(world: World, paths: _Paths, a: Ints, b: Ints, free: Array, hit: Array) -> Array:

@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Clock, Controller, Draws, Estimate, Measurement, RobotModel, State
+from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State
 from amorsim.core.errors import ComponentError
 from amorsim.core.rows import take
+from amorsim.core.trouble import RAISED
+from amorsim.simulation.whose import is_finite
 
 if TYPE_CHECKING:
     from amorsim.simulation.group import Group
 
-__all__ = ["command_of", "command_of_some"]
+__all__ = ["command_of", "command_of_some", "start_controller"]
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
-_FEW = 16  # numbers
+
+
+def start_controller(group: Group, context: Context) -> State:
+    """The state of a group's controller at the start of an episode; nothing where there is none."""
+    if group.controller is None:
+        return {}
+    try:
+        return dict(group.controller.start(context))
+    except RAISED as error:
+        group.whose.blame("controller", group.controller, error)
 
 
 def command_of(group: Group, which: Rows | None) -> Array:
@@ -35,17 +45,23 @@ def command_of(group: Group, which: Rows | None) -> Array:
     controller = group.controller
     assert controller is not None
     asked = (group.robot, group.readings, group.estimate, group.moment.clock, group.controller_state)
-    if which is None:
-        command = controller.command(*asked, group.controller_draws)
-    else:
-        command = _ask_some(controller, *asked, group.controller_draws, which)
+    try:
+        if which is None:
+            command = controller.command(*asked, group.controller_draws)
+        else:
+            command = _ask_some(controller, *asked, group.controller_draws, which)
+    except RAISED as error:
+        group.whose.blame("controller", controller, error)
     expected = group.hand.shape if which is None else (len(which), len(group.channels))
+    answer: Any = command  # whatever the plugin returned
+    if not isinstance(answer, np.ndarray):
+        found = type(answer).__name__
+        raise group.whose.wrong("controller", controller, f"expected a command of the shape {expected}, got a {found}")
     if group.devices and command.shape == (expected[0], len(group.drive.channels)):
         missing = expected[1] - command.shape[1]
         command = np.concatenate((command, np.zeros((expected[0], missing))), axis=1)
-    if command.shape != expected or not _all_finite(command):
-        names = group.names if which is None else [group.names[row] for row in which.tolist()]
-        raise _bad_command(group, command, names)
+    if command.shape != expected or not is_finite(command):
+        raise _bad_command(group, command, np.arange(len(group.names)) if which is None else which)
     return command
 
 
@@ -59,23 +75,15 @@ def command_of_some(group: Group) -> Array:
     return command
 
 
-def _bad_command(group: Group, command: Array, names: Sequence[str]) -> ComponentError:
-    who = f"controller {type(group.controller).__name__} of {', '.join(sorted(set(names))[:3])}"
+def _bad_command(group: Group, command: Array, which: Rows) -> ComponentError:
     channels = ", ".join(group.channels)
-    expected = (len(names), len(group.channels))
+    expected = (len(which), len(group.channels))
     if command.shape != expected:
-        return ComponentError(f"{who}: expected a command of shape {expected} ({channels}), got {command.shape}")
-    row = int(np.flatnonzero(~np.isfinite(command).all(axis=1))[0])
-    return ComponentError(
-        f"{who}: expected finite numbers for {channels} of robot {names[row]!r}, got {command[row].tolist()}"
-    )
-
-
-def _all_finite(array: Array) -> bool:
-    # NumPy takes longer to begin than a few numbers to add up; of finite ones the sum may be infinite all the same.
-    if array.size <= _FEW and math.isfinite(sum(array.ravel().tolist())):
-        return True
-    return bool(np.isfinite(array).all())
+        problem = f"expected a command of the shape {expected} ({channels}), got {command.shape}"
+        return group.whose.wrong("controller", group.controller, problem)
+    whole = np.zeros(group.hand.shape)
+    whole[which] = command
+    return group.whose.not_finite("controller", group.controller, channels, whole)
 
 
 def _ask_some(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from amorsim.contracts import Emission
-from amorsim.core.errors import ComponentError
+from amorsim.core.trouble import RAISED
 from amorsim.simulation.bodies import Emitted, World
 from amorsim.simulation.group import Group
 
@@ -21,13 +21,18 @@ def collect(groups: list[Group], world: World) -> None:
             if not medium:
                 continue
             group.view.mount, group.view.sensor = unit.mount, name
-            emitted = unit.sensor.emit(group.view, unit.state)
-            if emitted is None:
-                raise ComponentError(
-                    f"sensor {name!r} ({type(unit.sensor).__name__}): it has the medium {medium!r}, but emit() gave "
-                    "nothing; expected poses, half angles and whether each emitter fires"
-                )
-            poses, half_angle, fired, time = Emission(*emitted)
+            try:
+                emitted = unit.sensor.emit(group.view, unit.state)
+                if emitted is None:
+                    raise group.whose.wrong(
+                        f"sensor {name!r}",
+                        unit.sensor,
+                        f"it has the medium {medium!r}, but emit() gave nothing; expected poses, half angles and "
+                        "whether each emitter fires",
+                    )
+                poses, half_angle, fired, time = Emission(*emitted)
+            except RAISED as error:
+                unit.blame(error)
             due = unit.due(group.moment)
             if due is not None:
                 fired = fired & due

@@ -71,7 +71,7 @@ class Fleet:
         owners = [number for number, _ in parts]
         names = [body.name for body in bodies] + [f"{robots[owner].name}.{part.name}" for owner, part in parts]
         shapes = [body.shape for body in bodies] + [part.shape for _, part in parts]
-        around = Surroundings.of(bodies, scenario.landmarks, scenario.lights, owners)
+        around = Surroundings.of(bodies, scenario.landmarks, scenario.lights, owners, scenario.floor)
         self.world = World(
             scenario.map,
             names,

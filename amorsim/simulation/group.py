@@ -22,6 +22,7 @@ from amorsim.contracts import (
 )
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import stack, take
+from amorsim.core.trouble import RAISED
 from amorsim.kernels import digest
 from amorsim.kernels.paths import ARC, OTHER
 from amorsim.kernels.poses import mean_twists
@@ -29,14 +30,17 @@ from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import poses_of, reading_size, robot_model
 from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Chain, Streams
-from amorsim.simulation.driving import command_of, command_of_some
+from amorsim.simulation.driving import command_of, command_of_some, start_controller
+from amorsim.simulation.estimating import estimates_of, start_estimators
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.parts import Parts
 from amorsim.simulation.plan import SensePlan
 from amorsim.simulation.sensing import SensorUnit
 from amorsim.simulation.showing import Showing
+from amorsim.simulation.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.view import GroupView
+from amorsim.simulation.whose import Whose, is_finite, of_drive
 from amorsim.simulation.zones import Zones
 
 __all__ = ["Group"]
@@ -71,16 +75,17 @@ class Group:
         self.dt = dt
         self.seed = seed
         self.moment = Moment(replica, dt)
+        self.whose = Whose("robot", self.names, self.moment)
         self.view = GroupView(world, bodies, dt)
         self.world = world
         first = robots[0]
         self.ends_on_collision = first.on_collision == "end"
         self.streams = Streams(seed, self.names, self.moment.counter, world.workers)
         self.drive_draws = self.streams.draws("drive")
-        self.ground = Chain(first.ground, self.streams, "ground")
-        self.zones = Zones(zones, self.rows, self.streams)
+        self.ground = Chain(first.ground, self.streams, self.whose, "ground")
+        self.zones = Zones(zones, self.rows, self.streams, self.whose)
         self.sensors = {
-            name: SensorUnit(name, unit, reading_size(first, name), self.streams)
+            name: SensorUnit(name, unit, reading_size(first, name), self.streams, self.whose)
             for name, unit in first.sensors.items()
         }
         self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
@@ -121,13 +126,21 @@ class Group:
         nominal = self.specified
         sizes = {name: unit.size for name, unit in self.sensors.items()}
         self.robot = robot_model(nominal, sizes, self.channels, self.dt)
-        self._radius = np.ascontiguousarray(self.drive.rolling_radius())
+        self._radius = self._rolling_radius()
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
         self._showing = Showing(self)
 
+    @of_drive
+    def _rolling_radius(self) -> Array:
+        return np.ascontiguousarray(self.drive.rolling_radius())
+
     # ---------------------------------------------------------------------------------------------------- episodes
+
+    @of_drive
+    def _start_drive(self, context: Context) -> State:
+        return dict(self.drive.start(context))
 
     def start(self) -> None:
         """Put every row at the start of an episode. Sensing and estimating come after, when all bodies are placed."""
@@ -145,19 +158,18 @@ class Group:
         self.by_hand = np.zeros((rows, 1), dtype=bool)
         self.hand = np.zeros((rows, len(self.channels)))  # the command of those who are driven by hand
         self.some_by_hand = False
-        self.drive_state: State = dict(self.drive.start(context))
+        self.drive_state: State = self._start_drive(context)
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
         self.zones.start(attrs.evolve(context, size=len(self.rolling)))
         for unit in self.sensors.values():
             unit.start(attrs.evolve(context, size=unit.size))
-        self.estimator_states: dict[str, State] = {
-            name: dict(estimator.start(context)) for name, estimator in self.estimators.items()
-        }
-        self.controller_state: State = {} if self.controller is None else dict(self.controller.start(context))
+        self.estimator_states = start_estimators(self, context)
+        self.controller_state: State = start_controller(self, context)
         self.estimates: dict[str, Estimate] = {
             name: Estimate(told, np.zeros((rows, 3, 3))) for name in self.estimators
         } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
-        self._before = self._after = self._ground_after = self.joints
+        self.joints_before = self._after = self._ground_after = self.joints
+        self._slide: Array | None = None  # of the step, for those whose ground has any
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.parts is not None:
             self.parts.start()
@@ -186,70 +198,93 @@ class Group:
             self.active = self.active.copy()
             self.active[row] = True
 
+    @of_drive
     def actuate(self) -> None:
-        """Let the joints follow the command, and the ground have its way with what rolls."""
-        self._before = self.joints
+        """Let the joints follow the command, and the ground act on what rolls."""
+        self.joints_before = self.joints
         command = self.command
         if self.devices:
             command = np.ascontiguousarray(command[:, : len(self.drive.channels)])
             for name, columns in self.devices.items():
                 unit = self.sensors[name]
-                unit.sensor.actuate(self.command[:, columns], self.dt, unit.state, unit.draws)
+                try:
+                    unit.sensor.actuate(self.command[:, columns], self.dt, unit.state, unit.draws)
+                except RAISED as error:
+                    unit.blame(error)
         self._after, self.joint_rates = self.drive.advance(
             self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
         )
-        self._ground_after = self._after
+        self._ground_after, self._slide = self._after, None
         elapsed = np.full((self.rows, 1), self.dt)
         if self.ground.elements:
-            before = self._before[:, self.rolling]
+            before = self.joints_before[:, self.rolling]
             travel = (self._after[:, self.rolling] - before) * self._radius
             self._ground_after = self._after.copy()
             slipped = self.ground.corrupt(travel, {}, elapsed)
             self._ground_after[:, self.rolling] = before + slipped / self._radius
+            if self.ground.slides:
+                self._slide = self.ground.slide(self.drive.twist(self.joints_before, self._ground_after), elapsed)
         if self.zones:
-            self._ground_after = self.zones.passed(
-                self.drive, self._before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
+            self._ground_after, slide = self.zones.passed(
+                self.drive, self.joints_before, self._ground_after, self.rolling, self._radius, self.true_pose, elapsed
             )
+            if slide is not None:
+                self._slide = slide if self._slide is None else self._slide + slide
 
     # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
 
+    @of_drive
     def travel(self) -> Array:
         """Bounds of the paths: length [m] and turning [rad] `(N, 2)`."""
-        return self.drive.travel(self._before, self._ground_after)
+        return bounds(self.drive.travel(self.joints_before, self._ground_after), self._slide)
 
+    @of_drive
     def path(self) -> tuple[int, Array]:
         """The form of the paths, and what they are made of `(N, 3)`: arcs, but for drives that say otherwise."""
-        if type(self.drive).displacement is Drive.displacement:
-            self._motion = ARC, self.drive.twist(self._before, self._ground_after)
+        if goes_on_arcs(self.drive):
+            self._motion = ARC, arcs(self.drive, self.joints_before, self._ground_after, self._slide)
         else:
             self._motion = OTHER, self._moved(np.ones((self.rows, 1)))
+        if not is_finite(self._motion[1]):
+            raise self.whose.not_finite("drive", self.drive, "the displacement", self._motion[1])
         return self._motion
 
     def _moved(self, fraction: Array) -> Array:
         """The bodies' displacements `(N, 3)` at fractions `(N, 1)` of the step."""
-        return self.drive.displacement(self._before, self._ground_after, fraction)
+        return displaced(self.drive, self.joints_before, self._ground_after, self._slide, fraction)
 
+    @of_drive
     def poses_at(self, which: Ints, fraction: Array) -> Array:
         """Where some of the bodies are at fractions of the step."""
-        displacement = take(self.drive, which).displacement(
-            self._before[which], self._ground_after[which], fraction[:, None]
-        )
+        drive, slide = take(self.drive, which), None if self._slide is None else self._slide[which]
+        displacement = displaced(drive, self.joints_before[which], self._ground_after[which], slide, fraction[:, None])
         return compose(self.true_pose[which], displacement)
 
+    @of_drive
     def part_travel(self) -> Array:
         """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
-        return self.drive.part_travel(self._before, self._ground_after)
+        return part_bounds(self.drive.part_travel(self.joints_before, self._ground_after), self._slide)
 
+    @of_drive
     def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
         """Poses of robots were they to stop at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
-        drive, before, ground, after, poses = self.drive, self._before, self._ground_after, self._after, self.true_pose
+        drive, before, ground, after, poses = (
+            self.drive,
+            self.joints_before,
+            self._ground_after,
+            self._after,
+            self.true_pose,
+        )
+        slide = self._slide
         if self.rows > 1 or len(which) > 1:  # one alone, which is looked at often, is all there is
             drive = take(drive, which)
             before, ground, after, poses = before[which], ground[which], after[which], poses[which]
-        displacement = drive.displacement(before, ground, fraction)
+            slide = None if slide is None else slide[which]
+        displacement = displaced(drive, before, ground, slide, fraction)
         joints = np.where(fraction < 1.0, drive.between(before, after, fraction), after)
         return compose(poses, displacement), drive.part_poses(drive.follow(joints, displacement))
 
+    @of_drive
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
         form, motion = self._motion
@@ -277,7 +312,7 @@ class Group:
     def _halt(self, stop: Array) -> None:
         """Stop the wheels of those who met something, at the fraction `(N,)` of the step at which they did."""
         stopped = (stop < 1.0)[:, None]
-        between = self.drive.between(self._before, self._after, stop[:, None])
+        between = self.drive.between(self.joints_before, self._after, stop[:, None])
         self._after = np.where(stopped, between, self._after)
         self.joint_rates = np.where(stopped, 0.0, self.joint_rates)
 
@@ -298,16 +333,7 @@ class Group:
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""
-        elapsed = self.moment.elapsed
-        for name, estimator in self.estimators.items():
-            self.estimates[name] = estimator.update(
-                self.robot,
-                self.readings,
-                self.command,
-                elapsed,
-                self.estimator_states[name],
-                self.estimator_draws[name],
-            )
+        self.estimates.update(estimates_of(self))
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
@@ -329,6 +355,11 @@ class Group:
         """What the controller is told: the first estimator's estimate."""
         return next(iter(self.estimates.values()))
 
+    @property
+    def mean_rates(self) -> Array:
+        """Mean rates of the joints over the step `(N, j)` [rad/s]; those at its end are `joint_rates`."""
+        return (self.joints - self.joints_before) / self.dt
+
     def frame(self) -> Frame:
         """The step as recorders get it."""
         return self._showing.frame()
@@ -346,7 +377,7 @@ class Group:
         return found
 
     _ARRAYS = (
-        *("true_pose", "true_twist", "joints", "joint_rates", "command"),
+        *("true_pose", "true_twist", "joints", "joints_before", "joint_rates", "command"),
         *("active", "by_hand", "hand", "fingerprint"),
     )
 

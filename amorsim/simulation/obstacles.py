@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Motion, ObstacleFrame, State
-from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED
 from amorsim.kernels import digest
 from amorsim.kernels.paths import LINE
 from amorsim.scenario.spec import Obstacle
@@ -19,6 +19,7 @@ from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Streams
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.view import GroupView
+from amorsim.simulation.whose import Whose, is_finite
 
 __all__ = ["ObstacleGroup"]
 
@@ -37,6 +38,7 @@ class ObstacleGroup:
         self.specified = self.obstacles
         self.bodies = bodies
         self.moment = Moment(replica, dt)
+        self.whose = Whose("obstacle", self.names, self.moment)
         self.view = GroupView(world, bodies, dt)
         self.streams = Streams(seed, [obstacle.name for obstacle in obstacles], self.moment.counter)
         self.draws = self.streams.draws("motion")
@@ -56,7 +58,10 @@ class ObstacleGroup:
         if self.motion is not None:
             nobody: Any = None  # an obstacle is no robot, and is told nothing
             context = Context(rows=rows, dt=self.moment.dt, pose=self.true_pose, robot=nobody, names=self.names)
-            self.state = dict(self.motion.start(context))
+            try:
+                self.state = dict(self.motion.start(context))
+            except RAISED as error:
+                self.whose.blame("motion", self.motion, error)
 
     def actuate(self) -> None:
         """Ask the motions where the obstacles want to go."""
@@ -67,13 +72,16 @@ class ObstacleGroup:
         self.view.mount = np.zeros_like(self.true_pose)
         self.view.twist = self.true_twist
         self.view.free = self.free
-        proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
-        if proposed.shape != self.true_pose.shape or not np.isfinite(proposed).all():
-            names = ", ".join(sorted({obstacle.name for obstacle in self.obstacles})[:3])
-            raise ComponentError(
-                f"motion {type(self.motion).__name__} of {names}: expected finite displacements of shape "
-                f"{self.true_pose.shape}, got {proposed.tolist() if proposed.size < 10 else proposed.shape}"
-            )
+        try:
+            proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
+        except RAISED as error:
+            self.whose.blame("motion", self.motion, error)
+        shape = self.true_pose.shape
+        if not isinstance(proposed, np.ndarray) or proposed.shape != shape:
+            found = getattr(proposed, "shape", type(proposed).__name__)
+            raise self.whose.wrong("motion", self.motion, f"expected displacements of the shape {shape}, got {found}")
+        if not is_finite(proposed):
+            raise self.whose.not_finite("motion", self.motion, "the displacement", proposed)
         self.proposed = proposed
 
     def travel(self) -> Array:

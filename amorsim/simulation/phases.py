@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.errors import AmorsimError
 from amorsim.simulation.contact import WALL, Contact, Mover, move
 from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
@@ -15,6 +16,7 @@ from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.parting import still_near
+from amorsim.simulation.whose import is_finite
 
 Array = npt.NDArray[np.float64]
 
@@ -72,12 +74,26 @@ def _move(fleet: Fleet) -> None:
 
 def _meet(fleet: Fleet, poses: Array, contacts: Sequence[Contact]) -> None:
     """Put all bodies where they are after a step in which there were such contacts."""
+    if not is_finite(poses):
+        raise _not_finite(fleet, poses)
     for contact in contacts:
         # A contact that goes on is no further collision.
         if (contact.body, contact.other) not in fleet.contacts:
             _log_contact(fleet, contact)
     before, fleet.world.poses = fleet.world.poses, poses
     _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY, before)
+
+
+def _not_finite(fleet: Fleet, poses: Array) -> AmorsimError:
+    """The error for a pose that is nan or inf: of a robot, a part of one or an obstacle."""
+    world = fleet.world
+    body = int(np.flatnonzero(~np.isfinite(poses).all(axis=1))[0])
+    group, row = fleet.row_of(int(world.owner[body]))
+    what, component = ("drive", group.drive) if isinstance(group, Group) else ("motion", group.motion)
+    _, part = world.whose(body)
+    rows = np.zeros((len(group.bodies), 3))
+    rows[row] = poses[body]
+    return group.whose.not_finite(what, component, f"the pose of {part!r}" if part else "the pose", rows)
 
 
 def _sense(fleet: Fleet) -> None:

@@ -251,6 +251,8 @@ def _fits(unit: SensorUnit) -> bool:
         return False
     if kind == sensing.LASER and len(sensor.bearings()) > 1:  # rows of different fields of view
         return False
+    if kind == sensing.LASER and (sensor.range_min > 0.0).any():
+        return False
     if kind == sensing.SONAR and not (sensor.half_angle == sensor.half_angle[0]).all():
         return False
     return all(_link(element) is not None for element in unit.chain.elements)

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, State
-from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED
+from amorsim.scenario.needs import samples_under_way
 from amorsim.scenario.spec import MountedSensor
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.view import GroupView
+from amorsim.simulation.whose import Whose
 
 __all__ = ["SensorUnit"]
 
@@ -76,10 +78,11 @@ class SensorUnit:
     Arrays of a reading are replaced, never changed, so whoever holds one keeps what he saw.
     """
 
-    def __init__(self, name: str, specified: MountedSensor, size: int, streams: Streams) -> None:
+    def __init__(self, name: str, specified: MountedSensor, size: int, streams: Streams, whose: Whose) -> None:
         self.name = name
         self.size = size
-        self.chain = Chain(specified.noise, streams, "sensor", name, columns=tuple(specified.sensor.columns()))
+        self.whose = whose
+        self.chain = Chain(specified.noise, streams, whose, "sensor", name, columns=tuple(specified.sensor.columns()))
         self.draws: Draws = streams.draws("sensor", name)
         self.sensor: Sensor = specified.sensor
         self.state: State = {}
@@ -147,16 +150,16 @@ class SensorUnit:
         rates = [math.inf if unit.rate is None else unit.rate for unit in true]
         self._rate = None if all(rate * dt >= 1 - _TOLERANCE for rate in rates) else np.array([rates]).T
         self._latency = np.array([[unit.latency] for unit in true])
-        longest = self._latency
-        for i in self.chain.delays:
-            longest = longest + self.chain.elements[i].longest_delay()
-        self._slots = int(np.ceil(longest / dt - _TOLERANCE).max()) + 1
+        self._slots = samples_under_way(self._latency + self.chain.longest_delay(), dt) + 1
         delays = np.ceil(self._latency / dt - _TOLERANCE).astype(np.int64)
         self._delay = delays if self._slots > 1 else None
 
     def start(self, context: Context) -> None:
         """Forget everything: the state at the start of an episode, before the first sample."""
-        self.state = dict(self.sensor.start(context))
+        try:
+            self.state = dict(self.sensor.start(context))
+        except RAISED as error:
+            self.blame(error)
         self.chain.states = self.chain.start(context)
         rows = context.rows
         self._hold_nothing(rows)
@@ -215,25 +218,49 @@ class SensorUnit:
             elapsed = np.where(last < 0, 0.0, (moment.tick - last) * moment.dt)
         view.mount, view.sensor = self.mount, self.name
         ideal = Aim()
-        if self.chain.aims:
-            before = {key: value.copy() for key, value in self.state.items()}
-            true, _ = self.sensor.sense(view, ideal, self.state, self.draws)
-            self.state.clear()
-            self.state.update(before)
-            self.draws.rewind()
-            values, side = self.sensor.sense(view, self.chain.aim(elapsed), self.state, self.draws)
-        else:
-            values, side = self.sensor.sense(view, ideal, self.state, self.draws)
-            true = values
-        if values.shape != true.shape or true.shape[1] != self.size:
-            raise ComponentError(
-                f"sensor {self.name!r} ({type(self.sensor).__name__}): expected values of shape "
-                f"({len(self.mount)}, {self.size}), got {values.shape}"
-            )
-        measured = self.chain.corrupt(values, side, elapsed)
+        try:
+            if self.chain.aims:
+                before = {key: value.copy() for key, value in self.state.items()}
+                true, _ = self.sensor.sense(view, ideal, self.state, self.draws)
+                self.state.clear()
+                self.state.update(before)
+                self.draws.rewind()
+                values, side = self.sensor.sense(view, self.chain.aim(elapsed), self.state, self.draws)
+                self._check(true, "sense()")
+            else:
+                values, side = self.sensor.sense(view, ideal, self.state, self.draws)
+                true = values
+        except RAISED as error:
+            self.blame(error)
+        self._check(values, "sense()")
+        measured = values
+        if self.chain.corrupts:
+            measured = self.chain.corrupt(values, side, elapsed)
+            self._check(measured, f"its chain of noise ({', '.join(self.chain.names)})")
         if self.chain.delays:
             self._late = self.chain.delay(elapsed)
         return true, measured
+
+    def _check(self, values: Any, by: str) -> None:
+        """Raise what is wrong with values that were to be `(N, k)` numbers, or inf where nothing returned."""
+        shape = len(self.mount), self.size
+        if not isinstance(values, np.ndarray) or values.shape != shape:
+            found = f"the shape {values.shape}" if isinstance(values, np.ndarray) else f"a {type(values).__name__}"
+            raise self.whose.wrong(
+                self._what, self.sensor, f"expected values of the shape {shape} from {by}, got {found}"
+            )
+        # The least of numbers is nan where one of them is; where one is inf it need not be.
+        if values.size and values.min() != values.min():
+            told = np.where(np.isinf(values), 0.0, values)
+            raise self.whose.not_finite(self._what, self.sensor, f"the reading from {by}", told)
+
+    @property
+    def _what(self) -> str:
+        return f"sensor {self.name!r}"
+
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise what the sensor raised, as `Whose.blame` does."""
+        self.whose.blame(self._what, self.sensor, error)
 
     def _deliver(
         self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, last: Ticks, moment: Moment

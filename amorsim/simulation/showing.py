@@ -50,7 +50,7 @@ class Showing:
             group.true_pose,
             group.true_twist,
             self._joint_names,
-            group.joint_rates,
+            group.mean_rates,
             group.estimates,
             readings,
             group.channels,

@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Sightings
-from amorsim.kernels import poses, scans, sight
+from amorsim.kernels import body_normals, poses, scans, sight
 from amorsim.simulation.bodies import World
 
-__all__ = ["find_landmarks", "look_about"]
+__all__ = ["find_landmarks", "look_about", "normals_at"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -119,22 +119,27 @@ def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array)
     return seen
 
 
-def look_about(world: World, own: Ints, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, Ints]:
+def look_about(
+    world: World, own: Ints, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+) -> tuple[Array, Ints]:
     """Distances [m] `(Q, k)` to what rays meet first, inf for nothing; and which thing it is, -1 for a wall or none.
 
-    Things are the bodies of a replica, in order, then the landmarks, of which those are seen that have a colour.
+    Things are the bodies of a replica, in order, then the landmarks, of which those are seen that have a colour; or
+    none of them.
     """
     cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
     poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
     ranges, met = look_along(world, own, origins, cos_b, sin_b, range_max)
     things = np.where(met >= 0, met % world.count, -1)
+    if not landmarks:
+        return ranges, things
     around = world.surroundings
     radius = np.where([colour is not None for colour in around.colours[world.count :]], around.radius, 0.0)
     if (radius > 0.0).any():
         sight.look_at_discs(
             np.ascontiguousarray(origins),
-            cos_b,
-            sin_b,
+            np.array(np.broadcast_to(cos_b, ranges.shape)),
+            np.array(np.broadcast_to(sin_b, ranges.shape)),
             range_max,
             around.landmarks,
             radius,
@@ -143,6 +148,23 @@ def look_about(world: World, own: Ints, origins: Array, bearings: Array, range_m
             things,
         )
     return ranges, things
+
+
+def normals_at(world: World, own: Ints, origins: Array, bearings: Array, bodies: Ints) -> Array:
+    """Directions [rad] `(Q, k)` of the normals where rays enter bodies of their replicas; nan where `bodies` is -1."""
+    first = world.first[world.replica_index[own]]
+    which = np.where(bodies >= 0, first[:, None] + bodies, -1)
+    out = np.empty(which.shape)
+    body_normals.normals_of(
+        world.bodies,
+        world.poses,
+        world.edge_rows,
+        np.ascontiguousarray(origins),
+        np.array(np.broadcast_to(bearings, which.shape)),
+        which,
+        out,
+    )
+    return out
 
 
 def look_along(

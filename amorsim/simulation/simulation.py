@@ -83,6 +83,18 @@ class Simulation:
         self._fleet = Fleet(self.scenario, seed, self.replicas, self.threads)
         phases.first_look(self._fleet)
 
+    def __repr__(self) -> str:
+        scenario, ticks = self.scenario, sorted(set(self._fleet.ticks.tolist()))
+        name = scenario.source.stem if scenario.source else scenario.map.name
+        counts = [
+            (len(scenario.robots), "robot"),
+            (len(scenario.obstacles), "obstacle"),
+            (len(self.replicas), "replica"),
+        ]
+        told = [f"{count} {what}{'s' if count > 1 else ''}" for count, what in counts if count]
+        times = " to ".join(f"{tick * self.dt:g}" for tick in dict.fromkeys((ticks[0], ticks[-1])))
+        return f"<Simulation{f' of {name!r}' if name else ''}: {', '.join(told)}, seed {self.seed}, at {times} s>"
+
     @property
     def seed(self) -> int:
         """The seed of all random draws."""
@@ -100,8 +112,17 @@ class Simulation:
         phases.step(self._fleet)
 
     def run(self, duration: float | None = None) -> None:
-        """Step until `duration` [s] more have passed; without it, the scenario's duration."""
-        for _ in range(self.steps_of(self.scenario.duration if duration is None else duration)):
+        """Step until `duration` [s] more have passed; without it, the scenario's duration.
+
+        Raises
+        ------
+        AmorsimError
+            If the duration is below 0, or not a finite number.
+        """
+        duration = self.scenario.duration if duration is None else duration
+        if not 0.0 <= duration < np.inf:
+            raise AmorsimError(f"duration: expected a number of seconds >= 0, got {duration!r}")
+        for _ in range(self.steps_of(duration)):
             self.step()
 
     def steps_of(self, duration: float) -> int:
@@ -432,9 +453,13 @@ def _plain(number: Any) -> Any:
 def _check_memory(scenario: Scenario, replicas: int) -> None:
     """Complain of more than fits, before any of it is made."""
     bodies: list[Robot | Obstacle] = [*scenario.robots, *scenario.obstacles]
-    each = sum(map(least_bytes, bodies))
+    each = sum(least_bytes(body, scenario.dt) for body in bodies)
     if problem := too_large(replicas, each):
-        raise AmorsimError(f"{replicas} replicas: they {problem}")
+        longest = max((unit.latency for robot in scenario.robots for unit in robot.sensors.values()), default=0.0)
+        late = f" (readings with a latency of {longest:g} s wait for up to {longest / scenario.dt:.6g} steps)"
+        hint = late if longest > 1000 * scenario.dt else ""
+        who = f"{replicas} replicas: they" if replicas > 1 else "this scenario"
+        raise AmorsimError(f"{who} {problem}{hint}")
 
 
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:

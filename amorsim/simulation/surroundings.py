@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Lights
-from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot
+from amorsim.scenario.spec import Floor, Landmark, Light, Obstacle, Robot
+from amorsim.simulation.floors import FloorPlan
 
 __all__ = ["Surroundings"]
 
@@ -34,6 +35,8 @@ class Surroundings:
         `(C,)` which bodies of a replica carry a mark.
     lights
         The lamps.
+    floor
+        What is marked on the floor, and where it drops.
     colours, heights
         Of each thing: its colour or none, and how high it is [m].
     """
@@ -43,6 +46,7 @@ class Surroundings:
     ids: Ints
     carriers: Ints
     lights: Lights
+    floor: FloorPlan
     colours: tuple[str | None, ...]
     heights: Array
 
@@ -53,6 +57,7 @@ class Surroundings:
         landmarks: Sequence[Landmark] = (),
         lights: Sequence[Light] = (),
         owners: Sequence[int] = (),
+        floor: Floor | None = None,
     ) -> Surroundings:
         """Those of a scenario; `bodies` in the order that they have in a replica, `owners` those of its parts."""
         carried = [(i, body.fiducial) for i, body in enumerate(bodies) if body.fiducial]
@@ -66,6 +71,7 @@ class Surroundings:
                 places=np.array([[light.x, light.y] for light in lights], dtype=np.float64).reshape(-1, 2),
                 intensity=np.array([light.intensity for light in lights], dtype=np.float64),
             ),
+            floor=FloorPlan(floor or Floor()),
             colours=tuple(thing.colour for thing in things),
             heights=np.array([thing.height for thing in things], dtype=np.float64),
         )

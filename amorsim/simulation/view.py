@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import BodyStates, Emissions, Lights, Sightings
+from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers
 from amorsim.kernels import bresenham, cones, poses, scans
-from amorsim.simulation.sights import find_landmarks, look_about
+from amorsim.simulation.sights import find_landmarks, look_about, normals_at
 from amorsim.simulation.touch import find_touched
 
 if TYPE_CHECKING:
@@ -149,6 +149,7 @@ class GroupView:
             reach=world.bodies.reach[: world.count],
             own=self._bodies % world.count,
             is_robot=world.is_robot,
+            owner=world.owner[: world.count],
         )
 
     def landmarks(self, slots: int, range_max: Array, half_angle: Array) -> Sightings:
@@ -156,11 +157,18 @@ class GroupView:
         reach, angle = self._per_row(range_max), self._per_row(half_angle)
         return find_landmarks(self._world, self._bodies, self.pose, slots, reach, angle)
 
-    def look(self, origins: Array, bearings: Array, range_max: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+    def look(
+        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+    ) -> tuple[Array, npt.NDArray[np.int64]]:
         """What beams meet first; see `amorsim.contracts.View.look`."""
         per_row = len(origins) // self.rows
         limits = np.repeat(self._per_row(range_max), per_row)
-        return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits)
+        return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits, landmarks)
+
+    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
+        """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
+        own = np.repeat(self._bodies, len(origins) // self.rows)
+        return normals_at(self._world, own, origins, bearings, bodies)
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
         """Whether zones press on something; see `amorsim.contracts.View.touches`."""
@@ -180,6 +188,15 @@ class GroupView:
     def heights(self) -> Array:
         """How high all things are."""
         return self._world.surroundings.heights
+
+    def floor(self, places: Array) -> FloorPoints:
+        """What the floor is like at places; see `amorsim.contracts.View.floor`."""
+        if not isinstance(places, np.ndarray) or places.shape[:1] + places.shape[2:] != (self.rows, 2):
+            raise ComponentError(
+                f"view.floor: places: expected places in the world, an array ({self.rows}, k, 2) [m], got "
+                f"{_told(places)}"
+            )
+        return self._world.surroundings.floor.at(places)
 
     def lights(self) -> Lights:
         """All lamps; see `amorsim.contracts.View.lights`."""

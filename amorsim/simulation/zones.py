@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Drive, State
-from amorsim.core.crossings import contains, share_within
+from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.poses import compose
 from amorsim.scenario.spec import Zone
 from amorsim.simulation.chain import Chain, Streams
+from amorsim.simulation.whose import Whose
 
 __all__ = ["Zones", "contact_points", "zone_streams"]
 
@@ -27,9 +28,9 @@ def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
 class Zones:
     """The zones of a scenario, in order, with the states and draws of a group's rows in each."""
 
-    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams) -> None:
+    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams, whose: Whose) -> None:
         self._zones = [zone for zone in zones if zone.ground]
-        self._chains = [Chain(zone.ground, streams, "zone", zone.name) for zone in self._zones]
+        self._chains = [Chain(zone.ground, streams, whose, "zone", zone.name) for zone in self._zones]
         for zone, chain in zip(self._zones, self._chains, strict=True):
             chain.set_parameters([zone.ground] * rows)
         self._discs = [_disc(zone) for zone in self._zones]
@@ -51,41 +52,57 @@ class Zones:
         radius: Array,
         pose: Array,
         elapsed: Array,
-    ) -> Array:
+    ) -> tuple[Array, Array | None]:
         """The joints `(N, j)` as the ground takes them, of drives at `pose` whose joints go from `before` to `after`.
 
-        `rolling` are the joints that roll, `radius` `(N, r)` [m] their way over the ground per radian. Each zone has
-        its way with the part of a joint's travel that lies within it, by the share of the straight line between where
-        it touches the ground first and last. So what comes of a way over the floor does not depend on the steps it is
-        made in, but for how bent the way is within one, and how much farther a wheel comes that does not slip.
+        With them, how far the bodies slide `(N, 3)`, where any zone lets them. `rolling` are the joints that roll,
+        `radius` `(N, r)` [m] their way over the ground per radian. Each zone acts on the part of a joint's travel that
+        it rolls within it, on the straight line between where it touches the ground first and last. A step is cut
+        where a joint crosses the border, so that what comes of a way over the floor depends on the step only by how
+        bent the way is within one.
         """
         begin = contact_points(drive, before, pose)
         end = contact_points(drive, after, compose(pose, drive.displacement(before, after, np.ones((len(pose), 1)))))
         travel = (after[:, rolling] - before[:, rolling]) * radius
-        slipped = self._corrupt(travel, begin, end, elapsed)
+        motion = drive.twist(before, after) if any(chain.slides for chain in self._chains) else None
+        slipped, slide = self._corrupt(travel, begin, end, elapsed, motion)
         found = after.copy()
-        # Who meets no zone keeps its bits.
+        # Robots outside all zones keep their bits.
         found[:, rolling] = np.where(slipped == travel, after[:, rolling], before[:, rolling] + slipped / radius)
-        return found
+        return found, slide
 
-    def _corrupt(self, travel: Array, begin: Array, end: Array, elapsed: Array) -> Array:
+    def _corrupt(
+        self, travel: Array, begin: Array, end: Array, elapsed: Array, motion: Array | None
+    ) -> tuple[Array, Array | None]:
         start, stop = begin.reshape(-1, 2), end.reshape(-1, 2)
+        slide = None if motion is None else np.zeros_like(motion)
         way = np.sqrt((stop[:, 0] - start[:, 0]) ** 2 + (stop[:, 1] - start[:, 1]) ** 2)
         for zone, chain, (x, y, reach) in zip(self._zones, self._chains, self._discs, strict=True):
             apart = (start[:, 0] - x) ** 2 + (start[:, 1] - y) ** 2
             if (apart > (way + reach) ** 2).all():
-                # The elements are told all the same: what one robot's state is must not hang on where others are.
+                # The elements are called all the same: a robot's state must not depend on where others are.
                 nothing = np.zeros_like(travel)
                 chain.corrupt(nothing, {"entered": nothing}, elapsed)
+                if chain.slides and motion is not None:
+                    chain.slide(np.zeros_like(motion), elapsed)
                 continue
             a, b = _in_frame(zone, start), _in_frame(zone, stop)
             share = share_within(zone.shape, a, b).reshape(travel.shape)
             entered = (share > 0.0) & ~contains(zone.shape, a).reshape(travel.shape)
+            side = {"entered": entered.astype(np.float64)}
             # Of what lies outside nothing, not even a zero with a sign.
             within = np.where(share > 0.0, travel * share, 0.0)
-            passed = chain.corrupt(within, {"entered": entered.astype(np.float64)}, elapsed)
-            travel = np.where(share > 0.0, (travel - within) + passed, travel)
-        return travel
+            share = _cut(zone, a, b, share, within, chain.median(within, side, elapsed))
+            within = np.where(share > 0.0, travel * share, 0.0)
+            passed = chain.corrupt(within, side, elapsed)
+            slipped = np.where(share > 0.0, (travel - within) + passed, travel)
+            if chain.slides and motion is not None and slide is not None:
+                slide = slide + chain.slide(motion * _mean(share), elapsed)
+            # The next zone sees the way that this one leaves.
+            over = np.where(travel != 0.0, travel, 1.0)
+            stop = start + (stop - start) * np.where(travel != 0.0, slipped / over, 1.0).reshape(-1, 1)
+            travel = slipped
+        return travel, slide
 
     def states(self) -> dict[str, State]:
         """The states of all elements, by where they are; the dicts themselves."""
@@ -94,6 +111,26 @@ class Zones:
             for zone, chain in zip(self._zones, self._chains, strict=True)
             for name, state in zip(chain.names, chain.states, strict=True)
         }
+
+
+def _cut(zone: Zone, a: Array, b: Array, share: Array, within: Array, passed: Array) -> Array:
+    """The share `(N, r)` of what wheels roll that they roll within a zone, which lets them go `passed` for `within`.
+
+    `share` is that of wheels that go all that they roll, on the lines from `a` to `b` in the zone's frame.
+    """
+    slips = (share > 0.0) & (passed != within) & (within != 0.0)
+    if not slips.any():
+        return share
+    ratio = np.where(slips, passed / np.where(slips, within, 1.0), 1.0)
+    return np.where(slips, share_rolled(zone.shape, a, b, ratio.reshape(-1)).reshape(share.shape), share)
+
+
+def _mean(share: Array) -> Array:
+    """The mean over the wheels `(N, 1)`, in one order for every row."""
+    total = share[:, :1]
+    for i in range(1, share.shape[1]):
+        total = total + share[:, i : i + 1]
+    return np.asarray(total / share.shape[1])
 
 
 def contact_points(drive: Drive, joints: Array, pose: Array) -> Array:

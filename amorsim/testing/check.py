@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import pickle
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,13 +17,14 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
 from amorsim.plugins.checks import check_class
+from amorsim.scenario.spec import Scenario
 from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
 from amorsim.testing.maps import check_map_loader
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
-from amorsim.testing.trial import Trial, try_rows
+from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
 
 __all__ = ["check_component"]
@@ -51,6 +53,7 @@ def check_component(
     side: Mapping[str, float] | None = None,
     inf: str = "kept",
     path: str | Path | None = None,
+    scene: Scenario | None = None,
 ) -> None:
     """Try whether a component keeps its contract.
 
@@ -78,6 +81,15 @@ def check_component(
         makes up returns; ``"absent"`` for one whose values are never inf, such as the travel of a wheel.
     path
         A file that a map loader is to read.
+    scene
+        Where a sensor, estimator, controller or motion is tried, in place of a hall with a post, a box, marks and
+        lamps: the map, obstacles, landmarks and lights of a scenario. Its robots say where those that are tried
+        start, and drive about by some centimetres a step.
+
+    Warns
+    -----
+    UserWarning
+        If a sensor's reading never changed in any trial: then nothing was proven of what it reads.
 
     Raises
     ------
@@ -103,7 +115,8 @@ def check_component(
         trial.check_paths(kin)
         trial.check_inverse(kin)
         return
-    rig = _plain_rig() if drive is None and sensors is None else Rig(drive, sensors)
+    is_plain = drive is None and sensors is None and scene is None
+    rig = _plain_rig() if is_plain else Rig(drive, sensors, scene)
     others: Trial[Any]
     if isinstance(component, Sensor):
         others = SensorTrial(who, rig, component, kin)
@@ -115,7 +128,20 @@ def check_component(
         others = ControllerTrial(who, rig)
     else:
         others = MotionTrial(who, rig)
-    try_rows(others, kin)
+    record = try_rows(others, kin)
+    if isinstance(component, Sensor):
+        _check_change(who, record)
+
+
+def _check_change(who: Who, record: Record) -> None:
+    """Warn of a sensor that read the same at all times: whether it reads the right thing, no trial can have told."""
+    values = [outputs["values"] for outputs in record.outputs]
+    if all(array.tobytes() == values[0].tobytes() for array in values):
+        warnings.warn(
+            f"{who}: its reading never changed in the trials ({values[0].ravel()[:3].tolist()} from first to last), so "
+            "nothing was proven of what it reads; give check_component a scene in which it changes",
+            stacklevel=3,
+        )
 
 
 @functools.cache

@@ -175,6 +175,13 @@ class NoiseTrial(Trial[Noise]):
                 self.who.require(
                     (kept == np.inf).all(), "inf", "corrupt() where nothing returned", "inf", kept[kept != np.inf][:3]
                 )
+        if type(component).slide is not Noise.slide:
+            motion = 0.1 * np.sin(session.index[:, None] + np.arange(3.0) + session.t)
+            given.add("motion", motion)
+            with self.who.calling("slide"):
+                slid = component.slide(motion, elapsed, state, session.draws)
+            outputs["slide"] = self.array(slid, (rows, 3), "slide()")
+            self.who.require(np.isfinite(slid).all(), "finite", "slide()", "finite numbers", "nan or inf")
         return outputs
 
 

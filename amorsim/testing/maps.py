@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import random
+import shutil
 import tempfile
 from pathlib import Path
 
@@ -34,6 +36,33 @@ def check_map_loader(who: Who, loader: MapLoader, path: Path | None) -> None:
             first, second = loader.load(path), loader.load(path)
         who.require(isinstance(first, Map), "load", f"load({path.name})", "a Map", type(first).__name__)
         who.require(first == second, "determinism", f"a second load({path.name})", "the same map", "another one")
+        _check_companions(who, loader, path.absolute(), first)
+
+
+def _check_companions(who: Who, loader: MapLoader, path: Path, world: Map) -> None:
+    """Copy a file with those that the loader names, as into a run's folder, and see whether it is the same map."""
+    with who.calling("companions"):
+        found = list(loader.companions(path))
+    for each in found:
+        what = f"companions({path.name})"
+        who.require(isinstance(each, Path), "companions", what, "paths", repr(each))
+        who.require((path.parent / each).is_file(), "companions", what, "files that are there", each)
+    files = [path, *(Path(os.path.abspath(path.parent / each)) for each in found)]  # noqa: PTH100
+    root = Path(os.path.commonpath([each.parent for each in files]))
+    with tempfile.TemporaryDirectory() as folder:
+        copies = [Path(folder) / each.relative_to(root) for each in files]
+        for each, copy in zip(files, copies, strict=True):
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(each, copy)
+        what = f"a copy of {path.name} and its companions in another folder"
+        with who.calling("companions"):
+            named = {Path(os.path.abspath(copies[0].parent / each)) for each in loader.companions(copies[0])}  # noqa: PTH100
+        who.require(named == set(copies[1:]), "companions", what, "the copies as its companions", sorted(named))
+        try:
+            again = loader.load(copies[0])
+        except Exception as error:
+            who.fail("companions", f"{what}: expected the same map, found {type(error).__name__}: {error}")
+        who.require(again == world, "companions", what, "the same map", "another one")
 
 
 def _load_or_refuse(who: Who, loader: MapLoader, path: Path, what: str, *, refuse: bool = False) -> None:

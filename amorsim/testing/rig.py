@@ -26,7 +26,8 @@ from amorsim.core.poses import compose, logarithm
 from amorsim.core.rows import stack, take
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
-from amorsim.scenario.spec import Landmark, Light, Obstacle
+from amorsim.scenario.spec import Drop, Floor, Landmark, Light, Marking, Obstacle, Pose, Scenario
+from amorsim.scenario.worlds import start_of
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.gyro import Gyro
@@ -74,7 +75,15 @@ def _surroundings(landmarks: Array) -> Surroundings:
     lights = [Light(x=2.0, y=2.0), Light(x=6.0, y=4.0, intensity=3.0)]
     robot = Obstacle(name="robot", shape=_BODY)
     post = Obstacle(name="post", shape=_POST, fiducial=9, colour="red")
-    return Surroundings.of((robot, post, Obstacle(name="box", shape=_BOX, colour="green", height=0.5)), marks, lights)
+    box = Obstacle(name="box", shape=_BOX, colour="green", height=0.5)
+    return Surroundings.of((robot, post, box), marks, lights, floor=_floor())
+
+
+def _floor() -> Floor:
+    """Stripes a hand wide, so that a sensor is now on one and now beside it, and drops among them."""
+    stripes = [Marking(points=((0.0, 0.2 * i), (12.0, 0.2 * i)), width=0.1, reflectance=0.02 * i) for i in range(40)]
+    drops = [Drop(shape=Shape.rectangle(0.1, 8.0), pose=Pose(x=0.5 * i, y=4.0), depth=0.02 * i) for i in range(1, 24)]
+    return Floor(markings=stripes, drops=drops)
 
 
 class Rig:
@@ -89,29 +98,55 @@ class Rig:
     sensors
         By name, in addition to (or in place of) an encoder, a laser of 31 beams, a sonar ring of four, a compass and
         a gyro, called ``encoder``, ``laser``, ``sonar``, ``compass`` and ``gyro``.
+    scene
+        A scenario in place of the hall with a post, a box, marks and lamps: its map, obstacles, landmarks and lights.
+        Its robots say where the 64 start, in turn, a few centimetres and degrees apart, and the first their shape.
     """
 
-    def __init__(self, drive: Drive | None = None, sensors: Mapping[str, Sensor] | None = None) -> None:
+    def __init__(
+        self,
+        drive: Drive | None = None,
+        sensors: Mapping[str, Sensor] | None = None,
+        scene: Scenario | None = None,
+    ) -> None:
         if drive is None:
             drive = Differential(wheel_radius_left=0.1, wheel_radius_right=0.1, track=0.35, rate_max=15.0)
         random = np.random.default_rng(1)
         self.specified = drive
         self.drive: Drive = stack(variants(drive, ROWS))
-        self.map = _hall()
+        self.map = _hall() if scene is None else scene.map
         self.keys = random.integers(0, 2**63, ROWS).astype(np.uint64)
         self.commands = random.uniform(-6.0, 6.0, (STEPS + 1, ROWS, len(drive.channels)))
         self.sensors = {**_sensors(), **(sensors or {})}
         self.stacked = {name: stack(variants(sensor, ROWS)) for name, sensor in self.sensors.items()}
         self.mounts = stack(variants(Mount(x=0.05, y=0.01, heading=0.02), ROWS))
         self.landmarks = random.uniform(1.0, 7.0, (5, 2))
-        self.surroundings = _surroundings(self.landmarks)
         self.told = random.uniform((4.0, 3.0, -3.0), (8.0, 5.0, 3.0), (ROWS, 3))
-        self.posts = random.uniform(0.5, 7.5, (ROWS, 3))
-        self.boxes = random.uniform(0.5, 7.5, (ROWS, 3))
+        posts, boxes = random.uniform(0.5, 7.5, (2, ROWS, 3))
+        self.names: tuple[str, ...] = ("robot", "post", "box")
+        self.shapes: tuple[Shape, ...] = (_BODY, _POST, _BOX)
+        self.others = np.stack((posts, boxes), axis=1)  # (64, o, 3) poses of the other bodies
+        if scene is None:
+            self.surroundings = _surroundings(self.landmarks)
+        else:
+            self._set_scene(scene, random.uniform(-1.0, 1.0, (ROWS, 3)))
         self._drive_about()
         self.readings = self._read()
         spread = random.normal(0.0, 0.02, (STEPS + 1, ROWS, 3))
         self.estimates = self.poses + spread
+
+    def _set_scene(self, scene: Scenario, spread: Array) -> None:
+        """Put the robots into a scenario's world; `spread` `(64, 3)` from -1 to 1 puts them apart."""
+        first, obstacles = scene.robots[0], scene.obstacles
+        told = [robot.pose or start_of(scene.map, robot) for robot in scene.robots]
+        places = np.array([[pose.x, pose.y, pose.heading] for pose in told])
+        self.told = places[np.arange(ROWS) % len(places)] + spread * (0.05, 0.05, 0.1)
+        self.landmarks = np.array([[mark.x, mark.y] for mark in scene.landmarks]).reshape(-1, 2)
+        self.names = (first.name, *(obstacle.name for obstacle in obstacles))
+        self.shapes = (first.shape, *(obstacle.shape for obstacle in obstacles))
+        stand = [[one.pose.x, one.pose.y, one.pose.heading] for one in obstacles]
+        self.others = np.tile(np.array(stand).reshape(1, -1, 3), (ROWS, 1, 1))
+        self.surroundings = Surroundings.of((first, *obstacles), scene.landmarks, scene.lights)
 
     def _drive_about(self) -> None:
         """Joints, rates, poses and twists of every row at every step; nobody minds walls here."""
@@ -158,7 +193,7 @@ class Rig:
             dt=DT,
             names=[f"robot_{row}" for row in rows],
             drive=take(self.drive, rows % ROWS),
-            shape=_BODY,
+            shape=self.shapes[0],
             sensors=sensors,
             channels=self.drive.channels,
             map=self.map,
@@ -182,15 +217,13 @@ class Rig:
 
     def view(self, rows: Ints) -> GroupView:
         """A view of the world for rows; `set_view` puts it to a step."""
-        world = World(
-            self.map, ("robot", "post", "box"), (_BODY, _POST, _BOX), len(rows), surroundings=self.surroundings
-        )
-        return GroupView(world, np.arange(len(rows), dtype=np.int64) * 3, DT)
+        world = World(self.map, self.names, self.shapes, len(rows), robots=1, surroundings=self.surroundings)
+        return GroupView(world, np.arange(len(rows), dtype=np.int64) * len(self.names), DT)
 
     def set_view(self, view: GroupView, rows: Ints, t: int) -> None:
         """Put a view to step `t`, with arrays of its own."""
         rows = rows % ROWS
-        bodies = np.stack((self.poses[t][rows], self.posts[rows], self.boxes[rows]), axis=1)
+        bodies = np.concatenate((self.poses[t][rows, None], self.others[rows]), axis=1)
         view._world.poses = np.ascontiguousarray(bodies.reshape(-1, 3))
         view.tick = np.full((len(rows), 1), t, dtype=np.int64)
         view.body_pose = self.poses[t][rows]

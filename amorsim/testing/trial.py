@@ -16,7 +16,7 @@ from amorsim.simulation.snapshot import copy_state
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import ROWS, STEPS, Rig, Session
 
-__all__ = ["Given", "Trial", "try_rows"]
+__all__ = ["Given", "Record", "Trial", "try_rows"]
 
 C = TypeVar("C")
 Ints = npt.NDArray[np.int64]
@@ -77,7 +77,7 @@ class Trial(abc.ABC, Generic[C]):
 
 
 @attrs.frozen
-class _Record:
+class Record:
     """What came of a run: outputs, and states after each step."""
 
     outputs: list[Outputs]
@@ -115,8 +115,8 @@ class _Run:
             require(array.shape[:1] == (rows,), "start", what, f"{rows} rows as first axis", f"the shape {array.shape}")
         return dict(state)
 
-    def steps(self, first: int, last: int) -> _Record:
-        record = _Record([], [])
+    def steps(self, first: int, last: int) -> Record:
+        record = Record([], [])
         for t in range(first, last):
             self.session.go_to(t)
             outputs = dict(self.trial.step(self.component, self.session, self.state, self.carried, self.given))
@@ -166,7 +166,7 @@ def _plain(state: State) -> Outputs:
     return {name: array.copy() for name, array in state.items() if array.dtype != object}
 
 
-def try_rows(trial: Trial[Any], components: Sequence[Any]) -> _Record:
+def try_rows(trial: Trial[Any], components: Sequence[Any]) -> Record:
     """Put 64 components through everything that holds for all kinds; what came of them as 64 rows."""
     who = trial.who
     whole = _Run(trial, components, _EVERY).steps(0, STEPS)
@@ -179,7 +179,7 @@ def try_rows(trial: Trial[Any], components: Sequence[Any]) -> _Record:
     saved = run.saved()
     run.steps(half, STEPS)
     run.put_back(saved)
-    later = _Record(whole.outputs[half:], whole.states[half:])
+    later = Record(whole.outputs[half:], whole.states[half:])
     _compare(who, "snapshot", "going on from a copy of the state", later, run.steps(half, STEPS))
 
     for row in range(ROWS):
@@ -188,19 +188,19 @@ def try_rows(trial: Trial[Any], components: Sequence[Any]) -> _Record:
     for width in sorted(set(trial.widths)):
         rows = np.arange(width, dtype=np.int64)
         found = _Run(trial, components, rows).steps(0, 2)
-        expected = _rows(_Record(whole.outputs[:2], whole.states[:2]), rows % ROWS)
+        expected = _rows(Record(whole.outputs[:2], whole.states[:2]), rows % ROWS)
         _compare(who, "width", f"{width} rows, as many as there are values", expected, found)
     return whole
 
 
-def _rows(record: _Record, rows: Ints) -> _Record:
+def _rows(record: Record, rows: Ints) -> Record:
     def taken(steps: list[Outputs]) -> list[Outputs]:
         return [{name: array[rows] for name, array in step.items()} for step in steps]
 
-    return _Record(taken(record.outputs), taken(record.states))
+    return Record(taken(record.outputs), taken(record.states))
 
 
-def _compare(who: Who, check: str, what: str, expected: _Record, found: _Record) -> None:
+def _compare(who: Who, check: str, what: str, expected: Record, found: Record) -> None:
     for kind, before, after in (("", expected.outputs, found.outputs), ("state ", expected.states, found.states)):
         for step, (wanted, got) in enumerate(zip(before, after, strict=True)):
             for name, array in wanted.items():

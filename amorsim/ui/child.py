@@ -73,6 +73,7 @@ class Child:
         self._commands: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._is_ending = threading.Event()
         self._main = threading.main_thread().ident or 0
+        self._process = os.getpid()
         self._busy_since: float | None = None  # when the present step, or replay, began
         self._in_step = False
         self._is_wanted = False  # a frame, by the session
@@ -253,6 +254,7 @@ class Child:
             self._interrupted()
         finally:
             self._busy_since, self._in_step = None, False
+        self._expect_original()
         self._changed = True
         self._tick = player.newest
         if not made:
@@ -268,6 +270,13 @@ class Child:
         does.pace.stepped(time.monotonic(), player.simulation.dt)
         if player.newest == player.last:
             does.is_running, does.has_ended = False, True
+
+    def _expect_original(self) -> None:
+        """End this process if it is a copy that a controller has forked: its session hears the first one."""
+        if os.getpid() != self._process:
+            sys.stderr.write("a controller or plugin forked the process that simulates; the copy ends here\n")
+            sys.stderr.flush()
+            os._exit(1)
 
     def _carry(self) -> None:
         """Let the session have a snapshot for a child after this one, or know why it has none."""
@@ -377,7 +386,7 @@ def main() -> None:
     child.work(
         Recipe.from_json(order["recipe"]),
         out=Path(order["out"]) if order["out"] else None,
-        inputs=Inputs(Input(**one) for one in order["inputs"]),
+        inputs=Inputs(Input.from_json(one) for one in order["inputs"]),
         tick=order["tick"],
         epoch=order["epoch"],
         carried=None if snapshot is None else Carried.from_bytes(snapshot[1]),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import math
-import shutil
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,7 +13,11 @@ import attrs
 import numpy as np
 
 from amorsim.core.errors import AmorsimError, RunError, did_you_mean
-from amorsim.scenario.controller_files import is_controller_file
+from amorsim.core.whole_files import copy_file
+from amorsim.plugins.manager import default_registry
+from amorsim.scenario.maps import companions_of
+from amorsim.scenario.names import name_from, rename_maps
+from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import document_of, write_document
 from amorsim.ui.forms import forms_of, value_at
 from amorsim.ui.inputs import Input
@@ -65,6 +68,7 @@ class Commands:
             "reset": self._reset,
             "scrub": self._scrub,
             "continue": self._continue,
+            "go_back": self._go_back,
             "hand_over": self._hand_over,
             "drive": self._drive,
             "command": self._command,
@@ -235,6 +239,10 @@ class Commands:
         self.has_ended = False
         return {"tick": self.player.go_on()}
 
+    def _go_back(self, _: Table) -> Answer:
+        self.is_running = self.has_ended = False
+        return {"tick": self.player.go_back()}
+
     # --------------------------------------------------------------------------------------------------------- driving
 
     def _give(self, do: str, robot: str, value: Any, path: str = "") -> None:
@@ -313,9 +321,18 @@ class Commands:
         scenario = attrs.evolve(simulation.scenario, robots=robots, seed=simulation.seed)
         path = Path(str(command["file"]))
         document = document_of(scenario)
-        if self._passing:
-            _copy_maps(document, Path(self._passing), path)
-        write_document(_with_near_names(document, path.parent), path)
+        _copy_maps(document, scenario, self._not_the_users(scenario), path)
+        name_from(path.parent, document, scenario)
+        write_document(document, path)
+
+    def _not_the_users(self, scenario: Scenario) -> list[Path]:
+        """The folders whose files a scenario of the user's should not name: they pass, or belong to a program."""
+        registry = default_registry()
+        bundled = {registry.file("scenario", name).parent for name in registry.names("scenario")}
+        folders = {Path(self._passing)} if self._passing else set()
+        if scenario.source is not None:
+            folders |= {scenario.source.parent} & bundled
+        return sorted(folders)
 
     def _remark(self, command: Table) -> None:
         self.player.remark(
@@ -333,51 +350,44 @@ def _value_at(robot: Any, path: str) -> Any:
         raise AmorsimError(f"{path}: {error.args[0]}") from None
 
 
-def _copy_maps(document: dict[str, Any], passing: Path, path: Path) -> None:
-    """Copy the maps that lie in a folder beside the file that is to be, named after it, and name the copies."""
+def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: list[Path], path: Path) -> None:
+    """Copy the maps that lie in some folders next to the file that is to be, named after it, and name the copies.
+
+    Maps of several files stay where they are.
+    """
     copies: dict[str, str] = {}
+    maps = [scenario.map, *(robot.knowledge.map for robot in scenario.robots if robot.knowledge.map is not None)]
+    whole = {str(found.source.path.absolute()) for found in maps if not companions_of(found.source)}
 
     def kept(name: str) -> str:
         file = Path(name)
-        if not file.is_relative_to(passing):
+        if name not in whole or not any(file.is_relative_to(folder) for folder in folders):
             return name
         if name not in copies:
             number, copy = 1, path.with_suffix(file.suffix)
-            while copy.exists():
+            while not _is_copied(file, copy):
                 number += 1
                 copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
-            try:
-                shutil.copyfile(file, copy)
-            except OSError as error:
-                raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
             copies[name] = str(copy)
         return copies[name]
 
-    _rename_maps(document, kept)
+    rename_maps(document, kept)
 
 
-def _rename_maps(document: dict[str, Any], to: Callable[[str], str]) -> None:
-    document["world"]["map"] = to(document["world"]["map"])
-    for robot in document["robots"]:
-        if "map" in robot.get("knowledge", {}):
-            robot["knowledge"]["map"] = to(robot["knowledge"]["map"])
-
-
-def _with_near_names(document: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The document with files in `folder` or below named from there, so that they may be moved together."""
-
-    def near(name: str) -> str:
-        file, colon, rest = name.partition(".py:")
-        path = Path(file + colon.removesuffix(":"))
-        if not path.is_relative_to(folder):
-            return name
-        return path.relative_to(folder).as_posix() + (f":{rest}" if colon else "")
-
-    _rename_maps(document, near)
-    for robot in document["robots"]:
-        if is_controller_file(robot.get("controller", {}).get("use", "")):
-            robot["controller"]["use"] = near(robot["controller"]["use"])
-    return document
+def _is_copied(file: Path, copy: Path) -> bool:
+    """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
+    try:
+        copy.open("xb").close()
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
+    try:
+        copy_file(file, copy)
+    except RunError:
+        copy.unlink(missing_ok=True)
+        raise
+    return True
 
 
 def _plain(value: Any) -> float | None:

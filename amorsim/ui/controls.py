@@ -11,17 +11,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["DRIVING", "LOOKING", "Controls"]
-
-LOOKING = ("state", "scene", "parameters", "history", "events", "image", "folder")
-"""Commands that need no controls."""
-
-DRIVING = (
-    *("run", "pause", "step", "speed", "reset", "scrub", "continue"),
-    *("hand_over", "drive", "command", "stop", "set", "restore"),
-)
-"""Commands that only the window with the controls may give."""
-
+__all__ = ["Controls"]
 
 GRACE = 5.0  # [s] that the controls wait for a window that has gone: its page may be loaded again
 

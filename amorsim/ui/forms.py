@@ -14,9 +14,12 @@ from amorsim.ui.protocol import ParameterForm
 
 __all__ = ["forms_of", "value_at"]
 
-# How far a slider goes from 0, by unit, where neither bounds nor the present value ask for more.
-_REACH = {"m": 0.1, "rad": math.radians(10.0), "rad/s": math.radians(10.0), "count": 10.0, "s": 1.0}
+# How far a slider goes from 0, by unit, where the scenario's value does not ask for more.
+_REACH = {"": 0.1, "m": 0.1, "rad": math.radians(10.0), "rad/s": math.radians(10.0), "count": 10.0, "s": 1.0}
 _FACTOR = 0.1  # a slider of a factor goes so far to both sides of 1
+_NOISE = 10.0  # a slider of a noise goes up to so many times the scenario's value
+_DEVIATIONS = 3.0  # a slider of a value drawn from a normal distribution covers so many standard deviations
+_CLEAR = 0.9  # of the way to a bound that is itself not allowed
 
 
 def forms_of(simulation: Simulation, name: str) -> list[ParameterForm]:
@@ -102,7 +105,7 @@ class _Forms:
             parts = ["value"]
         else:
             # A factor says nothing of what is nominally 0, nor of an angle.
-            by_factor = nominal != 0.0 and not parameter.is_angle
+            by_factor = nominal != 0.0 and parameter.unit != "rad"
             parts = ["scale"] if by_factor else ["add"]
             if by_factor and deviation.add != 0.0:
                 parts.append("add")
@@ -112,13 +115,24 @@ class _Forms:
             form = self._form(f"errors.{target}.{part}", name, parameter, "systematic")
             if part == "scale":
                 form |= {"unit": "×", "low": None, "high": None, "is_open": [True, True]}
-            elif part == "add":
-                form |= {"low": None, "high": None, "is_open": [True, True]}
+            elif part == "add":  # "lag 0" would read as though there were none
+                form["label"] += " error"
+                form["low"] = None if form["low"] is None else form["low"] - nominal
+                form["high"] = None if form["high"] is None else form["high"] - nominal
             form["nominal"] = nominal
             true = value_at(self._true, target)
             form["true"] = float(true)
-            form["slider"] = _slider(form)
+            form["slider"] = _slider(form, self._origin(form["path"]))
+            if part == "add":
+                form |= {"low": None, "high": None, "is_open": [True, True]}
             yield form
+
+    def _origin(self, path: str) -> Any:
+        """What the scenario says at a path, or where it has no such place what there is."""
+        try:
+            return value_at(self._scenario, path)
+        except LookupError:
+            return value_at(self._nominal, path)
 
     def _form(self, path: str, name: str, parameter: Parameter, kind: str) -> ParameterForm:
         place = self._place
@@ -146,7 +160,7 @@ class _Forms:
             "true": None,
             "kind": kind,
         }
-        form["slider"] = _slider(form)
+        form["slider"] = _slider(form, self._origin(path))
         return form
 
 
@@ -155,16 +169,59 @@ def _number(value: Any) -> float | None:
 
 
 def _drawn(value: Any) -> str:
-    return f"{value.kind} {value.values[0]:g}, {value.values[1]:g}" if isinstance(value, Distribution) else ""
+    return str(value) if isinstance(value, Distribution) else ""
 
 
-def _slider(form: ParameterForm) -> list[float]:
-    """Ends that hold what is allowed where that is bounded, else what is near; always the value."""
-    value = form["value"] if form["value"] is not None else 0.0
-    if form["unit"] == "×":
+def _slider(form: ParameterForm, origin: Any) -> list[float]:
+    """Ends of a slider: what is near the scenario's value `origin`, as far as it is allowed; always the present value.
+
+    For what is drawn the middle is the middle of the distribution.
+    """
+    if isinstance(origin, Distribution):
+        low, high = _about(form, origin)
+    elif form["unit"] == "×":
         low, high = 1.0 - _FACTOR, 1.0 + _FACTOR
     else:
-        reach = max(_REACH.get(form["unit"], 1.0), 2.0 * abs(form["scenario"] or 0.0))
-        low = -reach if form["low"] is None else max(form["low"], -reach)
-        high = reach if form["high"] is None else min(form["high"], reach)
+        low, high = _near(form, float(origin or 0.0))
+    value = low if form["value"] is None else form["value"]
     return [min(low, value), max(high, value)]
+
+
+def _about(form: ParameterForm, drawn: Distribution) -> tuple[float, float]:
+    """Equally far to both sides of the middle of a distribution, within bounds."""
+    first, second = drawn.values
+    if drawn.kind == "uniform":
+        middle, reach = (first + second) / 2.0, (second - first) / 2.0
+    else:
+        middle, reach = first, _DEVIATIONS * second
+    if form["unit"] == "×":
+        reach = min(max(reach, _FACTOR), _CLEAR * abs(middle)) or _FACTOR
+    else:
+        reach = max(reach, _REACH.get(form["unit"], 1.0))
+        low, high = _bounds(form, middle)
+        reach = min([reach, *(room for room in (middle - low, high - middle) if room > 0.0)])
+    return middle - reach, middle + reach
+
+
+def _near(form: ParameterForm, origin: float) -> tuple[float, float]:
+    low, high = _bounds(form, origin)
+    is_noise = form["kind"] == "noise"
+    if math.isfinite(low) and math.isfinite(high) and form["unit"] == "":  # a share, a probability
+        return low, high
+    if form["low"] == 0.0 and form["is_open"][0] and origin > 0.0:  # what must not vanish is changed by a factor
+        factor = _NOISE if is_noise else 2.0
+        return max(low, origin / factor), min(high, factor * origin)
+    reach = _REACH.get(form["unit"], 1.0)
+    reach = _NOISE * abs(origin) if is_noise and origin else max(reach, 2.0 * abs(origin))
+    return max(low, -reach), min(high, reach)
+
+
+def _bounds(form: ParameterForm, inside: float) -> tuple[float, float]:
+    """What is allowed; a bound that is itself left out is kept away from, as seen from a value inside."""
+    low = -math.inf if form["low"] is None else form["low"]
+    high = math.inf if form["high"] is None else form["high"]
+    if form["is_open"][0] and math.isfinite(low):
+        low = inside - _CLEAR * (inside - low)
+    if form["is_open"][1] and math.isfinite(high):
+        high = inside + _CLEAR * (high - inside)
+    return low, high

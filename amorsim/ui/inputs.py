@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import attrs
 
 from amorsim.core.errors import AmorsimError
+from amorsim.runs.replay import revived
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Input", "Inputs"]
@@ -43,6 +44,11 @@ class Input:
     def to_json(self) -> dict[str, Any]:
         """As a table of plain values."""
         return attrs.asdict(self)
+
+    @classmethod
+    def from_json(cls, table: Mapping[str, Any]) -> Input:
+        """The input that `to_json` made a table of."""
+        return cls(**{**table, "value": revived(table["value"])})
 
 
 class Inputs:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -49,6 +50,10 @@ class Pasts:
         """Forget what came after `tick`."""
         for one in self._robots.values():
             one.cut(tick)
+
+    def copy(self) -> Pasts:
+        """Another with the same moments."""
+        return copy.deepcopy(self)
 
     def told(self, robot: int, most: int) -> Past:
         """What is kept of a robot, at most so many moments, the last among them."""

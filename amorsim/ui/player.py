@@ -12,12 +12,13 @@ import attrs
 import numpy as np
 
 from amorsim.core.errors import AmorsimError, ControllerError, RunError
-from amorsim.core.trouble import explain
+from amorsim.core.trouble import error_in_words, explain
 from amorsim.runs.folder import next_folder
 from amorsim.runs.session import RunSession
 from amorsim.simulation.events import Event
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.carried import Carried, Carrier
+from amorsim.ui.course import Course
 from amorsim.ui.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
 from amorsim.ui.inputs import Input, Inputs
 from amorsim.ui.packing import Dynamic, FrameFlag, Selected
@@ -98,6 +99,7 @@ class Player:
         self._is_past = False
         self._present = self._before = self.poses_only = self.fault = None
         self._story = Story()
+        self._left: Course | None = None  # what was left last by going on from the past
         self.epoch += 1
         if self._out is not None:
             is_taken = is_again and self._out.exists()
@@ -251,7 +253,9 @@ class Player:
         return ""
 
     def go_on(self) -> int:
-        """Take the moment that is shown for the present, and forget what came after it; returns its tick.
+        """Take the moment that is shown for the present; returns its tick.
+
+        What came after it is kept for `go_back`, or in its folder where the run is written as it goes.
 
         Raises
         ------
@@ -262,20 +266,65 @@ class Player:
             return self._newest
         if self.reason:
             raise AmorsimError(f"cannot continue from here: {self.reason}")
-        tick = self.tick
-        self.inputs.cut(tick)
+        tick, until = self.tick, f"what came after, up to {self._newest * self.simulation.dt:.1f} s, is kept"
         if self._recording is not None:
+            until += f" in {self._recording.folder}"
+            self.inputs.cut(tick)
             self.resume(tick)
         else:
+            self._left = self._course()
             self._newest = tick
+            self.inputs = Inputs(self.inputs)
+            self.inputs.cut(tick)
+            self.paths, self.snapshots, self.pasts = self.paths.copy(), self.snapshots.copy(), self.pasts.copy()
             self.paths.cut(tick)
             self.snapshots.cut(tick)
             self.pasts.cut(tick)
+            self._story = self._story.copy()
             self._story.cut(tick, len(self.simulation.events))
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
         self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
+        self.remark("continued", f"continued from here; {until}")
         return tick
+
+    def _course(self) -> Course:
+        return Course(
+            newest=self._newest,
+            present=self._present,
+            inputs=self.inputs,
+            changes=self._changes,
+            paths=self.paths,
+            snapshots=self.snapshots,
+            pasts=self.pasts,
+            story=self._story,
+        )
+
+    def go_back(self) -> int:
+        """Take up the course of events again that `go_on` left last, at its end; returns its tick.
+
+        The one that is left now is kept in its place.
+
+        Raises
+        ------
+        AmorsimError
+            If none is kept.
+        """
+        left = self._left
+        if left is None:
+            raise AmorsimError("there is no later history to go back to")
+        if self._present is None:
+            self._present = self.simulation.snapshot(), self._before
+        self._left = self._course()
+        until = f"what came instead, up to {self._newest * self.simulation.dt:.1f} s, is kept"
+        self._newest, self._present, self._changes = left.newest, left.present, left.changes
+        self.inputs = Inputs(left.inputs)
+        self.paths, self.snapshots, self.pasts, self._story = left.paths, left.snapshots, left.pasts, left.story
+        self.fault = None
+        self.epoch += 1
+        self._to_present()
+        self.remark("continued", f"went back to the later history; {until}")
+        return self._newest
 
     def resume(self, tick: int, carried: Carried | None = None) -> str:
         """Simulate what the inputs say, up to a tick, as though it had been watched; returns from where, in words.
@@ -445,5 +494,5 @@ class Player:
 def fault_of(error: BaseException) -> Fault:
     """What is told of an error that ended a step."""
     robot = error.robot if isinstance(error, ControllerError) else ""
-    text = str(error) if isinstance(error, AmorsimError) else f"{type(error).__name__}: {error}"
+    text = str(error) if isinstance(error, AmorsimError) else error_in_words(error)
     return Fault(robots=(robot,) if robot else (), text=text, stack=explain(error))

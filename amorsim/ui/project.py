@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.runs.folder import new_folder
+from amorsim.runs.folder import new_folder, next_folder
 from amorsim.ui.pipes import python_for
 from amorsim.ui.recipe import Recipe
 
-__all__ = ["Saver", "place_for"]
+__all__ = ["Saver", "free_places", "place_for"]
 
 _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.() -]{0,99}")
 
@@ -27,7 +27,8 @@ def place_for(project: Path, name: Any, suffix: str = "") -> Path:
     Raises
     ------
     AmorsimError
-        If it would lie elsewhere, or the name is not of letters, digits and ``_ - . ( )``.
+        If it would lie elsewhere, the name is not of letters, digits and ``_ - . ( )``, or a folder that it names may
+        not be looked into.
     """
     parts = name.split("/") if isinstance(name, str) else []
     if not 0 < len(parts) <= 5 or not all(_PART.fullmatch(part) and not part.endswith((".", " ")) for part in parts):
@@ -37,10 +38,25 @@ def place_for(project: Path, name: Any, suffix: str = "") -> Path:
     path = project.joinpath(*parts)
     if suffix and path.suffix != suffix:
         path = path.with_name(path.name + suffix)
-    # A link in the folder may lead out of it.
-    if not path.resolve().is_relative_to(project.resolve()):
+    try:
+        # A link in the folder may lead out of it.
+        is_inside = path.resolve().is_relative_to(project.resolve())
+        path.exists()
+    except (OSError, RuntimeError) as error:  # RuntimeError: links that lead to each other
+        raise AmorsimError(f"{name}: cannot be looked at ({getattr(error, 'strerror', None) or error})") from None
+    if not is_inside:
         raise AmorsimError(f"{name}: is not in the project's folder {project}")
     return path
+
+
+def free_places(project: Path, scenario: str) -> dict[str, str]:
+    """Names in the project's folder that are free yet: of a folder for a ``run``, and of a file for a ``scenario``."""
+    run = project / "run"
+    changed = project / f"{scenario.removesuffix('.toml')}-changed"
+    number, file = 2, changed.with_name(f"{changed.name}.toml")
+    while file.exists():
+        number, file = number + 1, changed.with_name(f"{changed.name}-{number}.toml")
+    return {"run": (next_folder(run) if run.exists() else run).name, "scenario": file.name}
 
 
 class Saver:

@@ -1,37 +1,29 @@
 """What the child process, the session and the window say to each other: scenes, frames, commands and answers.
 
 A **scene** (JSON) is sent when a scenario is loaded: all that stays as it is while the simulation runs. A **frame**
-(binary, see `amorsim.ui.packing`) is one moment. **Commands** are small tables ``{"do": NAME, ...}``; each is answered
-by a table with ``ok``, and where that is false with ``error``, a text for the user.
+(binary, see `amorsim.ui.packing`) is one moment. **Commands** are small tables ``{"do": NAME, ...}``; their further
+keys are in `amorsim.ui.messages`. Each is answered by a table with ``ok``, and where that is false with ``error``, a
+text for the user. Besides, answers have
 
-| command | further keys | answer | needs the controls |
-|---|---|---|---|
-| ``state`` | | `State` | |
-| ``scene`` | | ``scene``: a `Scene` | |
-| ``select`` | ``robot`` that this window looks at | | |
-| ``parameters`` | ``robot`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true | |
-| ``history`` | ``robot``, ``max_points`` | `History` | |
-| ``events`` | ``after`` (0: all) | ``epoch``, ``events``: list of `EventLine`, ``next`` | |
-| ``image`` | ``name`` | ``png``: base64 | |
-| ``run``, ``pause`` | | | yes |
-| ``step`` | ``steps`` (1) | | yes |
-| ``speed`` | ``factor``, or null for as fast as possible | | yes |
-| ``reset`` | | | yes |
-| ``scrub`` | ``tick``, or null for the end | ``tick``, ``exact``, ``can_continue``, ``reason`` | yes |
-| ``continue`` | ``tick`` (where it was scrubbed to) | ``tick`` | yes |
-| ``hand_over`` | ``robot``, ``to``: ``"hand"`` or ``"controller"`` | | yes |
-| ``drive`` | ``robot``, ``forward`` [m/s], ``left`` [m/s], ``turn`` [rad/s] (0 where not given) | | yes |
-| ``command`` | ``robot``, ``channels``: a number each | | yes |
-| ``stop`` | ``robot``, or none for all driven by hand | | yes |
-| ``set`` | ``robot``, ``path``, ``value`` | ``value`` | yes |
-| ``restore`` | ``robot``, ``path`` or none for all | | yes |
-| ``save_scenario`` | ``name`` (of a file in the project's folder, ``.toml``) | ``file`` | yes |
-| ``save_run`` | ``name`` (of a folder in the project's folder) or none | ``folder``, ``same`` | yes |
-| ``restart`` | ``without``: robots that go over to the hand, or none | | yes |
-| ``controls`` | ``want``: ``"take"``, ``"ask"``, ``"give"``, with ``to`` a window | ``holder`` | |
-
-Angles are radians, and robots are named by name, or by their place in the scene's list; where a window names none, the
-one that it looks at is meant.
+| command | answer |
+|---|---|
+| ``state`` | `State` |
+| ``scene`` | ``scene``: a `Scene` |
+| ``parameters`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true |
+| ``history`` | `History` |
+| ``events`` | ``epoch``, ``events``: list of `EventLine`, ``next`` |
+| ``image`` | ``png``: base64 |
+| ``scrub`` | ``tick``, ``exact``, ``can_continue``, ``reason`` |
+| ``step`` | ``tick``, ``steps`` |
+| ``continue`` | ``tick`` |
+| ``go_back`` | ``tick`` of the end of what the last ``continue`` left |
+| ``drive`` | ``channels`` |
+| ``set`` | ``value`` |
+| ``places`` | ``project``, the folder's path; names in it that are free: ``run``, ``scenario`` |
+| ``save_scenario`` | ``file`` |
+| ``save_run`` | ``folder``, ``same`` |
+| ``restart`` | ``again`` |
+| ``controls`` | ``holder``, ``asking`` |
 """
 
 from __future__ import annotations
@@ -145,7 +137,6 @@ class Kind(TypedDict):
     model: str
     drive: str  # as registered
     footprint: Outline
-    colour: NotRequired[str]  # "#rrggbb", where it has one of its own
     wheels: list[list[float]]  # x, y [m], heading [rad], radius [m] of each that can be drawn
     channels: list[Channel]
     joints: list[str]
@@ -168,6 +159,7 @@ class RobotEntry(TypedDict):
     kind: int
     controller: str  # "" for none; a file's name and the function's where it is a user's
     knowledge: Knowledge
+    colour: NotRequired[str]  # "#rrggbb"; one robot alone has none but its own
 
 
 class ObstacleShape(TypedDict):
@@ -180,12 +172,21 @@ class ObstacleShape(TypedDict):
     colour: NotRequired[str]  # "#rrggbb", where it has one of its own
 
 
+class FloorPatch(TypedDict):
+    """A line or an area on the floor, as `amorsim.core.patches.Patch`."""
+
+    points: list[list[float]]  # x, y [m]
+    width: float  # [m] of a line, 0 for an area
+    colour: str  # "#rrggbb"
+
+
 class Floor(TypedDict):
     """What there is in the world besides walls and bodies; robots may know of it or not."""
 
     landmarks: list[list[float]]  # x, y, radius [m]
     lights: list[list[float]]  # x, y [m]
     zones: list[list[list[float]]]  # the outline of each, x, y [m]
+    patches: list[FloorPatch]  # markings and drops, the lowest first
 
 
 class Scene(TypedDict):
@@ -240,7 +241,7 @@ class EventLine(TypedDict):
     number: int
     tick: int
     time: float
-    kind: str  # as of `amorsim.Event`, and "started", "fault", "hang", "restarted", "saved", "note"
+    kind: str  # as of `amorsim.Event`, and "started", "fault", "hang", "restarted", "saved", "continued", "note"
     robot: str
     text: str
     point: list[float] | None

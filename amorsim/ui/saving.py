@@ -51,7 +51,7 @@ def main() -> None:
     answers = sys.stdout
     sys.stdout = sys.stderr  # what a user's controller prints
     try:
-        inputs = Inputs(Input(**one) for one in order["inputs"])
+        inputs = Inputs(Input.from_json(one) for one in order["inputs"])
         digest = save_again(Recipe.from_json(order["recipe"]), inputs, order["tick"], Path(order["folder"]))
         answer: dict[str, Any] = {"ok": True, "digest": digest}
     except AmorsimError as error:

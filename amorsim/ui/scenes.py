@@ -20,6 +20,7 @@ from amorsim.core.rows import stack
 from amorsim.core.shapes import Shape
 from amorsim.plugins.manager import default_registry
 from amorsim.runs.session import run_name
+from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import MountedSensor, Robot
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.drawings import drawing_of
@@ -53,6 +54,7 @@ class SceneBuilder:
         self._kinds: list[Kind] = []
         self._known: dict[Any, int] = {}
         scenario = simulation.scenario
+        self._colours = robot_colours(scenario.robots)
         self.scene: Scene = {
             "version": version,
             "scenario": run_name(scenario),
@@ -68,7 +70,7 @@ class SceneBuilder:
                 for obstacle in sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
             ]
             + [
-                {**_body(f"{robot.name}.{part.name}", part.shape, robot.colour), "part_of": robot.name}
+                {**_body(f"{robot.name}.{part.name}", part.shape, self._colours[robot.name]), "part_of": robot.name}
                 for robot in (simulation.robot(name).true for name in simulation.names)
                 for part in robot.drive.parts
             ],
@@ -76,6 +78,10 @@ class SceneBuilder:
                 "landmarks": [[mark.x, mark.y, mark.radius] for mark in scenario.landmarks],
                 "lights": [[light.x, light.y] for light in scenario.lights],
                 "zones": [zone.outline.tolist() for zone in scenario.zones],
+                "patches": [
+                    {"points": patch.points.tolist(), "width": patch.width, "colour": _rgb(patch.colour)}
+                    for patch in scenario.floor.patches
+                ],
             },
         }
 
@@ -133,12 +139,16 @@ class SceneBuilder:
             "map": None if robot.knowledge.map is None else self._map(robot.knowledge.map),
             "landmarks": [list(point) for point in robot.knowledge.landmarks],
         }
-        return {
+        entry: RobotEntry = {
             "name": robot.name,
             "kind": self._kind(robot),
             "controller": _controller(robot.controller),
             "knowledge": knowledge,
         }
+        colour = self._colours[robot.name]
+        if colour is not None:
+            entry["colour"] = _rgb(colour)
+        return entry
 
     def _kind(self, robot: Robot) -> int:
         # Robots that were made from one another share what they have in common.
@@ -146,7 +156,6 @@ class SceneBuilder:
             robot.model,
             id(robot.drive),
             robot.shape,
-            robot.colour,
             tuple((n, id(u)) for n, u in robot.sensors.items()),
         )
         if key in self._known:
@@ -163,8 +172,6 @@ class SceneBuilder:
             "sensors": sensor_shapes(robot),
             "estimators": list(robot.estimators),
         }
-        if robot.colour is not None:
-            kind["colour"] = _rgb(robot.colour)
         # Equal in all that is drawn is as good as the same.
         place = self._kinds.index(kind) if kind in self._kinds else len(self._kinds)
         if place == len(self._kinds):

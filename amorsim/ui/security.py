@@ -2,7 +2,8 @@
 
 A page elsewhere can make the user's browser ask this server for anything, and by DNS rebinding even read the answers as
 its own. So each request must name a `Host` that is ours (a rebound name is not), an `Origin` that is that very host (a
-page elsewhere cannot help sending its own), and a cookie that only who knew the token of the opening address was given.
+page elsewhere cannot help sending its own), and a cookie, which a browser is given for the token of an opening address.
+Each token works once.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ HEADERS = (
         b"form-action 'none'; frame-ancestors 'none'",
     ),
 )
+OPEN = "Open the address that the terminal printed last; each works once."
 # The cookie is `SameSite=Strict`: after a redirect from a page elsewhere (a terminal in the browser) it would not be
 # sent. A page of our own that goes on by itself is of the same site.
 WELCOME = b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/"><title>amorsim</title>'
@@ -48,7 +50,7 @@ WELCOME = b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" cont
 
 @attrs.frozen(kw_only=True)
 class Door:
-    """What a visitor must show: one of our names as host, and the token or the cookie given for it.
+    """What a visitor must show: one of our names as host, and a token or the cookie given for it.
 
     `host` is what the server is bound to. A port in `Host` is not looked at, for a forwarded one differs; in `Origin`
     it must be that of `Host`.
@@ -56,14 +58,38 @@ class Door:
 
     host: str = "127.0.0.1"
     port: int
-    token: str = attrs.field(factory=lambda: secrets.token_urlsafe(24), repr=False)
     cookie: str = attrs.field(factory=lambda: secrets.token_urlsafe(24), repr=False)
+    _tokens: dict[str, Callable[[], None]] = attrs.field(factory=dict, init=False, repr=False)
+
+    def new_address(self, used: Callable[[], None] = lambda: None) -> str:
+        """A new opening address, whose token works once; `used` is called when it has."""
+        token = secrets.token_urlsafe(24)
+        self._tokens[token] = used
+        host = "127.0.0.1" if self._is_wildcard else self.host
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={token}"
+
+    def knows_token(self, given: str) -> bool:
+        """Whether a token opens the door, as one that has not been spent does."""
+        return self._token(given) is not None
+
+    def spend(self, given: str) -> bool:
+        """Take a token; whether it opened the door, which it does no more."""
+        token = self._token(given)
+        used = None if token is None else self._tokens.pop(token, None)
+        if used is None:
+            return False
+        used()
+        return True
+
+    def _token(self, given: str) -> str | None:
+        # Each is compared in a time that does not depend on how much of it is right.
+        found = [token for token in tuple(self._tokens) if hmac.compare_digest(given.encode(), token.encode())]
+        return found[0] if found else None
 
     @property
-    def address(self) -> str:
-        """The opening address, token included."""
-        host = "127.0.0.1" if self._is_wildcard else self.host
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={self.token}"
+    def is_for_this_machine(self) -> bool:
+        """Whether no other machine can reach the server."""
+        return self.host in LOOPBACK or (_is_address(self.host) and ipaddress.ip_address(self.host).is_loopback)
 
     @property
     def cookie_name(self) -> str:
@@ -98,21 +124,22 @@ class Guard:
             await self.app(scope, receive, send)
             return
         headers = _Headers(scope)
-        if problem := self._stranger(scope, headers):
+        token = self._token_in(scope, headers)
+        if problem := self._stranger(scope, headers, token):
             await _refuse(scope, send, 403, problem)
             return
-        if self._has_token(scope, headers):
-            await self._welcome(send)
-            return
         if not self._has_cookie(headers):
-            await _refuse(scope, send, 401, "Open the address that the terminal printed, with its token.")
+            if self.door.spend(token):
+                await self._welcome(send)
+            else:
+                await _refuse(scope, send, 401, OPEN)
             return
         # What is not found is written into the log with its address.
         if b"token=" in scope.get("query_string", b""):
             scope["query_string"] = b""
         await self.app(scope, receive, send if scope["type"] == "websocket" else _with_headers(send))
 
-    def _stranger(self, scope: Scope, headers: _Headers) -> str:
+    def _stranger(self, scope: Scope, headers: _Headers, token: str) -> str:
         """Why this request is not from a page of ours, or nothing."""
         host = headers.one("host")
         if host is None or not self.door.knows_host(host):
@@ -125,17 +152,19 @@ class Guard:
             return "This origin is not ours."
         site = headers.one("sec-fetch-site")
         # Another port of this host is of the same site, and gets the cookie: not asked for, not let in.
-        if site in ("cross-site", "same-site") and not self._has_token(scope, headers):
-            return "A page elsewhere asked for this."
+        if site in ("cross-site", "same-site") and not self.door.knows_token(token):
+            return f"A page elsewhere asked for this. {OPEN}"
         return ""
 
-    def _has_token(self, scope: Scope, headers: _Headers) -> bool:
+    @staticmethod
+    def _token_in(scope: Scope, headers: _Headers) -> str:
+        """The token that a request to open the page brings, or nothing."""
         if scope["type"] != "http" or scope["method"] != "GET" or scope["path"] != "/":
-            return False
+            return ""
         if headers.one("sec-fetch-dest") not in (None, "document"):
-            return False
+            return ""
         given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [])
-        return len(given) == 1 and hmac.compare_digest(given[0].encode(), self.door.token.encode())
+        return given[0] if len(given) == 1 else ""
 
     def _has_cookie(self, headers: _Headers) -> bool:
         for header in headers.all("cookie"):
@@ -218,6 +247,7 @@ async def _refuse(scope: Scope, send: Send, status: int, problem: str) -> None:
         (b"content-type", b"text/plain; charset=utf-8"),
         (b"content-length", str(len(body)).encode()),
         (b"cache-control", b"no-store"),
+        (b"connection", b"close"),  # what more it would send is not waited for
     ]
     await _with_headers(send)({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import threading
 from collections.abc import AsyncIterator, Callable
@@ -13,18 +14,24 @@ import nicegui
 import uvicorn
 from fastapi import FastAPI, Request, WebSocket
 from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect
 from starlette.responses import PlainTextResponse, Response
 from starlette.staticfiles import StaticFiles
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.film import FilmError, gif_of, read_film
+from amorsim.ui.lobby import Lobby
+from amorsim.ui.messages import LONGEST_MESSAGE
 from amorsim.ui.page import WEB, WEB_PATH
 from amorsim.ui.security import App, Door, Guard
 from amorsim.ui.talk import Simulated, Talk
 
 __all__ = ["build", "listen", "serve"]
 
-LONGEST_MESSAGE = 64 * 1024  # of a window's commands
+LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
+LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
+MOST_WINDOWS = 32
 
 
 def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: None) -> App:
@@ -37,15 +44,35 @@ def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: 
 
     app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan)
 
+    windows: set[Talk] = set()
+
     async def connect(websocket: WebSocket) -> None:
-        await Talk(websocket, session).run()
+        if len(windows) >= MOST_WINDOWS:
+            await websocket.close(1013, "There are too many windows.")
+            return
+        talk = Talk(websocket, session)
+        windows.add(talk)
+        try:
+            await talk.run()
+        finally:
+            windows.discard(talk)
+
+    making = asyncio.Lock()
 
     async def make_gif(request: Request) -> Response:
-        try:
-            film = await read_film(request.stream(), request.query_params.get("every", ""))
-            made = await run_in_threadpool(gif_of, film)
-        except FilmError as error:
-            return PlainTextResponse(str(error), status_code=400)
+        if making.locked():  # one takes memory enough
+            return PlainTextResponse("another GIF is being made; try again when it is done", status_code=429)
+        async with making:
+            try:
+                async with asyncio.timeout(LONGEST_UPLOAD):
+                    film = await read_film(request.stream(), request.query_params.get("every", ""))
+                made = await run_in_threadpool(gif_of, film)
+            except TimeoutError:
+                return PlainTextResponse(f"the film did not come within {LONGEST_UPLOAD:g} s", status_code=408)
+            except FilmError as error:
+                return PlainTextResponse(str(error), status_code=400)
+            except ClientDisconnect:
+                return Response(status_code=400)  # which nobody reads
         return Response(made, media_type="image/gif")
 
     app.add_api_websocket_route("/amorsim/socket", connect)
@@ -104,19 +131,22 @@ def serve(
     *,
     host: str = "127.0.0.1",
     port: int = 0,
-    ready: Callable[[str], None],
+    ready: Callable[[Door], None],
     ending: Callable[[], None] = lambda: None,
 ) -> None:
     """Serve a session's window until the process is told to end.
 
-    `ready` is given the address, token included; `ending` is called in a thread as soon as the process is told.
+    `ready` is given the door, which makes addresses to open the window by; `ending` is called in a thread as soon as
+    the process is told.
     """
     with listen(host, port) as bound:
         door = Door(host=host, port=bound.getsockname()[1])
-        app = build(session, door, lambda: ready(door.address))
+        app = build(session, door, lambda: ready(door))
         config = uvicorn.Config(
             app,
-            log_level="warning",
+            http=Lobby(H11Protocol).receive,  # type: ignore[arg-type] # what makes a protocol, as a class does
+            h11_max_incomplete_event_size=LONGEST_HEAD,
+            log_level="error",  # what a stranger asks for is not for the terminal
             access_log=False,
             server_header=False,
             timeout_graceful_shutdown=1,

@@ -18,12 +18,13 @@ from typing import Any
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.kernels import COMPILING
 from amorsim.runs.folder import next_folder
-from amorsim.ui.controls import DRIVING, LOOKING, Controls
+from amorsim.ui.controls import Controls
 from amorsim.ui.link import Link
 from amorsim.ui.looks import Looks
 from amorsim.ui.mailbox import Mailbox
+from amorsim.ui.messages import check
 from amorsim.ui.packing import Bundle
-from amorsim.ui.project import Saver, place_for
+from amorsim.ui.project import Saver, free_places, place_for
 from amorsim.ui.protocol import Scene
 from amorsim.ui.recipe import Recipe
 from amorsim.ui.story import line_of
@@ -34,7 +35,7 @@ Table = Mapping[str, Any]
 Answer = dict[str, Any]
 
 _OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "restore")  # which they name, or look at
-_OWN = ("restart", "save_run", "save_scenario")
+_OWN = ("restart", "places", "save_run", "save_scenario")
 
 BETWEEN_PINGS = 0.5  # [s]
 BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
@@ -200,19 +201,17 @@ class Session:
         return self._scene
 
     async def ask(self, window: str, command: Table) -> Answer:
-        """The answer to a window's command (see `amorsim.ui.protocol`)."""
+        """The answer to a window's command (see `amorsim.ui.messages`)."""
         name = command.get("do")
         try:
             if not self._controls.knows(window):
                 raise AmorsimError("this window is not known any more; load the page again")
-            known = (*LOOKING, *DRIVING, *_OWN, "controls", "select")
-            if name not in known:
-                raise AmorsimError(f"there is no command {name!r}.{did_you_mean(str(name), known)}")
+            shape = check(command)
             if name == "controls":
                 return self._controls.carry_out(window, command)
             if name == "select":
                 return self._select(window, command)
-            if name not in LOOKING and self.holder != window:
+            if shape.controls and self.holder != window:
                 raise AmorsimError("another window has the controls; ask for them")
             if name in _OWN:
                 return await asyncio.to_thread(self._own, command)
@@ -271,6 +270,8 @@ class Session:
         name = command["do"]
         if name == "restart":
             return self._restart(command)
+        if name == "places":
+            return {"ok": True, "project": str(self.project), **free_places(self.project, self.scene["scenario"])}
         if name == "save_run":
             job = self._demand({"do": "job"})
             answer = self._saver.save(job, command.get("name"), self.scene["scenario"])

@@ -10,13 +10,17 @@ import os
 import signal
 import sys
 import threading
-import webbrowser
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from amorsim.core.errors import AmorsimError
+from amorsim.ui.opening import OpeningPage
 from amorsim.ui.orphan import stay
 from amorsim.ui.recipe import Recipe
+
+if TYPE_CHECKING:
+    from amorsim.ui.security import Door
 
 __all__ = ["check_extra", "main", "show"]
 
@@ -53,13 +57,14 @@ def show(
     browser
         Whether to open the window in the browser.
     say, complain
-        Told the address and where results lie, and what the user should know before.
+        Told the addresses and where results lie, and what the user should know before.
     """
     from amorsim.ui.server import serve
     from amorsim.ui.session import Session
 
     session = Session(recipe, out=out, notice=notice)
     told = threading.Lock()  # the last word, once
+    pages: list[OpeningPage] = []
 
     def tell() -> None:
         if told.acquire(blocking=False) and session.folder:
@@ -72,16 +77,35 @@ def show(
 
     def end() -> None:
         session.close()
+        forget_pages()
         # The files are whole. What the server still does (a GIF that is being made) shall not hold up the end.
         rest = threading.Timer(LONGEST_REST, leave)
         rest.daemon = True
         rest.start()
 
-    def ready(address: str) -> None:
-        say(address)
+    def forget_pages() -> None:
+        for page in pages:
+            page.remove()
+
+    def ready(door: Door) -> None:
+        if not door.is_for_this_machine:
+            complain(
+                f"served on {host} without encryption: whoever can read this network's traffic can see the window and "
+                f"take it over. Where you do not trust the network, leave the host out and forward the port by ssh -L"
+            )
+        say(door.new_address(used=lambda: invite(door)))
         if browser:
-            # Some browsers hold up whoever opens them.
-            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+            try:
+                pages.append(OpeningPage(door.new_address(used=forget_pages)))
+            except AmorsimError as error:
+                complain(str(error))
+            else:
+                pages[-1].open()
+
+    def invite(door: Door) -> None:
+        """Say where another browser gets in, once the address that was said last has been used."""
+        with contextlib.suppress(OSError):  # nobody reads what is said any more
+            say(f"for another browser: {door.new_address(used=lambda: invite(door))}")
 
     try:
         session.start()
@@ -91,6 +115,7 @@ def show(
             serve(session, host=host, port=port, ready=ready, ending=end)
     finally:
         session.close()
+        forget_pages()
         # Python's last look for what nobody uses takes a second with all that NiceGUI and numba hold.
         gc.freeze()
     tell()

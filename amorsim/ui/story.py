@@ -48,6 +48,12 @@ class Story:
         """The remarks in order."""
         return [line for _, line in self._lines]
 
+    def copy(self) -> Story:
+        """Another with the same remarks."""
+        other = Story()
+        other._lines = list(self._lines)
+        return other
+
     def cut(self, tick: int, events: int) -> None:
         """Forget what came after `tick`, at which there had been so many events."""
         self._lines = [(min(before, events), line) for before, line in self._lines if line["tick"] <= tick]

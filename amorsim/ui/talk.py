@@ -1,8 +1,9 @@
 """What the server and one window say to each other over the window's WebSocket.
 
-Text from the window: ``{"id": n, "do": ...}``, a command, answered by ``{"answer": n, "said": ...}``; and
-``{"drawn": n}``, the number of the frame that it has drawn. To the window go frames as bytes, but none before the last
-is drawn, and at most `FRAME_RATE` a second: a slow, hidden or vanished window slows nothing and piles up nothing.
+From the window comes text (see `amorsim.ui.messages`): commands, each answered by ``{"answer": n, "said": ...}``, and
+which frame it has drawn. What is neither is answered too, with what is wrong with it. To the window go frames as bytes,
+but none before the last is drawn, and at most `FRAME_RATE` a second: a slow, hidden or vanished window slows nothing
+and piles up nothing.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from typing import Any, Protocol
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from amorsim.ui.messages import COMMANDS, MessageError, decode, number_of
+
 __all__ = ["FRAME_RATE", "Simulated", "Talk"]
 
 FRAME_RATE = 30.0  # [Hz]
 MOST_WAITING = 64  # commands of one window
 MOST_OF_TAB = 64  # letters
-# These ask only; the others are done in the order in which they came.
-READS = frozenset({"state", "scene", "parameters", "history", "events", "image"})
 
 Table = dict[str, Any]
 
@@ -77,31 +78,36 @@ class Talk:
 
     async def _hear(self) -> None:
         while True:
-            text = await self.websocket.receive_text()
+            received = await self.websocket.receive()
+            if received["type"] == "websocket.disconnect":
+                raise WebSocketDisconnect(received.get("code", 1000))
             try:
-                message = json.loads(text)
-            except ValueError:
-                message = None
-            if not isinstance(message, dict):
-                await self.websocket.close(1003, "expected a JSON table")
-                return
+                message = decode(received.get("text"))
+            except MessageError as error:
+                await self._refuse(None, str(error))
+                continue
+            shape = COMMANDS.get(message.get("do", ""))
             if "drawn" in message:
                 self.drawn.set()
-            elif message.get("do") in READS and len(self.reads) < MOST_WAITING:
+            elif shape is not None and shape.asks and len(self.reads) < MOST_WAITING:
                 task = asyncio.create_task(self._answer(message))
                 self.reads.add(task)
                 task.add_done_callback(self.reads.discard)
             elif self.commands.full():
-                await self._send({"answer": message.get("id"), "said": {"ok": False, "error": "Too much at once."}})
+                await self._refuse(number_of(message), "Too much at once.")
             else:
                 self.commands.put_nowait(message)
+
+    async def _refuse(self, number: int | None, problem: str) -> None:
+        await self._send({"answer": number, "said": {"ok": False, "error": problem}})
 
     async def _obey(self) -> None:
         while True:
             await self._answer(await self.commands.get())
 
     async def _answer(self, message: Table) -> None:
-        number = message.pop("id", None)
+        number = number_of(message)
+        message.pop("id", None)
         await self._send({"answer": number, "said": await self.session.ask(self.window, message)})
 
     async def _show(self) -> None:

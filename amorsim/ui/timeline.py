@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterator
 from typing import Any
 
@@ -73,6 +74,12 @@ class Paths:
         self._count = min(self._count, tick // self.stride + 1)
         self.newest = min(self.newest, tick)
 
+    def copy(self) -> Paths:
+        """Another with the same poses."""
+        other = copy.copy(self)
+        other._kept = self._kept[: max(self._count, 1)].copy()
+        return other
+
     def track(self, robot: int, most: int) -> tuple[list[int], Array]:
         """Ticks and poses `(n, 6)` of one robot, at most so many, the last among them."""
         every = max(1, -(-self._count // max(most, 2)))
@@ -112,6 +119,12 @@ class Snapshots:
         """The last snapshot at or before a tick."""
         ticks = [at for at in self._held if at <= tick]
         return (max(ticks), self._held[max(ticks)]) if ticks else None
+
+    def copy(self) -> Snapshots:
+        """Another that holds the same snapshots."""
+        other = copy.copy(self)
+        other._held = dict(self._held)
+        return other
 
     def cut(self, tick: int) -> None:
         """Forget what came after `tick`."""

@@ -49,9 +49,11 @@ def view(
     out
         Folder that the run is written into as it goes, new or empty.
     host, port
-        Where the window is served; only this machine can reach the default, and 0 takes a port that is free.
+        Where the window is served; only this machine can reach the default, and 0 takes a port that is free. Traffic to
+        other machines is not encrypted.
     browser
-        Whether to open the window in the browser. Its address is printed in any case; whoever has it can drive.
+        Whether to open the window in the browser. Its address is printed in any case. It works once, for whoever has
+        it; then another one is printed.
 
     Raises
     ------
@@ -151,8 +153,8 @@ def _named(scenario: Scenario) -> Scenario:
             faults.append(Fault(file="", path=f"{path}.{field}", message=message))
         return attrs.evolve(body, **{field: attrs.evolve(own, source=source)})
 
-    robots = [named(f"robots.{i}", robot, "controller") for i, robot in enumerate(scenario.robots)]
-    obstacles = [named(f"obstacles.{i}", obstacle, "motion") for i, obstacle in enumerate(scenario.obstacles)]
+    robots = [named(f"robots.{robot.name}", robot, "controller") for robot in scenario.robots]
+    obstacles = [named(f"obstacles.{obstacle.name}", obstacle, "motion") for obstacle in scenario.obstacles]
     if faults:
         raise ScenarioError(faults)
     return attrs.evolve(scenario, robots=robots, obstacles=obstacles)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +32,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def pictures(folder: Path) -> dict[str, Path]:
-    return {path.stem: path for path in plot_run(folder)}
+    return {kind_of(path): path for path in plot_run(folder)}
+
+
+def kind_of(path: Path) -> str:
+    """The kind of a picture of the rover, from the file's name."""
+    run, found, kind = path.stem.partition("-rover-seed1-")
+    assert found
+    assert run in ("run", "short", "blind")
+    return kind
 
 
 def count(picture: Path, colour: str) -> int:
@@ -68,7 +79,9 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
     from matplotlib.figure import Figure
 
     drawn: dict[str, Figure] = {}
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: drawn.update({Path(path).stem: figure}))
+    monkeypatch.setattr(
+        "amorsim.analysis.plot.save_figure", lambda figure, path, **_: drawn.update({kind_of(path): figure})
+    )
     plot_run(folder)
     files = RunFiles(folder)
     velocities, compass = files.table("velocities"), files.table("sensors/compass")
@@ -96,28 +109,167 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
 def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(tmp_path: Path) -> None:
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "short", duration=0.1)
-    assert {path.stem for path in plot_run(tmp_path / "short")} == KINDS
+    assert {kind_of(path) for path in plot_run(tmp_path / "short")} == KINDS
     scenario = am.load(study, ["robots.rover.sensors.laser.range_max=0.1", "robots.rover.sensors.sonar.range_max=0.16"])
     am.run(scenario, tmp_path / "blind", duration=0.3)
     assert np.isinf(RunFiles(tmp_path / "blind").table("sensors/laser")["true_0"]).all()
-    assert {path.stem for path in plot_run(tmp_path / "blind")} == KINDS
+    assert {kind_of(path) for path in plot_run(tmp_path / "blind")} == KINDS
 
 
 def test_pictures_of_one_robot_and_replica_go_where_they_are_wanted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from matplotlib.figure import Figure
-
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, **_: path.touch())
+    monkeypatch.setattr("amorsim.analysis.plot.save_figure", lambda figure, path, **_: path.touch())
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "run", duration=0.3, replicas=2)
     made = plot_run(tmp_path / "run", out=tmp_path / "mine", robot="rover", replica=1)
     assert {path.parent for path in made} == {tmp_path / "mine"}
     assert sorted(made) == sorted((tmp_path / "mine").iterdir())
+    assert {path.name for path in made} == {f"run-rover-seed1-replica1-{kind}.png" for kind in KINDS}
     assert not (tmp_path / "run" / "plots").exists()
-    with pytest.raises(am.RunError, match="no robot 'rovr'"):
-        plot_run(tmp_path / "run", robot="rovr")
+    for replica in (0, None):
+        with pytest.raises(am.RunError, match="no robot 'rovr'"):
+            plot_run(tmp_path / "run", robot="rovr", replica=replica)
     with pytest.raises(am.RunError, match="no replica 2"):
         plot_run(tmp_path / "run", replica=2)
     with pytest.raises(am.RunError, match=r"run.json: cannot be written"):
         plot_run(tmp_path / "run", out=tmp_path / "run" / "run.json")
+
+
+TWO = """
+format = 1
+[world]
+map = "rooms.wld"
+[simulation]
+duration = 3.0
+seed = 8
+[recording]
+picture = false
+[[robots]]
+name = "alpha"
+model = "pioneer2dx"
+pose = { x = 1.0, y = 1.0 }
+controller = { use = "square", side = 0.5 }
+sensors = { laser = false, sonar = false, gyro = false, compass = false }
+[robots.estimators]
+first = { use = "dead_reckoning", wheel_variance = 1e-4 }
+second = { use = "dead_reckoning", wheel_variance = 4e-4 }
+[robots.errors.drive]
+track = { scale = { uniform = [0.9, 1.1] } }
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+pose = { x = 3.0, y = 1.0 }
+"""
+
+
+@pytest.fixture(scope="module")
+def spread(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of two robots, one with two estimators, in three replicas."""
+    base = tmp_path_factory.mktemp("spread")
+    make_study(base / "study")
+    (base / "study" / "two.toml").write_text(TWO)
+    return am.run(am.load(base / "study" / "two.toml"), base / "spread", replicas=[6, 2, 9]).folder
+
+
+@pytest.fixture
+def figures(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The figures that are drawn, by the names of their files."""
+    drawn: dict[str, Any] = {}
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda figure, path, **_: drawn.update({path.name: figure}))
+    return drawn
+
+
+def labelled(axis: Any) -> dict[str, Any]:
+    """The lines of a panel by their labels."""
+    return {line.get_label(): line for line in axis.get_lines()}
+
+
+def test_pictures_carry_run_robot_seed_and_replica(spread: Path, figures: dict[str, Any]) -> None:
+    for robot in ("alpha", "rover"):
+        for replica in (2, None):
+            plot_run(spread, robot=robot, replica=replica)
+    assert len(figures) == (6 + 4) + (10 + 4)  # nobody writes over another's
+    assert {"spread-alpha-seed8-replica2-path.png", "spread-rover-seed8-3replicas-ends.png"} <= set(figures)
+    for name, figure in figures.items():
+        robot = "alpha" if "alpha" in name else "rover"
+        of = "replica 2 of 3" if "replica2" in name else "3 replicas"
+        assert figure.get_suptitle().endswith(f"\nspread · {robot} · seed 8 · {of}")
+
+
+def test_second_estimators_and_what_they_believe_are_drawn(spread: Path, figures: dict[str, Any]) -> None:
+    plot_run(spread, robot="alpha", replica=9)
+    files = RunFiles(spread)
+    poses = files.table("poses", robot="alpha", replica=9)
+    names = ["estimated: first", "estimated: second"]
+    for kind in ("path", "heading", "error"):
+        figure = figures[f"spread-alpha-seed8-replica9-{kind}.png"]
+        shown = [text.get_text() for text in figure.legends[0].get_texts()]
+        sigmas = [f"{'1σ' if kind == 'path' else '±σ'} of {name}" for name in ("first", "second")]
+        assert set(names + sigmas) <= set(shown)
+        assert set(names) <= set(labelled(figure.axes[0]))
+    _, x, _, heading = figures["spread-alpha-seed8-replica9-error.png"].axes
+    np.testing.assert_allclose(x.get_lines()[0].get_ydata(), poses["estimated_x"] - poses["true_x"], atol=1e-12)
+    for axis, key, scale in ((x, "xx", 1.0), (heading, "hh", np.degrees(1.0))):
+        for area, name in zip(axis.collections, ("first", "second"), strict=True):
+            believed = scale * np.sqrt(files.table(f"estimates/{name}", robot="alpha", replica=9)[key])
+            low, high = area.get_paths()[0].get_extents().intervaly
+            np.testing.assert_allclose((low, high), (-believed.max(), believed.max()))
+
+
+def test_all_replicas_are_summed_up(spread: Path, figures: dict[str, Any]) -> None:
+    plot_run(spread, robot="alpha")
+    poses = RunFiles(spread).arrays("poses", robot="alpha")
+    error = poses["estimated_pose"] - poses["true_pose"]
+    away = np.hypot(error[..., 0], error[..., 1])
+    figure = figures["spread-alpha-seed8-3replicas-error.png"]
+    position, x, *_ = figure.axes
+    rms = np.sqrt((away**2).mean(axis=1))
+    np.testing.assert_allclose(labelled(position)["root mean square, first"].get_ydata(), rms)
+    np.testing.assert_allclose(labelled(x)["mean"].get_ydata(), error[..., 0].mean(axis=1))
+    worst = [6, 2, 9][away[-1].argmax()]
+    assert f"off by {rms[-1]:.3f} m (root mean square)" in figure.get_suptitle()
+    assert f"{away[-1].max():.3f} m (worst, replica {worst})" in figure.get_suptitle()
+    paths = figures["spread-alpha-seed8-3replicas-path.png"].axes[0].collections[0].get_segments()
+    assert len(paths) == 3
+    np.testing.assert_allclose(paths[1], poses["true_pose"][:, 1, :2])
+    ends = figures["spread-alpha-seed8-3replicas-ends.png"].axes[0]
+    np.testing.assert_allclose(labelled(ends)["estimated: first"].get_xydata(), error[-1, :, :2])
+
+
+def test_a_run_that_did_not_end_says_so(
+    folder: Path, tmp_path: Path, figures: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    from amorsim.cli.plot import command
+
+    killed = Path(shutil.copytree(folder, tmp_path / "run"))
+    about = json.loads((killed / "run.json").read_text())
+    (killed / "run.json").write_text(json.dumps(about | {"status": "running"}))
+    lines = (killed / "poses.csv").read_text().splitlines(keepends=True)
+    (killed / "poses.csv").write_text("".join(lines[:57]) + lines[57][:9])
+    command(killed)
+    assert "run: this run did not end in order; its files end at 5.5 s" in capsys.readouterr().err
+    path = figures["run-rover-seed1-path.png"]
+    assert "this run did not end in order" in path.get_suptitle()
+    assert len(labelled(path.axes[0])["true"].get_xdata()) == 56
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "problem"),
+    [
+        ("velocities.csv", "measured_left_wheel", "measured_wheel", r"velocities.csv, line 1: .*'measured_left_wheel'"),
+        ("poses.csv", "\n0.100000,rover,1", "\n0.100000,rover,1e999", r"poses.csv, line 3, true_x: expected a "),
+        ("events.csv", "kind", "kinds", r"events.csv, line 1: is damaged: there is no column 'kind'"),
+        ("estimates/dead_reckoning.csv", "\n0.100000", "\n0.150000", r"dead_reckoning.csv: its times are not those"),
+        ("sensors/sonar.csv", "true_3,", "true_33,", r"sonar.csv, line 1: .* 'measured_33'"),
+    ],
+)
+def test_a_damaged_file_is_named(
+    folder: Path, tmp_path: Path, figures: dict[str, Any], file: str, old: str, new: str, problem: str
+) -> None:
+    damaged = Path(shutil.copytree(folder, tmp_path / "run"))
+    text = (damaged / file).read_text()
+    assert old in text
+    (damaged / file).write_text(text.replace(old, new, 1))
+    with pytest.raises(am.RunError, match=problem):
+        plot_run(damaged)

@@ -42,9 +42,9 @@ def test_each_column_has_a_panel_in_its_unit(tmp_path, monkeypatch):
     (tmp_path / "scenario.toml").write_text(TEXT)
     am.run(am.load(tmp_path / "scenario.toml"), tmp_path / "run")
     made = {}
-    columns = plot._columns
-    monkeypatch.setattr(plot, "_columns", lambda name, *rest: made.setdefault(name, columns(name, *rest)))
-    for other in ("_path", "_speed", "_wheels", "_heading", "_error"):
+    draw = plot.draw_sensor
+    monkeypatch.setattr(plot, "draw_sensor", lambda *which: made.setdefault(which[-1], draw(*which)))
+    for other in ("draw_path", "draw_speed", "draw_wheels", "draw_heading", "draw_error"):
         monkeypatch.setattr(plot, other, lambda *_: None)
     plot.plot_run(tmp_path / "run")
     for sensor, panels in PANELS.items():

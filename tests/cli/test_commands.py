@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import tomllib
 from pathlib import Path
@@ -90,6 +91,26 @@ def test_reproduce_tells_a_difference_by_its_exit_status(amorsim: Command, study
     assert amorsim("reproduce", "run", "--quiet").out == ""
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"status": "running"}, "this run did not end in order; its files end at 0.3 s"),
+        ({"status": "interrupted"}, "this run was interrupted; its files end at 0.3 s"),
+        ({}, ""),
+    ],
+)
+def test_plot_says_when_a_run_is_unfinished(
+    amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch, change: dict[str, str], words: str
+) -> None:
+    monkeypatch.setattr("amorsim.analysis.plot.save_figure", lambda *_, **__: None)
+    assert amorsim("run", study, "--duration", 0.3, "--out", "run", "-q").status == 0
+    about = Path("run/run.json")
+    about.write_text(json.dumps(json.loads(about.read_text()) | change))
+    result = amorsim("plot", "run")
+    assert result.status == 0
+    assert (words in result.err) if words else (result.err == "")
+
+
 def test_plot_without_matplotlib_says_how_to_get_it(
     amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -101,3 +122,72 @@ def test_plot_without_matplotlib_says_how_to_get_it(
     result = amorsim("plot", "run")
     assert result.status == 2
     assert 'pip install "amorsim[plot]"' in result.err
+
+
+def test_a_resolved_scenario_tells_of_sensors_without_a_rate(amorsim: Command, study: Path) -> None:
+    remark = "# rate: none is given, so it reads in every step"
+    whole = amorsim("check", study, "--resolved").out
+    some = amorsim("check", study, "--resolved", "--set", "robots.0.sensors.laser.rate=5").out
+    assert whole.count(remark) == some.count(remark) + 1 > 1
+    assert "rate = 5" in some
+
+
+def test_check_tells_the_maps_warnings_also_where_there_are_faults(amorsim: Command, study: Path) -> None:
+    world = study.parent / "rooms.wld"
+    world.write_text(world.read_text(encoding="utf-8") + "\nnonsense 1 2\n", encoding="utf-8")
+    warning = "warning: rooms: line "
+    assert warning in amorsim("check", study).err
+    for change in ("robots.0.controller.sped=1", "robots.0.pose.x=4.0"):
+        result = amorsim("check", study, "--set", change)
+        assert warning in result.err
+        assert "1 fault found" in result.err
+
+
+def test_runsim_is_in_the_help(amorsim: Command) -> None:
+    assert "runsim" in amorsim("--help").out
+
+
+def test_the_manual_of_a_component_names_fields_as_files_do(amorsim: Command) -> None:
+    sonar = amorsim("plugins", "show", "sonar").out
+    assert "a table of x, y, heading_deg" in sonar
+    assert "x 0, y 0, heading_deg 0" in sonar
+    assert "Mount(" not in sonar
+    assert "std_deg, in degrees, for angles" in amorsim("plugins", "show", "gaussian").out
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("\n[simulation]\nseed = 2\n", "line {line}: the table [simulation] stands in this file already"),
+        ("\n[robots.errors]\n", "line {line}: the table [robots.errors] stands in this file already"),
+    ],
+)
+def test_a_table_given_twice_is_told_in_plain_words(amorsim: Command, study: Path, text: str, says: str) -> None:
+    before = study.read_text(encoding="utf-8")
+    study.write_text(before + "\n[[robots]]\n[robots.errors]\n" + text, encoding="utf-8")
+    found = amorsim("check", study)
+    line = before.count("\n") + 5
+    assert says.format(line=line) in found.err
+    assert "Cannot declare" not in found.err
+
+
+def test_a_key_given_twice_is_told_in_plain_words(amorsim: Command, study: Path) -> None:
+    text = study.read_text(encoding="utf-8")
+    study.write_text(text.replace("format = 1", "format = 1\nformat = 1", 1), encoding="utf-8")
+    assert "this key has a value already; leave one of the two out" in amorsim("check", study).err
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_what_a_component_raises_is_told_in_a_few_lines(
+    amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    def start(self: object, context: object) -> None:
+        raise KeyError("laser")
+
+    monkeypatch.setattr("amorsim.estimators.dead_reckoning.DeadReckoning.start", start)
+    result = amorsim(command, study)
+    assert result.status == 2
+    lines = result.err.splitlines()
+    assert "estimator 'dead_reckoning' (DeadReckoning) of robot 'rover' at 0 s raised KeyError: 'laser'" in lines
+    assert '    raise KeyError("laser")' in result.err
+    assert len(lines) < 8

@@ -104,7 +104,7 @@ def test_a_real_map_alone_runs(amorsim: Command, tmp_path: Path, name: str) -> N
 def test_a_map_for_smaller_robots_says_that_there_is_no_room(amorsim: Command, tmp_path: Path) -> None:
     result = amorsim("run", WLD / "serp-sm.wld", "--duration", "0.5", "--out", "run")
     assert result.status == 2
-    assert "robots.0.pose: missing, and the map has no place where a footprint" in result.err
+    assert "robots.rover.pose: missing, and the map has no place where a footprint" in result.err
     assert not (tmp_path / "run").exists()
 
 

@@ -92,7 +92,8 @@ def test_umbmark_refuses_what_it_is_not_for(monkeypatch: pytest.MonkeyPatch) -> 
     Path("full").mkdir()
     Path("full/file").touch()
     status, output = amorsim("amorsim umbmark demo --out full", monkeypatch)
-    assert (status, output) == (2, "full: the folder holds files already; name another one, or one that is not there\n")
+    words = "full: the folder holds files already, such as file; name another one, or one that is not there\n"
+    assert (status, output) == (2, words)
     status, output = amorsim("amorsim umbmark demo --out full/file", monkeypatch)
     assert (status, output) == (2, "full/file: is a file; name a folder, new or empty\n")
 

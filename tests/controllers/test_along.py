@@ -364,7 +364,7 @@ def test_braitenberg_goes_by_ranges_as_well_and_counts_its_weights() -> None:
     sim.step()
     wheels = np.array(sim.robot("rover").true_twist[0] + np.array([-0.16, 0.16]) * sim.robot("rover").true_twist[2])
     assert wheels == pytest.approx([0.1 * (1.0 + 0.5 * felt), 0.1 * (1.0 - 0.5 * felt)], abs=2e-4)
-    with pytest.raises(ComponentError, match="tells neither"):
+    with pytest.raises(ComponentError, match="neither ranges, nor reflectances, nor counts"):
         simulate(Braitenberg(sensor="encoder"))
 
 

@@ -84,6 +84,12 @@ def test_beams_are_points_and_no_return_is_none():
     assert nearest_side(points) == 1.0
 
 
+def test_what_is_too_near_to_measure_counts_as_at_the_sensor():
+    points = scan([(0.2, 0.1, 0.0), (0.2, 0.1, 0.5)], [-math.inf, math.inf])
+    assert points[:2, 0].tolist() == [0.2, 0.1]
+    assert np.isinf(points[:2, 1]).all()
+
+
 def test_a_return_may_come_from_anywhere_on_its_arc():
     points = scan([[0.0, 0.0, 0.5]], [2.0], half_angle=0.2, samples=5)
     np.testing.assert_allclose(np.hypot(*points[:2]), 2.0)

@@ -101,3 +101,29 @@ def test_manual_does_what_it_is_told_until_it_is_told_otherwise():
 def test_a_value_that_makes_no_sense_is_refused_by_name(make, name):
     with pytest.raises(ParameterError, match=name):
         make()
+
+
+@pytest.mark.parametrize("lag", [0.15, 0.5, 1.0])
+@pytest.mark.parametrize("acceleration", [None, 4.0])
+@pytest.mark.parametrize("place", [(4.0, 3.0), (1.0, 2.5)])
+def test_goto_comes_to_its_place_with_motors_that_lag_longer_than_a_step(place, acceleration, lag):
+    sim = simulate(GoTo(x=place[0], y=place[1], tolerance=0.02), drive=drive(acceleration_max=acceleration, lag=lag))
+    sim.run(40.0)
+    assert math.dist(sim.true_pose[0, :2], place) < 0.02 + 1e-9
+    before = sim.true_pose.copy()
+    sim.run(5.0)
+    assert sim.true_pose == pytest.approx(before, abs=1e-6)
+
+
+@pytest.mark.parametrize("lag", [0.15, 0.5, 1.0])
+@pytest.mark.parametrize("acceleration", [None, 4.0])
+def test_a_square_comes_back_with_motors_that_lag_longer_than_a_step(acceleration, lag):
+    controller = Square(side=2.0, speed=0.4)
+    sim = simulate(controller, pose=(1.0, 1.0, 0.0), drive=drive(acceleration_max=acceleration, lag=lag))
+    (group,) = sim._fleet.groups
+    while group.controller_state["reached"][0, 0] < 4:
+        sim.step()
+        assert sim.time < 25.0 + 4.0 * (4.0 + 25.0 * lag)
+    sim.run(10.0 * lag)
+    assert math.dist(sim.true_pose[0, :2], (1.0, 1.0)) < 0.003
+    assert abs(math.remainder(sim.true_pose[0, 2], 2.0 * math.pi)) < 0.0045

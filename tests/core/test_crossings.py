@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.core.crossings import contains, share_within
+from amorsim.core.crossings import contains, share_rolled, share_within
 from amorsim.core.shapes import Shape
 
 SHAPES = {
@@ -65,3 +65,21 @@ def test_chords_of_a_circle():
         chord = share_within(circle, np.array([[-2.0, height]]), np.array([[2.0, height]]))
         assert chord[0] == pytest.approx(2.0 * math.sqrt(1.0 - height**2) / 4.0, rel=1e-12)
     assert share_within(circle, np.array([[-2.0, 1.0 + 1e-9]]), np.array([[2.0, 1.0 + 1e-9]]))[0] == 0.0
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("ratio", [0.4, 1.0, 1.7])
+def test_shares_rolled_are_those_of_small_steps(name, ratio):
+    rng = np.random.default_rng(7)
+    start, end = rng.uniform(-1.2, 1.2, (2, 100, 2))
+    found = share_rolled(SHAPES[name], start, end, np.full(100, ratio))
+    count = 4000
+    place, inside = np.zeros((100, 1)), np.zeros(100)
+    for _ in range(count):
+        within = is_inside(name, SHAPES[name], start + place * (end - start))
+        inside += within
+        place[:, 0] += np.where(within, ratio, 1.0) / count
+    # At each of six borders, a step may be counted wrongly, and what follows shifts by as much.
+    assert found == pytest.approx(inside / count, abs=12.0 / count)
+    if ratio == 1.0:
+        assert found == pytest.approx(share_within(SHAPES[name], start, end), abs=1e-12)

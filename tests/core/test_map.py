@@ -155,8 +155,11 @@ def test_rays_of_no_meaning_are_refused(arguments: tuple[Any, ...], message: str
         ({"segments": [[1e12, 0, 1e12, 1]]}, "reaches to 1e.12 m from the world's origin"),
         (
             {"segments": np.tile([0.0, 0, 1000, 1000], (1000, 1))},
-            "about 20 GB .* pass a resolution of 0.005 m or coarser",
+            "about 21 GB .* pass a resolution of 0.0222 m or coarser",
         ),
+        # 100 km in pages of 64 cells of 1 mm are 1 GB, and in tables of 4096 cells 0.4 GB.
+        ({"segments": [[0.0, 0, 1e5, 0]]}, "1 walls of 100000 m .* about 1.4 GB in cells of 0.001 m; pass .* of 0.00"),
+        ({"segments": [], "extent": (0.0, 0, 1.3e5, 1)}, "0 walls of 0 m .* 130000 m x 1 m, would take about"),
     ],
 )
 def test_nonsense_in_segments_is_refused(given: dict[str, Any], message: str) -> None:

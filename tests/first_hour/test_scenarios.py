@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 import amorsim as am
 from tests.first_hour.conftest import ROOT, amorsim
 
-DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "convoy", "yard")
+DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard")
 
 
 @pytest.mark.parametrize("name", DRIVEN)
@@ -42,6 +43,20 @@ def test_its_robots_meet_nothing_to_the_end(name: str) -> None:
     if name == "car-park":
         assert np.hypot(*(sim.true_pose[0, :2] - (18.7, 31.0))) < 0.6
         assert abs(np.sin(sim.true_pose[0, 2] - np.pi / 2)) < np.sin(np.radians(6.0))
+
+
+def test_the_khepera_keeps_to_its_line() -> None:
+    """Round it once and more, with its base point within half of what its two sensors are apart."""
+    scenario = am.load("line")
+    line = shapely.LineString(scenario.floor.markings[0].patch.points)
+    sim = am.Simulation(scenario)
+    gone = [sim.true_pose[0, :2]]
+    for _ in range(round(scenario.duration / scenario.dt)):
+        sim.step()
+        gone.append(sim.true_pose[0, :2])
+        assert not sim.robot("khepera").readings["cliff"].true.any()
+    assert max(line.distance(shapely.Point(place)) for place in gone) < 0.012
+    assert np.hypot(*np.diff(gone, axis=0).T).sum() > line.length
 
 
 def test_their_maps_are_what_their_script_draws() -> None:

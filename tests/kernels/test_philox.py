@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from amorsim.kernels.philox import fill_normal, fill_uniform, philox
+from amorsim.kernels.philox import _unit, fill_normal, fill_uniform, philox
 
 # From the known-answer vectors that accompany the authors' Random123 library: counter, key, result.
 KNOWN = [
@@ -54,6 +54,14 @@ def test_uniform_draws_are_uniform_and_never_0_or_1() -> None:
     assert out.min() > 0.0
     assert out.max() < 1.0
     assert stats.kstest(out.ravel(), "uniform").pvalue > 1e-3
+
+
+def test_the_largest_words_make_a_draw_below_1_and_all_others_keep_their_bits() -> None:
+    ones = 0xFFFFFFFF
+    assert _unit(np.uint64(ones), np.uint64(ones)) == 1.0 - 2.0**-53
+    for high, low in ((ones, ones - 64), (ones - 32, ones), (0x80000000, 0), (0, 0)):
+        bits = (high >> 5) << 26 | low >> 6
+        assert _unit(np.uint64(high), np.uint64(low)) == (float(bits) + 0.5) * 2.0**-53 < 1.0
 
 
 def test_draws_of_ticks_columns_and_keys_are_uncorrelated() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from amorsim.kernels.social_force import social_forces
 
-NUMBERS = (2.1, 0.3, 2.0, 10.0, 0.2, math.cos(math.radians(100.0)), 0.5, 0.0)
+NUMBERS = (2.1, 0.3, 2.0, 10.0, 0.2, math.cos(math.radians(100.0)), 0.5)
 
 
 def potential(r: np.ndarray, step: np.ndarray) -> float:
@@ -46,10 +46,11 @@ def twin(poses, twists, reach, heeded, own, wanted, walls, bearings, relative):
     return out
 
 
-def call(poses, twists, reach, heeded, own, wanted, walls, bearings, relative=False):
+def call(poses, twists, reach, heeded, own, wanted, walls, bearings, relative=False, ahead=0.0):
     out = np.empty((len(poses), 2))
-    numbers = np.tile((*NUMBERS[:7], float(relative)), (len(poses), 1))
-    social_forces(poses, twists, reach, heeded, own, wanted, walls, bearings, numbers, out)
+    numbers = np.tile((*NUMBERS, float(relative), ahead), (len(poses), 1))
+    velocity = np.array([over_ground(poses[n, own[n]], twists[n, own[n]]) for n in range(len(poses))])
+    social_forces(poses, twists, reach, heeded, own, velocity, wanted, walls, bearings, numbers, out)
     return out
 
 
@@ -82,7 +83,47 @@ def test_forces_are_the_gradients_of_their_potentials(relative: bool) -> None:
         relative,
     )
     assert clear.sum() > 50
-    np.testing.assert_allclose(call(*case), twin(*case), rtol=2e-5, atol=2e-7)
+    np.testing.assert_allclose(call(*case), twin(*case), rtol=2e-5, atol=6e-7)
+
+
+def test_forces_ahead_are_those_of_where_all_are_then() -> None:
+    random = np.random.default_rng(2)
+    rows, ahead = 50, 0.25
+    poses = random.uniform(-3.0, 3.0, (rows, 3, 3))
+    twists = random.uniform(-1.0, 1.0, (rows, 3, 3))
+    own = np.zeros(rows, dtype=np.int64)
+    later = poses.copy()
+    for n in range(rows):
+        for b in range(3):
+            later[n, b, :2] += ahead * over_ground(poses[n, b], twists[n, b])
+    walls, bearings = np.full((rows, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
+    walls[:, 0] = 2.0
+    then = walls.copy()
+    then[:, 0] -= later[:, 0, 0] - poses[:, 0, 0]
+    rest = np.array([0.2, 0.2, 0.3]), np.ones((rows, 3), dtype=bool), own, np.array([[1.0, 0.0]] * rows)
+    np.testing.assert_allclose(
+        call(poses, twists, *rest, walls, bearings, True, ahead), call(later, twists, *rest, then, bearings, True)
+    )
+
+
+@pytest.mark.parametrize("relative", [False, True])
+def test_no_force_is_left_out_that_is_not_negligible(relative: bool) -> None:
+    """Along the line of a fast one who comes, far away; each force alone against the one that is worked out."""
+    random = np.random.default_rng(3)
+    largest, none = 0.0, 0
+    for distance in np.arange(5.0, 14.0, 0.25):
+        angle = random.uniform(-np.pi, np.pi)
+        poses = np.array([[[0.0, 0.0, 0.0], [distance * math.cos(angle), distance * math.sin(angle), angle + np.pi]]])
+        twists = np.array([[[1.5 * math.cos(angle), 1.5 * math.sin(angle), 0.0], [1.8, 0.02, 0.0]]])
+        rest = np.array([0.2, 0.2]), np.ones((1, 2), dtype=bool), np.zeros(1, dtype=np.int64), np.array([[1.0, 0.0]])
+        walls, bearings = np.full((1, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
+        found = call(poses, twists, *rest, walls, bearings, relative)
+        if not found.any():
+            none += 1
+            force = twin(poses, twists, *rest, walls, bearings, relative)
+            largest = max(largest, float(np.abs(force).max()))
+    assert none > 10
+    assert largest < 2e-7
 
 
 def test_a_lone_one_feels_nothing_and_numbers_stay_finite_where_it_is_singular() -> None:

@@ -28,8 +28,9 @@ def all_sounds(case, m):
             continue
         ahead = SPEED * (case["fires"][n, i] - case["listens"][m])
         ends = [(None, math.dist(emitter[:2], receiver[:2]))]
-        for point, way in zip(case["points"][m], case["ranges"][m], strict=True):
-            ends.append((point, way + math.dist(emitter[:2], point) if math.isfinite(way) else math.inf))
+        for point, way, on in zip(case["points"][m], case["ranges"][m], case["surface"][m], strict=True):
+            reflects = math.isfinite(way) and on != case["carrier"][n, i]
+            ends.append((point, way + math.dist(emitter[:2], point) if reflects else math.inf))
         for f, (point, way) in enumerate(ends):
             if point is None:
                 fits = within(receiver, case["half"][m], emitter) and within(
@@ -61,6 +62,8 @@ def some_case(seed, rows=3, each=4, count=5, fan=7):
     }
     ranges = rng.uniform(0.2, 2.0, (m, fan))
     case["ranges"] = np.where(rng.random(ranges.shape) < 0.2, np.inf, ranges)
+    case["carrier"] = rng.integers(0, 3, (rows, count))
+    case["surface"] = rng.integers(-1, 3, ranges.shape)
     case["fan"] = np.linspace(-1.0, 1.0, fan)
     case["points"] = np.empty((m, fan, 2))
     sounds.surface_points(case["receivers"], case["half"], case["fan"], case["ranges"], case["points"])
@@ -103,8 +106,10 @@ def test_sounds_come_in_order_until_there_are_none(seed, batch):
             case["itself"],
             case["points"],
             case["ranges"],
+            case["surface"],
             emitters,
             axes(emitters.reshape(-1, 3), case["emitter_half"].reshape(-1)).reshape(emitters.shape),
+            case["carrier"],
             case["fires"],
             case["fired"],
             SPEED,

@@ -11,6 +11,7 @@ from hypothesis.extra import numpy as hnp
 
 import amorsim as am
 from amorsim.core.same_cells import have_same_cells
+from tests.disks import small_disk
 
 WALLS = [(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (1.0, 1.0, 2.5, 3.25)]
 
@@ -99,3 +100,63 @@ def test_maps_differ_by_one_cell_or_by_their_place() -> None:
     assert not have_same_cells(one, am.Map.from_array(cells, resolution=0.1))
     assert not have_same_cells(one, am.Map.from_array(np.zeros((70, 130)), resolution=0.1, origin=(0, 0, 1e-9)))
     assert not have_same_cells(one, am.Map.from_array(np.zeros((70, 129)), resolution=0.1))
+
+
+@pytest.mark.parametrize("is_link", [False, True])
+def test_a_map_that_cannot_be_written_leaves_the_file_that_was_there(tmp_path: Path, is_link: bool) -> None:
+    file = tmp_path / "room.wld"
+    if is_link:
+        (tmp_path / "real.wld").write_text("0 0 1000 0\n")
+        file.symlink_to("real.wld")
+    else:
+        file.write_text("0 0 1000 0\n")
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(am.MapError, match=r"room\.wld: cannot be written: the map was not made from lines"):
+        am.save_map(am.Map.from_array([[0, 1]], resolution=0.05), file)
+    assert sorted(tmp_path.iterdir()) == before
+    assert file.is_symlink() == is_link
+    assert file.read_text() == "0 0 1000 0\n"
+
+
+def test_a_map_too_large_for_pixels_leaves_the_file_that_was_there(tmp_path: Path) -> None:
+    (tmp_path / "room.png").write_bytes(b"old")
+    with pytest.raises(am.MapError, match="more than 1 GB"):
+        am.save_map(am.Map.from_segments([(0, 0, 40, 0), (0, 0, 0, 40)]), tmp_path / "room.png")
+    assert (tmp_path / "room.png").read_bytes() == b"old"
+
+
+def test_a_full_disk_leaves_the_map_that_was_there(tmp_path: Path) -> None:
+    (tmp_path / "room.wld").write_text("0 0 1000 0\n")
+    room = am.Map.from_segments([(0, 0.01 * i, 1, 0.01 * i) for i in range(200)])
+    with small_disk(), pytest.raises(am.MapError, match=r"room\.wld: cannot be written \(File too large\)"):
+        am.save_map(room, tmp_path / "room.wld")
+    assert [path.name for path in tmp_path.iterdir()] == ["room.wld"]
+    assert (tmp_path / "room.wld").read_text() == "0 0 1000 0\n"
+
+
+def test_a_full_disk_leaves_the_picture_that_was_there(tmp_path: Path) -> None:
+    (tmp_path / "plan.png").write_bytes(b"old")
+    plan = am.Map.from_array(np.random.default_rng(1).integers(0, 2, (200, 200)), resolution=0.05)
+    with small_disk(), pytest.raises(am.MapError, match=r"plan\.png: cannot be written \(File too large\)"):
+        am.save_map(plan, tmp_path / "plan.png")
+    assert (tmp_path / "plan.png").read_bytes() == b"old"
+
+
+def test_a_loader_that_fails_is_named_and_leaves_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from amorsim.maps.wld import Wld
+
+    def save(cls: type, world: am.Map, path: Path) -> None:
+        path.write_text("half")
+        raise KeyError("colour")
+
+    (tmp_path / "room.wld").write_text("old")
+    monkeypatch.setattr(Wld, "save", classmethod(save))
+    with pytest.raises(am.MapError, match=r"room\.wld: cannot be written: Wld failed with KeyError: 'colour'"):
+        am.save_map(am.Map.from_segments(WALLS), tmp_path / "room.wld")
+    assert (tmp_path / "room.wld").read_text() == "old"
+
+
+def test_a_map_is_called_after_the_file_that_it_was_written_into(tmp_path: Path) -> None:
+    again = am.save_map(am.Map.from_segments(WALLS), tmp_path / "room.wld")
+    assert (again.name, again.source.path) == ("room", tmp_path / "room.wld")
+    assert again == am.load_map(tmp_path / "room.wld")

@@ -43,6 +43,7 @@ def test_wall_is_in_metres() -> None:
         "1.0 2. 3e0 +4",
         "1 2 3 4 50 2000",
         "1 2 3 4 0 0",
+        "1 2 3 4 50 2000 7",
         "1 2 3 4 50 2000 255 128 0",
     ],
 )
@@ -187,9 +188,9 @@ def test_artifact_doors_and_junctions_block_nothing() -> None:
     ("line", "reason"),
     [
         ("ush 500 0 -5", "Did you mean 'push'"),
-        ("5000 0 0", "4, 6 or 9 numbers, not 3"),
+        ("5000 0 0", "4, 6, 7 or 9 numbers, not 3"),
         ("1 2 3 4 5", "not 5"),
-        ("1 2 3 4 5 6 7", "not 7"),
+        ("1 2 3 4 5 6 7 8", "not 8"),
         ("1 2 3 x", "'x' is no number"),
         ("1 2 3 4 5_0 6", "'5_0' is no number"),
         ("١ ٢ ٣ ٤", "no statement"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,10 +26,49 @@ def test_he_takes_up_his_speed_exponentially_and_comes_to_his_goal() -> None:
     sim = world(walker("thing", 4.0, 10.0, goals=((14.0, 10.0),)), size=20.0)
     poses = track(sim, 120)
     speeds = np.diff(poses[:, 0]) / DT
-    expected = 1.34 * (1.0 - np.exp(-DT * np.arange(1, 21) / 0.5))
-    assert speeds[:20] == pytest.approx(expected, abs=1e-6)
+    time = DT * np.arange(1, 21)
+    assert poses[1:21, 0] - 4.0 == pytest.approx(1.34 * (time - 0.5 * (1.0 - np.exp(-time / 0.5))), abs=1e-7)
     assert poses[-1, 0] == pytest.approx(14.0, abs=0.75)  # at the last goal he stands
     assert speeds[-1] < 0.01
+
+
+def gone(dt: float, *, duration: float = 3.0, start: float = 4.0, robot: am.Robot | None = None, **changes: object):
+    """Where he is after some time, in steps of `dt`."""
+    walk = walker("thing", start, 10.0, **changes)
+    robot = robot or building.robot(pose=am.Pose(x=1.0, y=1.0), on_collision="continue")
+    sim = am.Simulation(building.scenario(robot, map=building.room(20.0, 20.0, 0.01), obstacles=[walk], dt=dt))
+    sim.run(duration)
+    return sim.obstacle("thing").true_pose[:2].copy()
+
+
+@pytest.mark.parametrize("dt", [0.02, 0.1, 0.5])
+def test_in_the_open_his_way_does_not_depend_on_the_step(dt: float) -> None:
+    expected = 1.34 * (3.0 - 0.5 * (1.0 - np.exp(-3.0 / 0.5)))
+    assert gone(dt, goals=((14.0, 10.0),)) == pytest.approx([4.0 + expected, 10.0], abs=1e-7)
+
+
+def test_before_a_wall_his_way_depends_on_the_step_by_its_square() -> None:
+    """He walks up to a wall: after 2.2 s he is where it brakes him hardest."""
+    true = gone(0.0125, start=16.7, duration=2.2)[0]
+    coarse, fine = (gone(dt, start=16.7, duration=2.2)[0] - true for dt in (0.1, 0.05))
+    assert abs(coarse) < 0.01
+    assert abs(fine) < 0.4 * abs(coarse)
+
+
+def test_wavering_spreads_him_alike_at_any_step() -> None:
+    """Without a wish, the Ornstein-Uhlenbeck process and its integral: their variances, over 400 replicas."""
+    tau, waver, time = 0.5, 0.1, 2.0
+    gone_ = 1.0 - np.exp(-time / tau)
+    expected = waver**2 * tau**3 * (time / tau - gone_ - 0.5 * gone_**2)
+    for dt in (0.05, 0.5):
+        walk = walker("thing", 10.0, 10.0, speed=1.0, goals=((10.0, 10.0),), order="once", waver=waver)
+        robot = building.robot(pose=am.Pose(x=1.0, y=1.0))
+        room = building.room(20.0, 20.0, 0.01)
+        sim = am.Simulation(building.scenario(robot, map=room, obstacles=[walk], dt=dt), replicas=400)
+        sim.run(time)
+        (group,) = sim._fleet.obstacles
+        spread = group.true_pose[:, :2].var(axis=0)
+        assert spread == pytest.approx([expected, expected], rel=5.0 * np.sqrt(2.0 / 400))
 
 
 def test_desired_speeds_are_spread_over_pedestrians() -> None:
@@ -77,6 +117,22 @@ def test_two_that_meet_pass_one_another() -> None:
     assert np.linalg.norm(ways[:, 0] - ways[:, 1], axis=1).min() > 0.44
     assert ways[-1, 0, 0] > 7.0
     assert ways[-1, 1, 0] < 4.0
+
+
+@pytest.mark.parametrize(("width", "passes"), [(0.8, False), (1.0, True)])
+def test_a_route_through_a_door_and_how_narrow_it_may_be(width: float, passes: bool, tmp_path: Path) -> None:
+    """As the docs say: goals on either side of a door lead through it, but not through one of 0.8 m."""
+    low, high = round(3000 - 500 * width), round(3000 + 500 * width)
+    outer = "0 0 8000 0\n8000 0 8000 6000\n8000 6000 0 6000\n0 6000 0 0\n"
+    (tmp_path / "gate.wld").write_text(f"{outer}4000 0 4000 {low}\n4000 {high} 4000 6000\n", encoding="utf-8")
+    goals = ((3.6, 3.0), (4.6, 3.0), (6.5, 4.5))
+    motion = Pedestrian(goals=goals, order="once", relative=True, step=1.0, near=0.4, **CALM)
+    walk = obstacle(motion, shape=am.Shape.circle(0.2), pose=am.Pose(x=1.5, y=1.5))
+    robot = building.robot(pose=am.Pose(x=1.0, y=5.0))
+    gate = am.load_map(tmp_path / "gate.wld", resolution=0.02)
+    sim = am.Simulation(building.scenario(robot, map=gate, obstacles=[walk], dt=DT))
+    sim.run(15.0)
+    assert (sim.obstacle("thing").true_pose[0] > 4.4) == passes
 
 
 def test_goals_in_turn_and_at_random_and_given_up() -> None:

@@ -144,7 +144,7 @@ def test_files_are_found_beside_the_scenario_kept_by_a_run_and_reproduce(folder:
 
 def test_a_missing_track_is_a_fault_with_its_place(folder: Path) -> None:
     (folder / "tracks" / "walk.csv").unlink()
-    with pytest.raises(am.ScenarioError, match=r"s.toml: obstacles.0.motion.file: expected a track to be there"):
+    with pytest.raises(am.ScenarioError, match=r"s.toml: obstacles.ann.motion.file: expected a track to be there"):
         am.load(folder / "s.toml")
 
 
@@ -172,7 +172,7 @@ def test_a_function_that_gives_no_velocity_is_named(folder: Path, text: str, mes
 
 def test_a_function_that_takes_something_else_is_a_fault(folder: Path) -> None:
     (folder / "mine.py").write_text("def chase():\n    return None\n")
-    with pytest.raises(am.ScenarioError, match=r"obstacles.1.motion.use: .*cannot be called as chase\(obstacle"):
+    with pytest.raises(am.ScenarioError, match=r"obstacles.bob.motion.use: .*cannot be called as chase\(obstacle"):
         am.load(folder / "s.toml")
 
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.contracts import Part
 from amorsim.core.shapes import Shape
+from amorsim.drives import Tricycle
 from amorsim.noise import Bump, Diffusion, Gaussian, OdometryModel, Scale, Slip, VelocityModel
 from amorsim.studies.umbmark import umbmark
 from tests import building
@@ -119,11 +121,14 @@ def test_snapshots_and_replicas_keep_their_bits(name):
     assert alone.digest(2) == end
 
 
-@pytest.mark.parametrize("name", [name for name in MAKERS if name not in ("differential", "tractor", "mecanum")])
 @pytest.mark.parametrize("model", [VelocityModel, OdometryModel])
-def test_models_of_the_bodys_motion_refuse_drives_that_turn_by_steering(name, model):
-    with pytest.raises(am.ComponentError, match=r"wheels turn the body by what they travel, such as .* got "):
-        simulate(name, model(a1=0.1))
+def test_models_of_the_bodys_motion_refuse_drives_that_steer_and_have_parts(model):
+    class Lorry(Tricycle):
+        parts = (Part("trailer", Shape.circle(0.1)),)
+
+    lorry = Lorry(**MAKERS["tricycle"][1])
+    with pytest.raises(am.ComponentError, match=r"expected a drive without parts, .* got Lorry"):
+        Samples(model(), rows=1, k=1, drive=lorry)
 
 
 @pytest.mark.parametrize(("ahead", "aside", "turn"), [(0.04, 0.0, 0.0), (0.03, -0.04, 0.06), (0.0, 0.0, 0.1)])

@@ -18,12 +18,14 @@ from tests import building
 CELL = 0.001
 
 
-def look(sensor, map_, *poses, aim=None):
-    """What a sensor reads and tells at poses, each alone in a world of its own."""
-    world = World(map_, ("rover",), (Shape.circle(0.05),), len(poses))
-    world.poses = np.array(poses, dtype=float)
-    view = GroupView(world, np.arange(len(poses)), 0.1)
-    view.body_pose = world.poses
+def look(sensor, map_, *poses, aim=None, thing=None, at=(0.0, 0.0, 0.0)):
+    """What a sensor reads and tells at poses, each in a world of its own: alone, or with a `thing` that stands `at`."""
+    names, shapes = (("rover",), (Shape.circle(0.05),)) if thing is None else (("a", "b"), (Shape.circle(0.05), thing))
+    world = World(map_, names, shapes, len(poses))
+    world.poses = np.array([each for pose in poses for each in (pose, at)[: len(names)]], dtype=float)
+    rows = np.arange(len(poses)) * len(names)
+    view = GroupView(world, rows, 0.1)
+    view.body_pose = world.poses[rows]
     view.mount = np.zeros((len(poses), 3))
     stacked = am.core.rows.stack([sensor] * len(poses))
     return stacked.sense(view, aim or Aim(), {}, None)
@@ -112,3 +114,54 @@ def test_nothing_is_worked_out_unless_it_is_asked_for_and_then_once():
     assert not asked
     assert side["incidence"] is side["incidence"]
     assert len(asked) == 1
+
+
+@pytest.mark.parametrize("radius", [0.04, 0.05, 0.07, 0.3])
+@pytest.mark.parametrize("distance", [0.5, 1.1, 4.5])
+def test_a_round_post_is_met_straight_on_however_thin(radius, distance):
+    """Somewhere in a sonar's cone its normal looks back; of rays 1/15 of 0.05 degrees apart the nearest is told."""
+    sonar = am.sensors.Sonar(half_angle=math.radians(15.0))
+    post = Shape.circle(radius)
+    poses = [(0.0, 0.0, math.radians(aside)) for aside in (-13.7, -3.33, 0.0, 0.02, 7.51, 14.2)]
+    ranges, side = look(sonar, building.empty(), *poses, thing=post, at=(distance, 0.0, 0.0))
+    np.testing.assert_allclose(ranges, distance - radius, atol=1e-4)
+    aside = math.radians(0.05 / 15.0) / 2.0
+    bound = math.asin(distance / radius * math.sin(aside))
+    assert (side["incidence"] <= bound * (1.0 + 1e-6)).all()
+
+
+def test_a_laser_tells_the_angle_to_a_round_post():
+    """By the law of sines, in the triangle of the laser, the post's centre and where the beam meets it."""
+    radius, distance = 0.05, 1.3
+    off = np.array([0.0, 0.005, 0.02, 0.0375])
+    poses = [(0.0, 0.0, angle) for angle in off.tolist()]
+    laser = am.sensors.Laser(beams=1, fov=0.1)
+    _, side = look(laser, building.empty(), *poses, thing=Shape.circle(radius), at=(distance, 0.0, 0.0))
+    np.testing.assert_allclose(side["incidence"][:, 0], np.arcsin(distance * np.sin(off) / radius), atol=1e-9)
+
+
+def test_a_side_of_a_box_has_one_slope_up_to_its_corners():
+    box = Shape.rectangle(0.4, 0.4)
+    laser = am.sensors.Laser(beams=1, fov=0.1)
+    poses = [(0.0, y, 0.0) for y in (-0.23, -0.2, 0.0, 0.2, 0.23)]  # the corners are 0.283 m to either side
+    _, side = look(laser, building.empty(), *poses, thing=box, at=(2.0, 0.0, math.radians(45.0)))
+    np.testing.assert_allclose(side["incidence"], math.radians(45.0), atol=1e-9)
+    _, side = look(laser, building.empty(), (0.0, 0.0, 0.0), thing=box, at=(2.0, 0.0, math.radians(20.0)))
+    np.testing.assert_allclose(side["incidence"], math.radians(20.0), atol=1e-9)
+
+
+def test_a_body_before_a_wall_leaves_the_slope_of_the_wall():
+    """The post stands beside the beam, where the wall is felt for: it is no part of the wall."""
+    laser = am.sensors.Laser(beams=1, fov=0.1)
+    post = Shape.circle(0.03)
+    _, side = look(laser, slanting(0.4), (0.0, 0.0, 0.0), thing=post, at=(1.95, 0.04, 0.0))
+    np.testing.assert_allclose(side["incidence"], 0.4, atol=BOUND)
+
+
+def test_a_rounded_box_has_the_normals_of_its_sides_and_of_its_corners():
+    box = Shape.polygon([(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)], rounding=0.1)
+    laser = am.sensors.Laser(beams=1, fov=0.1)
+    poses = [(0.0, y, 0.0) for y in (0.0, 0.15, 0.25, 0.28)]
+    _, side = look(laser, building.empty(), *poses, thing=box, at=(2.0, 0.0, 0.0))
+    expected = [0.0, 0.0, math.asin(0.05 / 0.1), math.asin(0.08 / 0.1)]
+    np.testing.assert_allclose(side["incidence"][:, 0], expected, atol=1e-9)

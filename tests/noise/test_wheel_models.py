@@ -111,7 +111,7 @@ def test_without_one_longer_steps_have_more(dt):
 
 @pytest.mark.parametrize("kind", [VelocityModel, OdometryModel])
 def test_values_that_are_no_wheels_travels_are_refused(kind):
-    with pytest.raises(ComponentError, match=r"wheels turn the body by what they travel.* got Differential with 3"):
+    with pytest.raises(ComponentError, match=r"a robot or a zone, with 2 joints that roll, got 3 values"):
         Samples(kind(), k=3)
 
 

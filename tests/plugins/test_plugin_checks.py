@@ -273,7 +273,7 @@ def test_a_noise_does_something():
         def aim(self, aim, elapsed, state, draws):
             return aim
 
-    assert "expected aim, corrupt or delay to be overridden" in only(check_class("noise", Noise, Nothing))
+    assert "expected aim, corrupt, slide or delay to be overridden" in only(check_class("noise", Noise, Nothing))
     assert check_class("noise", Noise, Bends) == ()
 
 

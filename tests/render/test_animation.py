@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
+from amorsim.core.patches import Patch
 from amorsim.render.animation import Animation, Shown
 from amorsim.runs.film import Film
 from tests import building
@@ -19,6 +20,22 @@ SQUARE = np.array([(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)])
 def reddish(image: Image.Image) -> np.ndarray:
     pixels = np.asarray(image.convert("RGB")).astype(int)
     return (pixels[:, :, 0] > 180) & (pixels[:, :, 1] < 90) & (pixels[:, :, 2] < 90)
+
+
+def test_the_floor_lies_under_bodies_and_walls(tmp_path: Path) -> None:
+    room = building.room(6.0, 4.0)
+    patches = [
+        Patch(np.array([(1.0, 1.0), (5.0, 1.0)]), 0.2, "#ff0000"),
+        Patch(np.array([(2.0, 2.0), (4.0, 2.0), (4.0, 3.0), (2.0, 3.0)]), 0.0, "#ff0000", True),
+    ]
+    film = Animation(room, [Shown(outline=SQUARE, is_robot=True, colour="#0000ff")], patches=patches, size=316)
+    film.add(0.0, np.array([[3.0, 1.0, 0.0]]))
+    red = reddish(film.frame(0))
+    # 50 px to the metre, from 8 px on; rows count downwards.
+    assert red[8 + 150, 8 + 60 : 8 + 130].all()
+    assert not red[8 + 150, 8 + 145 : 8 + 155].any()  # the robot
+    assert red[8 + 60 : 8 + 90, 8 + 110 : 8 + 190].all()
+    assert red.sum() == pytest.approx(50 * 50 * (4.0 * 0.2 - 0.4 * 0.2 + 2.0), rel=0.05)
 
 
 def test_bodies_are_drawn_where_they_are(tmp_path: Path) -> None:

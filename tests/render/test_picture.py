@@ -13,6 +13,7 @@ from PIL import Image, ImageColor
 
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.patches import DROP, Patch
 from amorsim.render.marks import COLOURS
 from amorsim.render.picture import RobotPath, Thing, draw_map, draw_run
 
@@ -169,6 +170,23 @@ def test_zones_are_hatched_below_the_paths(room: Map) -> None:
     assert not outside[: at(0, 0)[1]].any()
     assert outside[legend - 60 :].any()  # it says what that is
     assert around(has(image, COLOURS["true"]), at(3, 3), 1).any()
+
+
+def test_markings_and_drops_are_painted_on_the_floor_below_walls_and_paths(room: Map) -> None:
+    line = Patch(np.array([(1.0, 1.0), (5.0, 1.0), (5.0, 3.0)]), 0.2, "#ff00ff")
+    hole = Patch(np.array([(2.0, 2.0), (3.0, 2.0), (3.0, 3.0), (2.0, 3.0)]), 0.0, DROP, True)
+    path = RobotPath(name="rover", true=[(1.5, 0.5), (1.5, 3.0)])
+    image = draw_run(room, [path], patches=[line, hole])
+    at = Places(image, room.size)
+    magenta, dark = has(image, "#ff00ff"), has(image, DROP)
+    for place in ((1.2, 1.0), (3.0, 1.09), (3.0, 0.91), (5.0, 2.5)):
+        assert around(magenta, at(*place), 0).all(), place
+    assert not around(magenta, at(3.0, 1.12), 0).any()
+    (left, top), (right, bottom) = at(2.0, 3.0), at(3.0, 2.0)
+    assert 0.6 < dark[top + 3 : bottom - 3, left + 3 : right - 3].mean() < 1.0  # hatched
+    assert around(has(image, COLOURS["true"]), at(1.5, 1.0), 0).all()
+    assert magenta[: at(0, 0)[1]].sum() == magenta.sum()  # the legend's sample is black
+    assert dark[at(0, 0)[1] :].any()
 
 
 def test_things_stand_where_they_are_in_their_colours(room: Map) -> None:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import attrs
 import numpy as np
@@ -14,10 +12,9 @@ import pytest
 from PIL import Image
 
 import amorsim as am
-from amorsim.contracts import Frame
-from amorsim.recorders.text import Text
-from amorsim.runs.folder import new_folder
+from amorsim.runs.folder import CLAIM, ROOM, RunFolder, new_folder
 from tests import building
+from tests.disks import small_disk
 from tests.studies import make_study
 
 FILES = {
@@ -131,7 +128,7 @@ def test_collisions_are_events_and_counted(study: Path, tmp_path: Path) -> None:
 def test_a_folder_that_holds_something_is_left_alone(study: Path, tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("all of it")
-    with pytest.raises(am.RunError, match=r"mine: the folder holds files already"):
+    with pytest.raises(am.RunError, match=r"mine: the folder holds files already, such as thesis\.txt;"):
         am.run(am.load(study), tmp_path / "mine")
     assert files_of(tmp_path / "mine") == {"thesis.txt"}
     with pytest.raises(am.RunError, match=r"thesis.txt: is a file"):
@@ -213,25 +210,93 @@ def test_a_controller_that_fails_later_leaves_whole_files_up_to_there(tmp_path: 
     assert str(am.reproduce(tmp_path / "run")) == "the same to the bit, over 10 steps"
 
 
-def test_a_disk_that_is_full_is_told_once_though_the_files_cannot_be_closed_either(
+def test_a_disk_that_is_full_is_told_once_and_no_more_is_claimed_than_there_is(study: Path, tmp_path: Path) -> None:
+    simulation = am.Simulation(am.load(study))
+    session = am.record(simulation, tmp_path / "run")
+
+    def fill_the_disk() -> None:
+        with session, small_disk(20_000):
+            for _ in range(1000):
+                simulation.step()
+                session.keep()
+
+    with pytest.raises(am.RunError, match=r"laser\.csv: cannot be written \(File too large\)") as caught:
+        fill_the_disk()
+    ends = []
+    for name in files_of(tmp_path / "run"):
+        if name.endswith(".csv") and name != "events.csv":
+            text = (tmp_path / "run" / name).read_text()
+            assert text.endswith("\n")
+            ends.append(float(text.splitlines()[-1].split(",")[0]))
+    end, simulated = min(ends), session.steps * simulation.dt
+    assert 0.0 < end < 10 * simulation.dt < simulated
+    words = f"end early, the first of them at {end:g} s, though {simulated:g} s were simulated"
+    assert caught.value.__notes__ == [f"the files in {tmp_path / 'run'} {words}"]
+    told = about(tmp_path / "run")
+    assert (told["status"], told["steps_done"], told["digests"]) == ("broken off", round(end / simulation.dt), {})
+    assert told["problem"] == str(caught.value)
+    assert session.summary.steps == told["steps_done"]
+    with pytest.raises(am.RunError, match="has no digests"):
+        am.reproduce(tmp_path / "run")
+
+
+def test_a_recorder_of_ones_own_that_fails_leaves_the_other_files_whole(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write, problem = Text.write, "laser.csv: cannot be written (No space left on device)"
+    session = am.record(simulation := am.Simulation(am.load(study)), tmp_path / "run")
 
-    def write_some(recorder: Text, frames: Sequence[Frame], events: Sequence[Any]) -> None:
-        if frames[0].tick[0] > 5:
-            raise am.RunError(problem)
-        write(recorder, frames, events)
+    class Failing:
+        def close(self) -> None:
+            raise ValueError("nothing to count")
 
-    def fail(recorder: Text) -> None:
-        raise am.RunError(problem)
+    monkeypatch.setattr(session, "_recorders", [*session._recorders, Failing()])
+    simulation.step()
+    monkeypatch.setattr(Failing, "write", lambda *_: None, raising=False)
+    monkeypatch.setattr(Failing, "write_obstacles", lambda *_: None, raising=False)
+    session.keep()
+    with pytest.raises(ValueError, match="nothing to count") as caught:
+        session.close()
+    assert caught.value.__notes__ == [f"the files up to 0.1 s are in {tmp_path / 'run'}"]
+    assert about(tmp_path / "run")["digests"] == {"0": simulation.digest(0)}
 
-    monkeypatch.setattr(Text, "write", write_some)
-    monkeypatch.setattr(Text, "close", fail)
-    with pytest.raises(am.RunError) as caught:
+
+def test_the_first_that_a_run_writes_is_a_whole_account_of_it(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = []
+
+    def look(scenario: am.Scenario, folder: Path) -> None:
+        seen.append((files_of(folder), about(folder)["status"]))
+        raise am.RunError("enough")
+
+    monkeypatch.setattr("amorsim.runs.session.with_copies", look)
+    with pytest.raises(am.RunError, match="enough"):
         am.run(am.load(study), tmp_path / "run")
-    assert str(caught.value) == problem
-    assert caught.value.__notes__ == [f"the files up to 0.5 s are in {tmp_path / 'run'}"]
+    assert seen == [({"run.json"}, "running")]
+    assert not (tmp_path / "run").exists()
+
+
+def test_of_two_runs_that_begin_in_one_empty_folder_one_is_refused(tmp_path: Path) -> None:
+    first = RunFolder(tmp_path, "run", {"first": True})
+    with pytest.raises(am.RunError, match="holds files already"):
+        RunFolder(tmp_path, "run", {})
+    with pytest.raises(am.RunError, match="holds files already"):  # one that found it empty a moment ago
+        first._claim({})
+    (tmp_path / "run.json").unlink()
+    (tmp_path / CLAIM).mkdir()
+    with pytest.raises(am.RunError, match="holds files already"):
+        RunFolder(tmp_path, "run", {})
+    assert files_of(tmp_path) == set()
+
+
+def test_room_is_kept_for_the_last_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = RunFolder(tmp_path, "run", {})
+    folder.set_room_aside(100)
+    assert (tmp_path / ROOM).stat().st_size > 100
+    seen = []
+    monkeypatch.setattr("amorsim.runs.folder.write_text", lambda *_: seen.append(files_of(tmp_path)))
+    folder.write_end({})
+    assert seen == [{"run.json"}]
 
 
 def test_ctrl_c_ends_a_run_between_two_steps(study: Path, tmp_path: Path) -> None:

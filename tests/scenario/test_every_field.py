@@ -113,7 +113,7 @@ def place_of(kind, name):
     if kind == "sensor":
         robot["sensors"] = {"extra": component}
         return document, ("robots", 0, "sensors", "extra"), ""
-    if kind == "noise" and name == "diffusion":
+    if kind == "noise" and REGISTRY.get("noise", name).for_ground:
         robot["ground"] = [component]
         return document, ("robots", 0, "ground", 0), "m"
     if kind == "noise":

@@ -1,5 +1,7 @@
 """Every fault is found, with its file, its path and what would be right; all of them at once."""
 
+import tomllib
+
 import pytest
 
 from amorsim.core.errors import ScenarioError
@@ -23,7 +25,7 @@ CASES = [
     ('format = 1\n[world]\nmap = "room.wld"\nuse = "wdl"', "world.use", "Did you mean 'wld'?"),
     ('format = 1\n[world]\nmap = "room.wld"\nresolution = 0', "world.resolution", "expected a number [m] > 0, got 0"),
     ('format = 1\n[world]\nmap = "room.wld"\nuse = "bmp"', "world.map", "room.wld"),
-    ("[simulation]\ndt = 0", "simulation.dt", "expected a number [s] > 0 and <= 10, got 0"),
+    ("[simulation]\ndt = 0", "simulation.dt", "expected a number [s] >= 1e-06 and <= 10, got 0"),
     ("[simulation]\ndt = '0.1'", "simulation.dt", "got '0.1'"),
     ("[simulation]\nseed = 1.7", "simulation.seed", "expected a whole number >= 0"),
     ("[simulation]\nseed = true", "simulation.seed", "got True"),
@@ -60,7 +62,7 @@ CASES = [
     (f"{ROVER}controller = {{ use = 'wander', sped = 1 }}", "robots.0.controller.sped", "Did you mean 'speed'?"),
     (f"{ROVER}controller = {{ use = 'no.py:f' }}", "robots.0.controller.use", "there is no such file"),
     (f"{ROVER}controller = {{ use = 'no.py' }}", "robots.0.controller.use", "expected 'FILE.py:NAME'"),
-    (f"{ROVER}drive = {{ track = -1 }}", "robots.0.drive.track", "expected a number [m] > 0, got -1"),
+    (f"{ROVER}drive = {{ track = -1 }}", "robots.0.drive.track", "expected a number [m] >= 0.001 and <= 100, got -1"),
     (f"{ROVER}drive = {{ trak = 1 }}", "robots.0.drive.trak", "Did you mean 'track'?"),
     (f"{ROVER}drive = {{ rate_max = 1 }}", "robots.0.drive.rate_max", "write rate_max_deg, in degrees"),
     (f"{ROVER}sensors = 3", "robots.0.sensors", "expected tables by name"),
@@ -287,3 +289,36 @@ def test_a_map_without_a_free_place_is_a_fault_of_the_pose(registry, tmp_path):
 def test_a_huge_value_does_not_fill_the_screen(faults):
     message = faults(f"[simulation]\ndt = '{'x' * 100_000}'")["simulation.dt"]
     assert len(message) < 300
+
+
+def test_a_message_calls_robots_obstacles_and_zones_by_name(folder, registry):
+    """Where a name is given, and no other has it; `path` counts them, for programs."""
+    text = """
+    format = 1
+    [[robots]]
+    name = "rover"
+    model = "pioneer2dx"
+    nmae = 1
+    [[robots]]
+    model = "pioneer2dx"
+    nmae = 1
+    [[obstacles]]
+    name = "cat"
+    nmae = 1
+    [[obstacles]]
+    name = "twin"
+    nmae = 1
+    [[obstacles]]
+    name = "twin"
+    nmae = 1
+    [[zones]]
+    name = "odd name"
+    nmae = 1
+    """
+    with pytest.raises(ScenarioError) as caught:
+        loads(tomllib.loads(text), folder, registry=registry)
+    faults = [fault for fault in caught.value.faults if fault.path.endswith("nmae")]
+    paths = ["zones.0", "robots.0", "robots.1", "obstacles.0", "obstacles.1", "obstacles.2"]
+    assert [fault.path for fault in faults] == [f"{path}.nmae" for path in paths]
+    told = ["zones.0", "robots.rover", "robots.1", "obstacles.cat", "obstacles.1", "obstacles.2"]
+    assert [str(fault).partition(": ")[0] for fault in faults] == [f"{path}.nmae" for path in told]

@@ -34,6 +34,7 @@ from amorsim.scenario.spec import (
 from amorsim.scenario.write import document_text, with_copies, write_document
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.laser import Laser
+from tests.disks import small_disk
 
 FULL = """
 format = 1
@@ -190,10 +191,19 @@ def test_a_controller_called_as_a_file_of_the_run_is_renamed(read, folder, tmp_p
 
 
 def test_what_cannot_be_copied_or_written_is_said(full, tmp_path):
-    with pytest.raises(RunError, match="cannot be copied into"):
+    with pytest.raises(RunError, match=r"none/\S+: cannot be written \(No such file or directory\)"):
         with_copies(full, tmp_path / "none")
     with pytest.raises(RunError, match="cannot be written"):
         write_document(full.document, tmp_path / "none" / "scenario.toml")
+
+
+def test_a_full_disk_leaves_the_scenario_that_was_there(full, tmp_path):
+    file = tmp_path / "scenario.toml"
+    file.write_text("format = 1\n")
+    with small_disk(), pytest.raises(RunError, match=r"scenario\.toml: cannot be written \(File too large\)"):
+        write_document(full.document, file)
+    assert file.read_text() == "format = 1\n"
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def robot(**changes):
@@ -270,7 +280,7 @@ POSITIVE = st.floats(min_value=1e-9, max_value=1e9)
 @given(
     x=FINITE,
     heading=st.floats(-10.0, 10.0),
-    radius=POSITIVE,
+    radius=st.floats(1e-3, 10.0),
     rate=st.none() | POSITIVE,
     fov=st.floats(0.01, 2 * math.pi),
     std=st.floats(0.0, 10.0),

@@ -332,10 +332,10 @@ def test_the_setting_is_blamed_that_put_it_there(file, setting):
 
 def test_two_at_one_place_and_a_map_whose_start_has_no_room(file):
     other = ROVER.replace("rover", "other")
-    with pytest.raises(am.ScenarioError, match=r"robots.1.pose: overlaps 'rover'"):
+    with pytest.raises(am.ScenarioError, match=r"robots.other.pose: overlaps 'rover'"):
         am.load(file(ROVER + other))
     big = ROVER.replace("pose = { x = 2.0, y = 1.5 }", "shape = { circle = 1.2 }")
-    with pytest.raises(am.ScenarioError, match=r"robots.0.pose: missing, and at \(1.000, 1.500\) m the footprint"):
+    with pytest.raises(am.ScenarioError, match=r"robots.rover.pose: missing, and at \(1.000, 1.500\) m the footprint"):
         am.load(file(big))
 
 

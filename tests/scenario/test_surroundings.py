@@ -128,7 +128,7 @@ def test_a_mistake_is_named_by_its_path(folder, registry, old, new, path, says):
 
 def test_a_ground_chain_has_no_columns(folder, registry):
     text = TEXT.replace('colour = "red"', 'ground = [{ use = "bias", column = "x", value = 0.1 }]')
-    with pytest.raises(ScenarioError, match=r"robots\.0\.ground\.0\.column: this chain has no columns"):
+    with pytest.raises(ScenarioError, match=r"robots\.rover\.ground\.0\.column: this chain has no columns"):
         read_text(text, folder, registry)
 
 

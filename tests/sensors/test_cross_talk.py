@@ -105,6 +105,48 @@ def test_an_obstacle_that_leaves_the_line_free_does_not():
     assert found["a"][1] == pytest.approx([1.9], abs=1e-9)
 
 
+def test_the_hull_of_the_robot_that_emits_reflects_nothing_of_its_own_sound():
+    """The emitter, well within its hull, looks aside: a part of the hull lies in both cones, the way across in none."""
+    aside = am.MountedSensor(sensor=sonar(), mount=am.Mount(x=0.05, heading=math.radians(40.0)), noise=(CrossTalk(),))
+    b = building.robot(
+        name="b",
+        shape=Shape.circle(0.3),
+        sensors={"sonar": aside},
+        estimators={},
+        pose=am.Pose(x=4.0, y=5.0, heading=math.pi),
+    )
+    true, measured = readings(robot("a", 2.0, 5.0, 0.0, phase=2e-3), b, map_=building.empty(30.0))["a"]
+    assert true == pytest.approx([1.6], abs=1e-3)
+    assert measured == true  # by the hull, b's sound would come 2 ms before the echo of a's own
+
+
+@pytest.mark.parametrize("radius", [0.1, 0.2667])
+def test_round_robots_that_face_each_other_hear_each_other_from_rim_to_rim(radius):
+    """By rounding, the rim is a little nearer than the emitter on it, or a little farther."""
+    random = np.random.default_rng(4)
+    for _ in range(40):
+        x, y, heading, apart = random.uniform((2.0, 2.0, -math.pi, 0.5), (8.0, 8.0, math.pi, 2.0))
+        to = apart + 2.0 * radius
+        there = x + to * math.cos(heading), y + to * math.sin(heading), heading + math.pi
+        pair = robot("a", x, y, heading, radius=radius), robot("b", *there, radius=radius)
+        for _, measured in readings(*pair, map_=building.empty(30.0)).values():
+            assert measured == pytest.approx([apart / 2.0], abs=1e-9)
+
+
+def test_a_post_beside_the_hull_keeps_sound_off_though_the_hull_reaches_as_far_elsewhere():
+    unit = am.MountedSensor(sensor=sonar(), mount=am.Mount(y=0.1, heading=math.pi / 2), noise=(CrossTalk(),))
+    b = building.robot(
+        name="b",
+        shape=Shape.rectangle(1.0, 0.2),
+        sensors={"sonar": unit},
+        estimators={},
+        pose=am.Pose(x=6.0, y=5.0, heading=math.pi / 2),
+    )
+    post = am.Obstacle(name="post", shape=Shape.circle(0.05), pose=am.Pose(x=5.7, y=5.0))
+    found = readings(robot("a", 2.0, 5.0, 0.0, phase=2e-3), b, obstacles=[post])
+    assert found["a"][1] == found["a"][0]
+
+
 @pytest.mark.parametrize("apart", [0.4, 0.8, 1.2])
 @pytest.mark.parametrize("distance", [1.5, 3.0])
 def test_a_wall_mirrors_the_sound_of_a_neighbour(distance, apart):

@@ -102,6 +102,15 @@ def test_a_laser_looks_from_its_mount_and_no_farther_than_its_range():
     assert values.tolist() == [[math.inf, 1.99, math.inf]]
 
 
+def test_what_is_nearer_to_a_laser_than_range_min_reads_minus_infinity():
+    lasers = stack([Laser(beams=3, range_min=near) for near in (0.0, 1.99, 1.995, 2.5)])
+    view = FakeView(np.zeros((4, 3)))
+    scan = 2.0 - 0.01 * np.cos(lasers.bearings())
+    expected = np.where(scan < lasers.range_min, -np.inf, scan)
+    np.testing.assert_array_equal(sense(lasers, view), expected)
+    assert np.isneginf(expected).sum(axis=1).tolist() == [0, 0, 1, 3]
+
+
 def test_an_aim_bends_the_beams():
     laser, view = stack([Laser(beams=3)]), FakeView([0.0, 0.0, 0.0])
     sense(laser, view, Aim(bearing=np.array([[0.1, 0.2, -0.3]])))
@@ -180,6 +189,7 @@ def test_rows_do_not_touch_one_another():
         (lambda: Laser(beams=10.0), "beams"),
         (lambda: Laser(fov=6.3), "fov"),
         (lambda: Laser(range_max=math.inf), "range_max"),
+        (lambda: Laser(range_max=2.0, range_min=2.0), "range_min"),
         (lambda: Sonar(elements=()), "elements"),
         (lambda: Sonar(half_angle=2.0), "half_angle"),
         (lambda: Sonar(range_min=1.0, range_max=1.0), "range_min"),

@@ -1,6 +1,5 @@
 """Remarks on what is hardly meant."""
 
-import attrs
 import pytest
 
 import amorsim as am
@@ -21,14 +20,6 @@ from tests.building import robot, room, scenario
 def test_marks_and_lamps_that_nobody_can_see_are_remarked_on(landmarks, lights, paths):
     found = advice(scenario(map=room(), landmarks=landmarks, lights=lights))
     assert [remark.partition(":")[0] for remark in found] == paths
-
-
-@pytest.mark.parametrize(("lag", "count"), [(0.0, 0), (0.1, 0), (0.2, 1)])
-def test_motors_that_lag_behind_what_square_reckons_with_are_remarked_on(lag, count):
-    slow = attrs.evolve(robot().drive, lag=lag)
-    found = advice(scenario(robot(drive=slow, controller=am.controllers.Square(side=1.0)), map=room(), dt=0.1))
-    assert [remark.partition(":")[0] for remark in found] == ["robots.rover.drive.lag"] * count
-    assert advice(scenario(robot(drive=slow), map=room(), dt=0.1)) == []
 
 
 @pytest.mark.parametrize(

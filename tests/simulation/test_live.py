@@ -41,16 +41,13 @@ def element(name: str) -> am.NoiseElement:
 def everything(drive: str = "differential") -> am.Robot:
     """A robot with every element of noise that fits somewhere, a sonar, a laser, a gyro and a compass."""
     others = [n for n in REGISTRY.names("noise") if n not in (*GROUND, *RANGES, "latency_jitter", "missed")]
-    by_wheels = [
-        n for n in GROUND if n not in ("odometry_model", "velocity_model") or drive in ("differential", "mecanum")
-    ]
     ring = tuple(am.Mount(x=0.1, heading=heading) for heading in (-0.5, 0.5))
     sonar = am.sensors.Sonar(elements=ring, medium="ultrasound", firing=(0, 1))
     return building.robot(
         drive=make(drive),
         controller=am.controllers.Manual(),
         shape=am.Shape.circle(0.2),
-        ground=[element(name) for name in by_wheels],
+        ground=[element(name) for name in GROUND],
         sensors={
             "encoder": am.MountedSensor(sensor=building.encoder(), rate=8.0),
             "sonar": am.MountedSensor(sensor=sonar, mount=am.Mount(x=0.05), noise=[element(name) for name in RANGES]),

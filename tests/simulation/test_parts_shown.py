@@ -119,7 +119,7 @@ def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path) -> None
     scenario = yard(rig(x=5.0, y=5.0, colour="red"), obstacles=[stone("post", 2.0, 8.0, 0.5)], duration=0.2)
     sim = am.Simulation(scenario)
     scene = SceneBuilder(sim).scene
-    assert scene["kinds"][0]["colour"] == "#ff0000"
+    assert scene["robots"][0]["colour"] == "#ff0000"
     assert [body.get("colour") for body in scene["obstacles"]] == [None, "#ff0000"]
     folder = am.run(scenario, tmp_path / "run", simulation=sim).folder
     plots = {path.stem: path for path in plot_run(folder)}

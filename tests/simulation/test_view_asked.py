@@ -46,6 +46,8 @@ def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
         (lambda view, aim: view.cast(view.pose, [0.0], FAR), r"view\.cast: bearings: .* \[rad\], got \[0\.0\]"),
         (lambda view, aim: view.cast(view.pose, np.zeros(3), FAR), r"bearings: .* got an array of shape \(3,\)"),
         (lambda view, aim: view.cast(view.pose, np.zeros((2, 3)), FAR), r"bearings: expected an array \(1, k\) or"),
+        (lambda view, aim: view.floor(np.zeros((1, 2))), r"view\.floor: places: .* array \(1, k, 2\) \[m\], got an"),
+        (lambda view, aim: view.floor(view.pose[:, None]), r"got an array of shape \(1, 1, 3\)"),
         (lambda view, aim: view.cone((0.0, 0.0, 0.0), 0.1, FAR), r"view\.cone: origins: .* got \(0\.0, 0\.0, 0\.0\)"),
     ],
 )

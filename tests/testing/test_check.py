@@ -39,7 +39,10 @@ from amorsim.contracts import (
 )
 from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.map import Map
+from amorsim.sensors.fiducial import Fiducial
 from amorsim.testing import check_component, example, variants
+from amorsim.testing.rig import Rig
+from tests import building
 
 Array = npt.NDArray[np.float64]
 
@@ -914,3 +917,52 @@ def test_a_broken_recorder(cls: type[Recorder], words: str) -> None:
 def test_a_whole_recorder() -> None:
     check_component(Whole)
     check_component(Whole(every=3))
+
+
+@attrs.frozen(kw_only=True)
+class Near(Sensor):
+    """1 where a wall is near ahead, else 0: in the middle of a hall it never changes."""
+
+    unit: ClassVar[str] = "1"
+    range_max: float = parameter(0.3, unit="m", gt=0, help="how near")
+
+    def size(self, drive):
+        return 1
+
+    def sense(self, view, aim, state, draws):
+        seen = view.cast(view.pose, np.zeros((1, 1)), np.zeros((view.rows, 1)) + self.range_max)
+        return np.where(np.isfinite(seen), 1.0, 0.0), {}
+
+
+@attrs.frozen(kw_only=True)
+class Deaf(Near):
+    def sense(self, view, aim, state, draws):
+        return np.zeros((view.rows, 1)), {}
+
+
+def test_a_reading_that_never_changed_is_told_to_prove_nothing():
+    with pytest.warns(UserWarning, match=r"sensor Deaf: its reading never changed in the trials \(\[0.0, 0.0, 0.0\]"):
+        check_component(Deaf)
+
+
+def test_a_scene_of_the_authors_can_make_it_change():
+    facing = building.robot(pose=am.Pose(x=5.6, y=2.0))
+    check_component(Near, scene=building.scenario(facing))
+    away = building.robot(pose=am.Pose(x=2.0, y=2.0))
+    with pytest.warns(UserWarning, match="sensor Near: its reading never changed"):
+        check_component(Near, scene=building.scenario(away))
+
+
+def test_a_scene_brings_its_obstacles_landmarks_and_lights():
+    marks = (am.Landmark(id=3, x=4.0, y=2.0),)
+    crate = am.Obstacle(name="crate", shape=am.Shape.rectangle(0.4, 0.4), pose=am.Pose(x=3.0, y=4.0))
+    robots = [building.robot(name=name, pose=am.Pose(x=2.0, y=y)) for name, y in (("a", 2.0), ("b", 3.0))]
+    scene = building.scenario(*robots, obstacles=(crate,), landmarks=marks, lights=(am.Light(x=3.0, y=2.5),))
+    check_component(Fiducial, scene=scene)
+    rig = Rig(scene=scene)
+    view = rig.view(np.arange(2))
+    rig.set_view(view, np.arange(2), 0)
+    assert np.abs(view.body_pose[:, :2] - [[2.0, 2.0], [2.0, 3.0]]).max() <= 0.05
+    assert view.bodies().poses[:, 1].tolist() == [[3.0, 4.0, 0.0]] * 2
+    assert view.landmarks(1, np.full((2, 1), 9.0), np.full((2, 1), np.pi)).id.tolist() == [[3], [3]]
+    assert len(view.lights().places) == 1

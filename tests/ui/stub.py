@@ -1,11 +1,17 @@
-"""A server whose session answers without simulating: `python -m tests.ui.stub` prints its address."""
+"""A server whose session answers without simulating.
+
+`python -m tests.ui.stub` prints an opening address, and another one for each line that it reads.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import sys
+import threading
 from collections.abc import Mapping
 from typing import Any
 
+from amorsim.ui.security import Door
 from amorsim.ui.server import serve
 
 
@@ -43,5 +49,16 @@ class StubSession:
         return {"ok": True, "window": window, "said": command.get("do")}
 
 
+def invite(door: Door) -> None:
+    """Print an address now, and another for each line that is read."""
+
+    def print_addresses() -> None:
+        print(door.new_address(), flush=True)
+        for _ in sys.stdin:
+            print(door.new_address(), flush=True)
+
+    threading.Thread(target=print_addresses, daemon=True).start()
+
+
 if __name__ == "__main__":
-    serve(StubSession(), ready=lambda address: print(address, flush=True))
+    serve(StubSession(), ready=invite)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
+import random
 from collections.abc import AsyncIterator
 
 import pytest
@@ -17,6 +19,12 @@ def png(colour: tuple[int, int, int], size: tuple[int, int] = (40, 30)) -> bytes
     out = io.BytesIO()
     Image.new("RGB", size, colour).save(out, "PNG")
     return out.getvalue()
+
+
+def sized(width: int, height: int) -> bytes:
+    """A picture whose head says that it is so large."""
+    whole = png((0, 0, 0))
+    return whole[:16] + width.to_bytes(4, "big") + height.to_bytes(4, "big") + whole[24:]
 
 
 def packed(*pictures: bytes) -> bytes:
@@ -54,6 +62,14 @@ def test_a_film_becomes_a_gif_of_as_many_pictures() -> None:
         (packed(png((0, 0, 0))), "5"),
         (packed(png((0, 0, 0))), "-100"),
         (packed(png((0, 0, 0))), "1e3"),
+        (packed(png((0, 0, 0))), "1" * 5000),
+        (packed(png((0, 0, 0))), "٣٠٠"),
+        (packed(b"no png"), "100"),
+        (packed(png((0, 0, 0))[:20]), "100"),
+        (packed(b"GIF89a" + png((0, 0, 0))[6:]), "100"),
+        (packed(sized(0, 5)), "100"),
+        (packed(sized(film.WIDEST + 1, 1)), "100"),
+        (packed(sized(2**32 - 1, 2**32 - 1)), "100"),
         (packed(*[b"x"] * (film.MOST_PICTURES + 1)), "100"),
     ],
 )
@@ -71,7 +87,29 @@ def test_a_film_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) ->
 def test_only_png_of_a_sane_size_is_read() -> None:
     out = io.BytesIO()
     Image.new("RGB", (4, 4)).save(out, "TIFF")
-    with pytest.raises(FilmError):
-        gif_of(read(packed(out.getvalue())))
+    with pytest.raises(FilmError, match="no PNG"):
+        read(packed(out.getvalue()))
     with pytest.raises(FilmError, match="larger"):
-        gif_of(read(packed(png((0, 0, 0), (film.WIDEST + 1, 1)))))
+        read(packed(png((0, 0, 0), (film.WIDEST + 1, 1))))
+
+
+def test_films_of_too_many_pixels_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(film, "MOST_PIXELS", 40 * 30 * 2.5)
+    one, small = png((0, 0, 0)), png((0, 0, 0), (1, 1))
+    assert len(read(packed(one, one)).pictures) == 2
+    with pytest.raises(FilmError, match=r"million pixels.*make it shorter"):
+        read(packed(one, one, one))
+    with pytest.raises(FilmError, match="million pixels"):  # for those after the first become as large
+        read(packed(one, small, small))
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_a_damaged_picture_is_a_film_error_or_a_gif(seed: int) -> None:
+    choose = random.Random(seed)
+    data = bytearray(png((10, 200, 30)))
+    for _ in range(choose.randint(1, 6)):
+        data[choose.randrange(16, len(data))] = choose.randrange(256)
+    if choose.random() < 0.3:
+        del data[choose.randrange(24, len(data)) :]
+    with contextlib.suppress(FilmError):
+        gif_of(read(packed(bytes(data))))

@@ -270,4 +270,57 @@ def test_what_becomes_known_comes_after_what_was_known() -> None:
     one.remark("saved", "while the past is shown")
     look()
     one.go_on()
-    assert [line["text"] for line in one.events()] == [text for text in known if "1.2" not in text]
+    told = [line["text"] for line in one.events() if line["kind"] != "continued"]
+    assert told == [text for text in known if "1.2" not in text]
+
+
+def test_what_was_left_by_going_on_can_be_taken_up_again() -> None:
+    one, twin = player(), player()
+    play(one, 120)
+    then, digest, inputs = frame(one), one.simulation.digest(), list(one.inputs)
+    events = [line for line in one.events() if line["kind"] != "continued"]
+    with pytest.raises(am.AmorsimError, match="no later history"):
+        one.go_back()
+    one.scrub(60)
+    one.go_on()
+    one.give(Input(tick=60, do="hand_over", robot="rover", value="hand"))
+    one.give(Input(tick=60, do="command", robot="rover", value=[1.0, 2.0]))
+    play(one, 30)
+    other, others = one.simulation.digest(), list(one.inputs)
+    epoch = one.epoch
+    assert one.go_back() == 120
+    assert one.epoch > epoch
+    assert (one.tick, one.newest, one.is_past, list(one.inputs)) == (120, 120, False, inputs)
+    assert one.simulation.digest() == digest
+    same(frame(one), then)
+    assert [line for line in one.events() if line["kind"] != "continued"] == events
+    # Its past is whole too, and so is its future.
+    play(one, 10)
+    play(twin, 130)
+    assert one.simulation.digest() == twin.simulation.digest()
+    one.scrub(100)
+    twin.scrub(100)
+    same(frame(one), frame(twin))
+    assert one.paths.track(0, 1000)[0] == list(range(131))
+    # And the other way round: the one that is left now is kept, from the past as well as from the present.
+    assert one.go_back() == 90
+    assert one.simulation.digest() == other
+    assert list(one.inputs) == others
+    assert one.go_back() == 130
+    # What begins anew leaves nothing.
+    one.reset()
+    with pytest.raises(am.AmorsimError, match="no later history"):
+        one.go_back()
+
+
+def test_going_on_says_what_is_kept(tmp_path: Path) -> None:
+    one, written = player(), player(controller=None, out=tmp_path / "run")
+    for each in (one, written):
+        play(each, 80)
+        each.scrub(40)
+        each.go_on()
+    assert one.events()[-1]["text"] == "continued from here; what came after, up to 8.0 s, is kept"
+    assert written.events()[-1]["text"].endswith(f"is kept in {tmp_path / 'run'}")
+    with pytest.raises(am.AmorsimError, match="no later history"):
+        written.go_back()
+    written.close()

@@ -92,7 +92,7 @@ def test_a_drawn_error_is_told_in_words_with_the_true_value() -> None:
     )
     simulation = am.Simulation(building.scenario(robot))
     form = next(form for form in forms_of(simulation, "rover") if form["path"] == "errors.drive.track.scale")
-    assert (form["value"], form["drawn"]) == (None, "normal 1, 0.02")
+    assert (form["value"], form["drawn"]) == (None, "normal(1, 0.02)")
     true = simulation.robot("rover").true.drive.track  # type: ignore[attr-defined]
     assert form["true"] == true != form["nominal"]
     assert value_at(simulation.robot("rover").true, "drive.track") == true
@@ -119,6 +119,23 @@ def test_a_map_without_lines_is_a_picture_in_its_place() -> None:
 
 def attrs_without_segments(world: am.Map) -> am.Map:
     return attrs.evolve(world, segments=None)
+
+
+def test_the_floor_has_its_markings_and_drops_the_lowest_first() -> None:
+    floor = am.Floor(
+        markings=[
+            am.Marking(points=((1.0, 1.0), (2.0, 1.0), (2.0, 2.0)), closed=True, width=0.03, colour="navy"),
+            am.Marking(shape=am.Shape.rectangle(1.0, 0.5), pose=am.Pose(x=3.0, y=2.0), colour="#ffee00"),
+        ],
+        drops=[am.Drop(shape=am.Shape.rectangle(0.5, 0.5))],
+    )
+    patches = SceneBuilder(am.Simulation(building.scenario(floor=floor))).scene["floor"]["patches"]
+    line, area, drop = patches
+    assert line == {"points": [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 1.0]], "width": 0.03, "colour": "#000080"}
+    assert area["points"] == [[2.5, 1.75], [3.5, 1.75], [3.5, 2.25], [2.5, 2.25]]
+    assert (area["width"], area["colour"]) == (0.0, "#ffee00")
+    assert drop["width"] == 0.0
+    json.dumps(patches)
 
 
 def test_a_thousand_robots_of_one_kind_are_one_kind() -> None:

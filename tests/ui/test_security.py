@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import os
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
@@ -16,6 +18,7 @@ import pytest
 nicegui = pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
 
 from amorsim.core.errors import AmorsimError  # noqa: E402
+from amorsim.ui.lobby import MOST_WAITING  # noqa: E402
 from amorsim.ui.security import Door, Guard  # noqa: E402
 from amorsim.ui.server import listen  # noqa: E402
 from tests.ui.aside import aside  # noqa: E402
@@ -35,7 +38,7 @@ class Answer(NamedTuple):
 class Server(NamedTuple):
     host: str
     port: int
-    token: str
+    new_token: Callable[[], str]
     cookie: str = ""
 
     @property
@@ -76,44 +79,69 @@ class Server(NamedTuple):
 @pytest.fixture(scope="module")
 def stranger() -> Iterator[Server]:
     """The server as one without a cookie meets it."""
-    with subprocess.Popen([sys.executable, "-m", "tests.ui.stub"], stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        parts = urlsplit(process.stdout.readline().strip())
+    command = [sys.executable, "-m", "tests.ui.stub"]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        said, asked = process.stdout, process.stdin
+        assert said is not None
+        assert asked is not None
+        parts = urlsplit(said.readline().strip())
         assert parts.hostname is not None
         assert parts.port is not None
-        yield Server(parts.hostname, parts.port, parts.query.removeprefix("token="))
+
+        def new_token() -> str:
+            asked.write("\n")
+            asked.flush()
+            return urlsplit(said.readline().strip()).query.removeprefix("token=")
+
+        yield Server(parts.hostname, parts.port, new_token)
         process.kill()
 
 
 @pytest.fixture(scope="module")
 def user(stranger: Server) -> Server:
     """The server as one who opened the address meets it."""
-    given = stranger.ask(f"/?token={stranger.token}").headers["set-cookie"]
+    given = stranger.ask(f"/?token={stranger.new_token()}").headers["set-cookie"]
     return stranger._replace(cookie=given.split(";")[0])
 
 
 def test_the_address_gives_a_cookie_that_scripts_and_other_sites_never_get(stranger: Server) -> None:
-    answer = stranger.ask(f"/?token={stranger.token}")
+    token = stranger.new_token()
+    answer = stranger.ask(f"/?token={token}")
     assert answer.status == 200
     name, *flags = answer.headers["set-cookie"].split("; ")
     assert set(flags) == {"Path=/", "HttpOnly", "SameSite=Strict"}
-    assert stranger.token not in name  # who sees the cookie cannot open another window
+    assert token not in name  # who sees the cookie cannot open another window
     assert answer.headers["cache-control"] == "no-store"
     assert answer.headers["referrer-policy"] == "no-referrer"
 
 
 @pytest.mark.parametrize("token", ["", "?token=", "?token=wrong", "?token=TOKEN&token=TOKEN", "?token=TOKENx"])
 def test_a_missing_or_false_token_gives_nothing(stranger: Server, token: str) -> None:
-    answer = stranger.ask("/" + token.replace("TOKEN", stranger.token))
+    answer = stranger.ask("/" + token.replace("TOKEN", stranger.new_token()))
     assert answer.status == 401
     assert "set-cookie" not in answer.headers
 
 
 def test_the_token_opens_the_page_alone(stranger: Server) -> None:
-    assert stranger.ask(f"/amorsim/web/simulator.js?token={stranger.token}").status == 401
-    assert stranger.ask(f"/?token={stranger.token}", "POST", Origin=f"http://{stranger.own}").status == 401
+    token = stranger.new_token()
+    assert stranger.ask(f"/amorsim/web/simulator.js?token={token}").status == 401
+    assert stranger.ask(f"/?token={token}", "POST", Origin=f"http://{stranger.own}").status == 401
     # Not as a picture or a script in a page elsewhere, either.
-    assert stranger.ask(f"/?token={stranger.token}", Sec_Fetch_Dest="image", Sec_Fetch_Site="cross-site").status == 403
+    assert stranger.ask(f"/?token={token}", Sec_Fetch_Dest="image", Sec_Fetch_Site="cross-site").status == 403
+    assert stranger.ask(f"/?token={token}", Sec_Fetch_Dest="document", Sec_Fetch_Site="cross-site").status == 200
+
+
+def test_a_token_works_once(stranger: Server, user: Server) -> None:
+    token = stranger.new_token()
+    assert user.ask(f"/?token={token}").status == 200  # who is in already does not spend it
+    assert stranger.ask(f"/?token={token}").status == 200
+    again = stranger.ask(f"/?token={token}")
+    assert again.status == 401
+    assert "set-cookie" not in again.headers
+    assert b"each works once" in again.body
+    # A link in a page, where it was used already.
+    assert stranger.ask(f"/?token={token}", Sec_Fetch_Dest="document", Sec_Fetch_Site="cross-site").status == 403
+    assert user.ask(f"/?token={token}").status == 200  # the page is loaded again
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -142,7 +170,7 @@ def test_a_foreign_host_is_refused_on_every_path(user: Server, path: str) -> Non
     ):
         assert user.ask(path, Host=host).status in (400, 403)
     # Nor does the token help a name that was rebound to this machine.
-    assert user.ask(f"/?token={user.token}", Host=f"evil.example:{user.port}").status == 403
+    assert user.ask(f"/?token={user.new_token()}", Host=f"evil.example:{user.port}").status == 403
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -189,6 +217,77 @@ def test_no_path_leads_out_of_the_scripts_folder(user: Server, path: str) -> Non
         assert answer.status in (400, 403, 404)
         assert b"Guard" not in answer.body
         assert b"root:" not in answer.body
+
+
+# ---------------------------------------------------------------------------------------------------- before the door
+
+
+def connections_of(server: Server, head: bytes, count: int) -> list[socket.socket]:
+    lines = [socket.create_connection((server.host, server.port), timeout=30.0) for _ in range(count)]
+    for line in lines:
+        line.sendall(head)
+    return lines
+
+
+def is_open(line: socket.socket) -> bool:
+    line.setblocking(False)
+    try:
+        return line.recv(1) != b""
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+
+
+def test_headers_without_end_are_cut_off(stranger: Server) -> None:
+    sent = 0
+    with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
+        line.sendall(b"GET / HTTP/1.1\r\n")
+        with contextlib.suppress(OSError):  # it is closed
+            while sent < 64 * 2**20:
+                sent += line.send(b"x-more: " + b"m" * 8000 + b"\r\n")
+    # What the sockets' buffers hold is sent without being read.
+    assert sent < 16 * 2**20
+
+
+def test_one_gif_at_a_time_and_no_odd_request_is_a_failure(user: Server) -> None:
+    ours = {"Origin": f"http://{user.own}"}
+    for every in ("", "x", "-1", "9" * 6000, "%FF", "1e3", "100&every=x"):
+        assert user.ask(f"/amorsim/gif?every={every}", "POST", Content_Length="0", **ours).status == 400
+    head = f"POST /amorsim/gif?every=100 HTTP/1.1\r\nHost: {user.own}\r\nOrigin: http://{user.own}\r\n"
+    with socket.create_connection((user.host, user.port), timeout=30.0) as line:
+        line.sendall(f"{head}Cookie: {user.cookie}\r\nContent-Length: 9\r\n\r\n1234".encode())
+        end = time.monotonic() + 30.0
+        while user.ask("/amorsim/gif?every=100", "POST", Content_Length="0", **ours).status != 429:
+            assert time.monotonic() < end
+    # Who goes in the middle of it leaves the place to others.
+    while user.ask("/amorsim/gif?every=100", "POST", Content_Length="0", **ours).status != 400:
+        assert time.monotonic() < end
+
+
+def test_half_open_connections_are_not_kept(stranger: Server, user: Server) -> None:
+    lines = connections_of(stranger, b"GET / HTTP/1.1\r\n", 300)
+    try:
+        assert user.ask("/amorsim/web/simulator.js").status == 200
+        assert sum(is_open(line) for line in lines) <= MOST_WAITING
+    finally:
+        for line in lines:
+            line.close()
+
+
+@pytest.mark.parametrize("more", ["", "Content-Length: 1000000000\r\n", "Transfer-Encoding: chunked\r\n"])
+def test_a_refused_connection_is_closed(stranger: Server, more: str) -> None:
+    with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
+        line.sendall(f"GET / HTTP/1.1\r\nHost: {stranger.own}\r\n{more}\r\n".encode())
+        data = b""
+        while part := line.recv(65536):  # to its end, which does not wait for what was announced
+            data += part
+        assert data.startswith(b"HTTP/1.1 401 ")
+    key = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: " + "A" * 22
+    with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
+        line.sendall(f"GET /amorsim/socket HTTP/1.1\r\nHost: {stranger.own}\r\n{key}==\r\n\r\n".encode())
+        while line.recv(65536):
+            pass
 
 
 # ------------------------------------------------------------------------------------------------- the door, alone
@@ -248,11 +347,46 @@ def test_two_hosts_or_two_origins_are_refused() -> None:
 
 def test_doors_differ_and_do_not_show_their_secrets() -> None:
     one, other = Door(port=1), Door(port=1)
-    assert len({one.token, other.token, one.cookie, other.cookie}) == 4
-    assert one.token not in repr(one)
+    tokens = [door.new_address().partition("token=")[2] for door in (one, one, other)]
+    assert len({*tokens, one.cookie, other.cookie}) == 5
+    assert tokens[0] not in repr(one)
     assert one.cookie not in repr(one)
-    assert Door(host="0.0.0.0", port=80, token="t").address == "http://127.0.0.1:80/?token=t"
-    assert Door(host="::1", port=80, token="t").address == "http://[::1]:80/?token=t"
+    assert Door(host="0.0.0.0", port=80).new_address().startswith("http://127.0.0.1:80/?token=")
+    assert Door(host="::1", port=80).new_address().startswith("http://[::1]:80/?token=")
+
+
+def test_each_token_is_spent_by_itself_and_tells() -> None:
+    door, used = Door(port=80), []
+    first, second = (
+        door.new_address(lambda name=name: used.append(name)).partition("token=")[2]  # type: ignore[misc]
+        for name in "ab"
+    )
+    assert not door.spend("")
+    assert not door.spend(first + "x")
+    assert used == []
+    assert door.spend(second)
+    assert not door.spend(second)
+    assert used == ["b"]
+    assert door.knows_token(first)
+    assert not door.knows_token(second)
+
+
+@pytest.mark.parametrize(
+    ("host", "is_ours"),
+    [
+        ("127.0.0.1", True),
+        ("127.0.0.7", True),
+        ("localhost", True),
+        ("::1", True),
+        ("0.0.0.0", False),
+        ("::", False),
+        ("10.0.0.5", False),
+        ("lab.example", False),
+        ("", False),
+    ],
+)
+def test_which_addresses_are_for_this_machine_alone(host: str, is_ours: bool) -> None:
+    assert Door(host=host, port=80).is_for_this_machine == is_ours
 
 
 def test_a_taken_port_is_an_error_of_ours() -> None:
@@ -273,7 +407,8 @@ def test_a_token_in_an_address_that_is_not_found_goes_into_no_log() -> None:
 
     door = Door(port=80)
     cookie = f"{door.cookie_name}={door.cookie}".encode()
-    for query in (f"token={door.token}", f"x=1&token={door.token}", "every=100"):
+    token = door.new_address().partition("token=")[2]
+    for query in (f"token={token}", f"x=1&token={token}", "every=100"):
         scope = {
             "type": "http",
             "method": "GET",

@@ -124,7 +124,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     assert len(ticks) <= 5
     assert ticks[-1] == newest + 15
     kinds = [line["kind"] for line in done(session, "events")["events"]]
-    assert kinds == ["handed_over", "handed_over", "parameter_set", "saved"][: len(kinds)]
+    assert kinds == ["handed_over", "handed_over", "parameter_set", "continued", "saved"][: len(kinds)]
     assert "handed_over" in kinds
 
     # What was seen is what is saved.
@@ -178,7 +178,7 @@ def test_windows_and_the_controls(start: Make) -> None:
     first = third
 
     # Names that lead out of the project's folder, and other nonsense.
-    for name in ("../run", "/tmp/run", "a/../../b", "C:\\run", "", ".hidden", "a" * 200, 7, "run\0"):
+    for name in ("../run", "/tmp/run", "a/../../b", "C:\\run", "", ".hidden", "a" * 200, "run\0"):
         assert "expected a name" in ask(first, "save_run", name=name)["error"]
     for command in (
         {"do": "speed", "factor": 0},

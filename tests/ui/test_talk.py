@@ -11,8 +11,6 @@ import pytest
 
 pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
 
-from starlette.websockets import WebSocketDisconnect
-
 from amorsim.ui import talk
 from amorsim.ui.talk import Talk
 from tests.ui.aside import aside
@@ -25,19 +23,15 @@ class Line:
     query_params: ClassVar[dict[str, str]] = {}
 
     def __init__(self) -> None:
-        self.heard: asyncio.Queue[str | None] = asyncio.Queue()
+        self.heard: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
         self.texts: list[dict[str, Any]] = []
         self.frames: list[int] = []
-        self.closed: int | None = None
 
     async def accept(self) -> None:
         pass
 
-    async def receive_text(self) -> str:
-        text = await self.heard.get()
-        if text is None:
-            raise WebSocketDisconnect
-        return text
+    async def receive(self) -> dict[str, Any]:
+        return await self.heard.get()
 
     async def send_text(self, text: str) -> None:
         self.texts.append(json.loads(text))
@@ -45,14 +39,11 @@ class Line:
     async def send_bytes(self, data: bytes) -> None:
         self.frames.append(int.from_bytes(data[8:12], "little"))
 
-    async def close(self, code: int, reason: str) -> None:
-        self.closed = code
-
     def say(self, **message: Any) -> None:
-        self.heard.put_nowait(json.dumps(message))
+        self.heard.put_nowait({"type": "websocket.receive", "text": json.dumps(message)})
 
     def go(self) -> None:
-        self.heard.put_nowait(None)
+        self.heard.put_nowait({"type": "websocket.disconnect", "code": 1001})
 
 
 async def until(holds: Callable[[], bool]) -> None:
@@ -143,11 +134,47 @@ def test_a_flood_of_commands_is_refused_not_kept() -> None:
     hold(conversation)
 
 
-@pytest.mark.parametrize("junk", ["no json", "[1]", '"run"', "\x00"])
-def test_what_is_no_table_ends_the_talk(junk: str) -> None:
+@pytest.mark.parametrize(
+    "junk",
+    [
+        *(
+            "no json",
+            "[1]",
+            '"run"',
+            "\x00",
+            "",
+            "{}",
+            "[" * 60_000,
+            "9" * 5000,
+            '{"do": ["run"]}',
+            '{"do": {"x": NaN}}',
+        ),
+        *('{"drawn": "1"}', '{"drawn": -1}', '{"drawn": 1e400}', '{"drawn": Infinity}'),
+        None,  # bytes
+    ],
+    ids=lambda junk: str(junk)[:20],
+)
+def test_what_is_no_message_is_answered_and_the_talk_goes_on(junk: str | None) -> None:
     async def conversation(line: Line, session: StubSession) -> None:
-        line.heard.put_nowait(junk)
-        await until(lambda: line.closed is not None)
-        assert line.closed == 1003
+        line.heard.put_nowait({"type": "websocket.receive", **({"bytes": b"junk"} if junk is None else {"text": junk})})
+        line.say(id=7, do="state")
+        await until(lambda: len(line.texts) > 2)
+        refused, answered = line.texts[1:]
+        assert refused["answer"] is None
+        assert not refused["said"]["ok"]
+        assert len(refused["said"]["error"]) < 200
+        assert answered == {"answer": 7, "said": {"ok": True, "window": "window-1", "said": "state"}}
+        assert line.frames == [1]
+
+    hold(conversation)
+
+
+@pytest.mark.parametrize("number", ["x", [1], -1, 1.5, 10**400, True, None])
+def test_a_command_whose_number_is_none_is_answered_without(number: Any) -> None:
+    async def conversation(line: Line, session: StubSession) -> None:
+        line.say(id=number, do="state")
+        await until(lambda: len(line.texts) > 1)
+        assert line.texts[1]["answer"] is None
+        assert line.texts[1]["said"]["ok"]
 
     hold(conversation)

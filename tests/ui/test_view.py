@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import html
 import http.client
 import importlib.util
 import signal
+import stat
 import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 
 import amorsim as am
 from amorsim.cli import main
 from tests.ui.sessions import in_time, write_project
+from tests.ui.test_film import packed, png
 from tests.ui.views import View, children_of, cookie_of, drive, until_gone
 
 pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
@@ -40,9 +44,12 @@ def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list
     assert len(view.children) == 1
     address = urlsplit(view.address)
     assert address.hostname == "127.0.0.1"
-    assert get(view.address, f"{address.path}?{address.query}") in (200, 303, 307)
-    assert get(view.address, "/") == 401
+    used = view.address
+    assert get(used, "/") == 401
     drive(view)
+    assert get(used, f"{address.path}?{address.query}") == 401
+    assert view.address != used
+    assert view.lines[-1] == f"for another browser: {view.address}\n"
     seconds, said = view.end(number)
     assert seconds < in_time()
     if number == signal.SIGINT:
@@ -122,11 +129,12 @@ def test_a_gif_that_is_being_made_does_not_hold_up_the_end(tmp_path: Path, views
     drive(view)
     cookie, parts = cookie_of(view), urlsplit(view.address)
     connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
-    body = (3).to_bytes(4, "little") + b"png"
+    body = packed(png((0, 0, 0)))
     headers = {"Cookie": cookie, "Origin": f"http://{parts.netloc}"}
     connection.request("POST", "/amorsim/gif?every=100", body=body, headers=headers)
+    end = time.monotonic() + 60.0
     while not (tmp_path / "begun").exists():
-        assert view.process.poll() is None
+        assert time.monotonic() < end
         time.sleep(0.01)
     seconds, said = view.end(signal.SIGINT)
     connection.close()
@@ -145,6 +153,66 @@ def amorsim(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
         return end.value.code, capsys.readouterr().err
 
     return command
+
+
+OPENED = """#!{python}
+import os, pathlib, sys
+pathlib.Path("opened.part").write_text(sys.argv[1])
+os.rename("opened.part", "opened")
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the list of processes is read in /proc")
+def test_the_browser_is_opened_on_a_file_that_only_the_user_can_read(
+    tmp_path: Path, views: list[View], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = write_project(tmp_path)
+    browser = tmp_path / "browser"
+    browser.write_text(OPENED.format(python=sys.executable))
+    browser.chmod(0o755)
+    monkeypatch.setenv("BROWSER", f"{browser} %s")
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    view = View(scenario.name, cwd=tmp_path, is_opened=True)
+    views.append(view)
+    end = time.monotonic() + 60.0
+    while not (tmp_path / "opened").exists():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    opened = (tmp_path / "opened").read_text()
+    assert opened.startswith("file:///")
+    file = Path(url2pathname(urlsplit(opened).path))
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    assert stat.S_IMODE(file.parent.stat().st_mode) == 0o700
+    address = html.unescape(file.read_text().partition("url=")[2].partition('"')[0])
+    token = address.partition("token=")[2]
+    assert len(token) > 20
+    assert token not in view.address
+    for pid in [view.process.pid, *view.children]:
+        assert token.encode() not in Path(f"/proc/{pid}/cmdline").read_bytes()
+    # It works once, and then the file is gone, while the printed address is still good.
+    path = f"/?token={token}"
+    assert get(address, path) == 200
+    assert get(address, path) == 401
+    assert not file.parent.exists()
+    assert cookie_of(view)
+
+
+def test_it_removes_the_browsers_file_when_it_ends(
+    tmp_path: Path, views: list[View], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = write_project(tmp_path)
+    monkeypatch.setenv("BROWSER", "true %s")
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    view = View(scenario.name, "--host", "0.0.0.0", cwd=tmp_path, is_opened=True)
+    views.append(view)
+    end = time.monotonic() + 60.0
+    while not list(tmp_path.glob("amorsim-open-*/*.html")):
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    view.process.send_signal(signal.SIGINT)
+    _, complained = view.process.communicate(timeout=60.0)
+    assert not list(tmp_path.glob("amorsim-open-*"))
+    assert "served on 0.0.0.0 without encryption" in complained
 
 
 def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypatch: pytest.MonkeyPatch) -> None:

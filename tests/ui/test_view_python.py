@@ -138,12 +138,12 @@ def test_what_no_other_process_can_find_is_refused() -> None:
     controllers: list[Callable[..., Any]] = [inside, lambda readings, estimate, clock: None]
     for controller in controllers:
         scenario = building.scenario(building.robot(controller=controller))
-        with pytest.raises(am.ScenarioError, match=r"robots.0.controller: .* at the top of no file"):
+        with pytest.raises(am.ScenarioError, match=r"robots.rover.controller: .* at the top of no file"):
             am.view(scenario)
     cart = am.Obstacle(
         name="cart", shape=am.Shape.circle(0.2), pose=am.Pose(x=4.0, y=4.0), motion=lambda obstacle: None
     )
-    with pytest.raises(am.ScenarioError, match=r"obstacles.0.motion: .* at the top of no file"):
+    with pytest.raises(am.ScenarioError, match=r"obstacles.cart.motion: .* at the top of no file"):
         am.view(building.scenario(obstacles=[cart]))
     with pytest.raises(am.ScenarioError, match="Own is no controller that is registered"):
         am.view(building.scenario(building.robot(controller=Own())))
@@ -151,8 +151,42 @@ def test_what_no_other_process_can_find_is_refused() -> None:
 
 def test_mistakes_are_told_without_the_file_that_nobody_wrote() -> None:
     scenario = building.scenario(building.robot(controller=circle, pose=am.Pose(x=0.0, y=0.0)))
-    with pytest.raises(am.AmorsimError, match=r"^robots.0.pose: at .* the footprint overlaps"):
+    with pytest.raises(am.AmorsimError, match=r"^robots.rover.pose: at .* the footprint overlaps"):
         am.view(scenario, browser=False)
+
+
+def test_a_scenario_that_is_saved_names_its_files_from_its_own_folder(tmp_path: Path) -> None:
+    study, project = tmp_path / "study", tmp_path / "project"
+    for folder in (study, study / "parts", project / "mine"):
+        folder.mkdir(parents=True)
+    (study / "room.wld").write_text("width 8000\nheight 6000\nposition 1000 1000 0\n")
+    (study / "parts" / "mine.py").write_text("def wait(obstacle):\n    return 0.0, 0.0\n")
+    (study / "track.csv").write_text("time,x,y\n0,3,3\n10,4,3\n")
+    (study / "scenario.toml").write_text(
+        'format = 1\n[world]\nmap = "room.wld"\n[[robots]]\nmodel = "pioneer2dx"\n'
+        "[[obstacles]]\nshape = { circle = 0.2 }\npose = { x = 5.0, y = 5.0 }\n"
+        'motion = { use = "parts/mine.py:wait" }\n'
+        "[[obstacles]]\nshape = { circle = 0.2 }\npose = { x = 3.0, y = 3.0 }\n"
+        'motion = { use = "track", file = "track.csv" }\n'
+    )
+    with Session(Recipe(name=str(study / "scenario.toml")), project=project) as session:
+        assert session.request({"do": "save_scenario", "name": "mine/first"})["ok"]
+    text = (project / "mine" / "first.toml").read_text()
+    assert str(tmp_path) not in text
+    for name in ("../../study/room.wld", "../../study/parts/mine.py:wait", "../../study/track.csv"):
+        assert f'"{name}"' in text
+    (tmp_path / "moved").mkdir()
+    study.rename(tmp_path / "moved" / "study")
+    project.rename(tmp_path / "moved" / "project")
+    am.load(tmp_path / "moved" / "project" / "mine" / "first.toml")
+
+
+def test_a_bundled_scenario_is_saved_with_its_map(tmp_path: Path) -> None:
+    with Session(Recipe(name="khepera-maze"), project=tmp_path) as session:
+        assert session.request({"do": "save_scenario", "name": "own"})["ok"]
+    assert 'map = "own.wld"' in (tmp_path / "own.toml").read_text()
+    again = am.load(tmp_path / "own.toml")
+    assert have_same_cells(again.map, am.load("khepera-maze").map)
 
 
 def test_a_scenario_that_is_saved_keeps_its_map(tmp_path: Path) -> None:

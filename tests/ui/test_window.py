@@ -277,7 +277,7 @@ def test_an_event_leads_to_its_moment_and_place(window: Window) -> None:
     x, y = window.see("stage.camera.x"), window.see("stage.camera.y")
     assert x == pytest.approx(0.0, abs=0.1)  # the left wall
     assert y == pytest.approx(4.0, abs=0.5)
-    assert window.see("stage.mark") == pytest.approx([x, y])
+    assert window.see("stage.mark.point") == pytest.approx([x, y])
 
 
 def test_a_click_says_what_a_robot_or_a_beam_is_and_reads(window: Window) -> None:

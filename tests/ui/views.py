@@ -27,10 +27,19 @@ class View:
     Or a script that opens a window.
     """
 
-    def __init__(self, *arguments: str, cwd: Path, command: str = "view", first: str = "", script: str = "") -> None:
+    def __init__(
+        self,
+        *arguments: str,
+        cwd: Path,
+        command: str = "view",
+        first: str = "",
+        script: str = "",
+        is_opened: bool = False,
+    ) -> None:
         main = f"import sys\n{first}\nfrom amorsim.cli import main\nmain()"
+        opening = "--open" if is_opened else "--no-open"
         self.process = subprocess.Popen(
-            [sys.executable, script] if script else [sys.executable, "-c", main, command, *arguments, "--no-open"],
+            [sys.executable, script] if script else [sys.executable, "-c", main, command, *arguments, opening],
             cwd=cwd,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -45,7 +54,7 @@ class View:
                 break
         else:
             raise AssertionError(self.process.communicate())
-        self.address = line.strip()
+        self.address = line.strip()  # which works once
         # The child that it started, and none else.
         self.children = [int(pid) for pid in children_of(self.process.pid)]
 
@@ -95,11 +104,15 @@ def views() -> Iterator[list[View]]:
 
 
 def cookie_of(view: View) -> str:
+    """What the view's address is good for; the view has another address then."""
     parts = urlsplit(view.address)
     connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
     connection.request("GET", f"{parts.path}?{parts.query}")
     cookie = (connection.getresponse().getheader("set-cookie") or "").partition(";")[0]
     connection.close()
+    assert view.process.stdout is not None
+    view.lines.append(view.process.stdout.readline())
+    view.address = view.lines[-1].split()[-1]
     return cookie
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import select
 import subprocess
 import sys
 import time
@@ -69,18 +71,28 @@ class Server:
         self.folder = scenario.parent
         command = [sys.executable, "-m", "amorsim", "view", scenario.name, "--no-open"]
         self.process = subprocess.Popen(
-            command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, bufsize=0
         )
-        self.address = ""
         assert self.process.stdout is not None
-        said = []
-        for line in self.process.stdout:
-            said.append(line)
-            words = [word for word in line.split() if word.startswith("http://") and "token=" in word]
-            if words:
-                self.address = words[0]
-                return
-        raise AssertionError("no address was printed:\n" + "".join(said))
+        self._pipe = self.process.stdout.fileno()
+        self._said = ""
+        while not self._addresses:
+            part = os.read(self._pipe, 65536)
+            if not part:
+                raise AssertionError("no address was printed:\n" + self._said)
+            self._said += part.decode()
+
+    @property
+    def _addresses(self) -> list[str]:
+        whole = self._said[: self._said.rfind("\n") + 1]
+        return [word for word in whole.split() if word.startswith("http://") and "token=" in word]
+
+    @property
+    def address(self) -> str:
+        """The address that was printed last: each works once, and the next is printed before its page is shown."""
+        while select.select([self._pipe], [], [], 0.0)[0] and (part := os.read(self._pipe, 65536)):
+            self._said += part.decode()
+        return self._addresses[-1]
 
     def close(self) -> None:
         self.process.terminate()

@@ -4,8 +4,8 @@ import { fixed, wrap } from "./dom.js";
 import { gapToLine, mountPoses } from "./mounts.js";
 
 /**
- * The beams of a range sensor: `visit(i, x, y, angle, range, met)`; a reading of infinity reaches `range_max` and has
- * `met` false, one that is no number is left out.
+ * The beams of a range sensor: `visit(i, x, y, angle, range, met)`; a reading of infinity reaches `range_max` and one
+ * of minus infinity nowhere, both with `met` false; one that is no number is left out.
  */
 export function eachBeam(sensor, pose, values, visit) {
   const mounts = mountPoses(sensor, pose);
@@ -16,7 +16,8 @@ export function eachBeam(sensor, pose, values, visit) {
     if (Number.isNaN(value)) continue;
     const met = Number.isFinite(value);
     const bearing = sensor.bearings?.length ? (sensor.bearings[i] ?? 0) : 0;
-    visit(i, x, y, heading + bearing, met ? Math.max(value, 0) : sensor.range_max, met);
+    const none = value < 0 ? 0 : sensor.range_max; // -Infinity: something, too near to measure
+    visit(i, x, y, heading + bearing, met ? Math.max(value, 0) : none, met);
   }
 }
 
@@ -92,7 +93,7 @@ function tell(sensor, reading, { i, angle }) {
     lines: [
       `looks ${fixed((wrap(angle) * 180) / Math.PI, 1)}° from ahead`,
       bothOf(reading.true[i], m, sensor.unit, 4),
-      ...(Number.isFinite(m) ? [] : ["no return within its range"]),
+      ...(Number.isFinite(m) ? [] : [m < 0 ? "nearer than it can measure" : "no return within its range"]),
     ],
   };
 }

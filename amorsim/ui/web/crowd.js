@@ -1,14 +1,13 @@
-// All robots but the selected one. Small ones are stamped from pictures drawn once for each of some headings: a thousand
+// All robots but the selected one, where they truly are. Small ones are stamped from pictures drawn once for each of some headings: a thousand
 // outlines a frame would take longer than a frame has.
 
 import { alikeBy, fillOf, trace } from "./marks.js";
-import { DASHES } from "./theme.js";
 
 const HEADINGS = 90;
 const SMALL = 26; // pixels of a robot's radius, up to which it is stamped
 
-/** Draw robots at `poses`, those in sight but `skip`; `kind` is "true" or "estimated". */
-export function drawCrowd(context, camera, ratio, robots, poses, skip, kind, theme) {
+/** Draw robots at their true `poses`, those in sight but `skip`. */
+export function drawCrowd(context, camera, ratio, robots, poses, skip, theme) {
   if (robots.length < 2) return;
   const [x0, y0, x1, y1] = camera.bounds();
   const large = [];
@@ -22,7 +21,7 @@ export function drawCrowd(context, camera, ratio, robots, poses, skip, kind, the
       large.push(i);
       continue;
     }
-    const sheet = stamps(robots[i], camera.scale * ratio, ratio, kind, theme);
+    const sheet = stamps(robots[i], camera.scale * ratio, ratio, theme);
     const turn = Math.round((poses[3 * i + 2] / (2 * Math.PI)) * HEADINGS);
     const at = (((turn % HEADINGS) + HEADINGS) % HEADINGS) * sheet.side;
     const [left, top] = camera.toScreen(x, y);
@@ -35,32 +34,30 @@ export function drawCrowd(context, camera, ratio, robots, poses, skip, kind, the
   context.restore();
   // Those of one colour as one path.
   for (const alike of alikeBy(large, (i) => robots[i].colour)) {
-    outline(context, camera.scale, alike.map((i) => [robots[i], poses.subarray(3 * i, 3 * i + 3)]), kind, theme);
+    outline(context, camera.scale, alike.map((i) => [robots[i], poses.subarray(3 * i, 3 * i + 3)]), theme);
   }
 }
 
-function outline(context, scale, robots, kind, theme) {
+function outline(context, scale, robots, theme) {
   context.beginPath();
   for (const [{ footprint, reach }, [x, y, heading]] of robots) {
     trace(context, footprint, x, y, heading);
     context.moveTo(x, y);
     context.lineTo(x + 0.8 * reach * Math.cos(heading), y + 0.8 * reach * Math.sin(heading));
   }
-  context.fillStyle = fillOf(robots[0][0], kind, theme);
+  context.fillStyle = fillOf(robots[0][0], "true", theme);
   context.fill();
-  context.strokeStyle = theme[kind];
+  context.strokeStyle = theme.true;
   context.lineWidth = 1 / scale;
-  context.setLineDash(DASHES[kind].map((d) => d / 2 / scale));
   context.stroke();
-  context.setLineDash([]);
 }
 
 const sheets = new Map();
 
 /** Pictures of a footprint at all headings, side by side; `scale` in device pixels a metre. */
-function stamps({ footprint, reach, colour }, scale, ratio, kind, theme) {
-  const kept = sheets.get(footprint)?.[kind];
-  if (kept && kept.scale === scale && kept.ink === theme[kind]) return kept;
+function stamps({ footprint, reach, colour }, scale, ratio, theme) {
+  const kept = sheets.get(footprint)?.[colour];
+  if (kept && kept.scale === scale && kept.ink === theme.true) return kept;
   const side = 2 * Math.ceil(Math.max(reach * scale, 1.5 * ratio) + 1);
   const canvas = document.createElement("canvas");
   canvas.width = side * HEADINGS;
@@ -68,16 +65,16 @@ function stamps({ footprint, reach, colour }, scale, ratio, kind, theme) {
   const context = canvas.getContext("2d");
   for (let n = 0; n < HEADINGS; n++) {
     if (reach * scale < 3 * ratio) {
-      context.fillStyle = kind === "true" && colour ? colour : theme[kind];
+      context.fillStyle = colour ?? theme.true;
       context.fillRect(n * side + side / 2 - 1, side / 2 - 1, 2, 2);
       continue;
     }
     context.setTransform(scale, 0, 0, -scale, n * side + side / 2, side / 2);
     const robot = [{ footprint, reach, colour }, [0, 0, (2 * Math.PI * n) / HEADINGS]];
-    outline(context, scale / ratio, [robot], kind, theme);
+    outline(context, scale / ratio, [robot], theme);
   }
-  const sheet = { canvas, side, scale, ink: theme[kind] };
-  sheets.set(footprint, { ...sheets.get(footprint), [kind]: sheet });
+  const sheet = { canvas, side, scale, ink: theme.true };
+  sheets.set(footprint, { ...sheets.get(footprint), [colour]: sheet });
   if (sheets.size > 64) sheets.delete(sheets.keys().next().value);
   return sheet;
 }

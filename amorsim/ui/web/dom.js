@@ -13,6 +13,13 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** A spot of a robot's colour. */
+export function colourChip(colour) {
+  const chip = h("span", { class: "chip", "aria-hidden": "true" });
+  chip.style.background = colour;
+  return chip;
+}
+
 /** Set an element's text where it differs: the DOM is left alone otherwise, which is what makes a table cheap. */
 export function say(element, text) {
   if (element.textContent !== text) element.textContent = text;

@@ -1,7 +1,7 @@
 // Forms made of components' own fields: label, unit, bounds, help, a slider, and back to what the scenario says.
 // Nothing here knows the Simulator: the Editor makes its forms of the same fields.
 
-import { brief, h, say } from "./dom.js";
+import { brief, h, niceStep, say } from "./dom.js";
 
 const DEGREES = 180 / Math.PI;
 const KINDS = {
@@ -70,6 +70,7 @@ export class Form {
 
 const groupTitle = (group) => group.replace(/^sensors\./, "").replaceAll("_", " ").replaceAll(".", " · ");
 
+const KEYS_REST = 350; // milliseconds without a key after which a slider's value is set
 let serial = 0;
 
 class Field {
@@ -89,18 +90,19 @@ class Field {
       autocomplete: "off",
       "aria-describedby": `${id}-help ${id}-error`,
       oninput: () => (this.isTyped = true),
-      onchange: () => this.commit(this.number.value),
-      onkeydown: (event) => event.key === "Escape" && this.put(this.parameter),
+      onchange: () => this.isTyped && this.commit(this.number.value),
+      onkeydown: (event) => this.key(event),
     });
-    const [from, to] = parameter.slider.map((bound) => bound * factor);
     this.slider = h("input", {
       type: "range",
-      min: String(from),
-      max: String(to),
-      step: this.isWhole ? "1" : String((to - from) / 400),
+      // Any: else it could not hold a value that is no multiple of its step.
+      step: this.isWhole ? "1" : "any",
       "aria-label": parameter.label,
-      oninput: () => this.preview(Number(this.slider.value)),
-      onchange: () => this.commit(this.slider.value),
+      oninput: () => this.preview(),
+      onchange: () => this.settle(),
+      onpointerdown: () => (this.rest = 0),
+      onkeydown: () => (this.rest = KEYS_REST),
+      onblur: () => this.slides && this.drop(),
     });
     this.back = h(
       "button",
@@ -122,6 +124,10 @@ class Field {
   update(parameter) {
     this.parameter = parameter;
     const [from, to] = parameter.slider;
+    if (!this.slides) {
+      [this.slider.min, this.slider.max] = [from, to].map((end) => String(end * this.factor));
+      this.step = niceStep(Math.max((Math.abs(to - from) * this.factor) / 1000, 1e-12));
+    }
     const origin = parameter.scenario ?? parameter.value;
     const share = origin === null ? -1 : (origin - from) / (to - from);
     this.tick.hidden = !(share >= 0 && share <= 1);
@@ -130,7 +136,7 @@ class Field {
     this.element.classList.toggle("changed", changed);
     this.back.disabled = !changed;
     say(this.help, this.words(parameter));
-    if (!this.isTyped && !this.slide) this.put(parameter);
+    if (!this.isTyped && !this.slides) this.put(parameter);
   }
 
   words(parameter) {
@@ -150,47 +156,66 @@ class Field {
 
   put(parameter) {
     this.isTyped = false;
-    const value = parameter.value ?? parameter.scenario;
     this.number.value = parameter.value === null ? "" : brief(parameter.value * this.factor);
     this.number.placeholder = parameter.drawn ? "drawn" : "";
-    if (value !== null) this.slider.value = String(value * this.factor);
-    this.slider.setAttribute("aria-valuetext", this.number.value);
+    // The slider of what is drawn stands in its middle, which is that of what it is drawn from.
+    const [from, to] = parameter.slider;
+    this.slider.value = String((parameter.value ?? (from + to) / 2) * this.factor);
+    this.slider.setAttribute("aria-valuetext", this.number.value || parameter.drawn);
     this.fail("");
   }
 
-  preview(value) {
-    this.number.value = brief(value);
-    this.slider.setAttribute("aria-valuetext", brief(value));
-    this.slide ??= this.follow();
+  /** Enter sets what was typed and Escape lets it go; both give the keyboard back. What is wrong can be corrected. */
+  async key({ key }) {
+    if (key === "Escape") this.put(this.parameter);
+    if (key === "Enter" && this.isTyped && !(await this.commit(this.number.value))) return;
+    if (key === "Escape" || key === "Enter") this.number.blur();
   }
 
-  /** While the slider moves, its newest value is set again and again, one at a time. */
-  async follow() {
-    let last;
-    while (last !== this.slider.value) {
-      last = this.slider.value;
-      await this.commit(last);
-      await new Promise((done) => setTimeout(done, 40));
-    }
-    this.slide = undefined;
+  /** What the slider stands for: a round number, within its ends. */
+  get slid() {
+    const value = Math.round(Number(this.slider.value) / this.step) * this.step;
+    return this.isWhole ? Number(this.slider.value) : Math.min(Math.max(value, Number(this.slider.min)), Number(this.slider.max));
   }
 
+  preview() {
+    this.slides = true;
+    this.number.value = brief(this.slid);
+    this.slider.setAttribute("aria-valuetext", this.number.value);
+  }
+
+  /** Set where the slider was let go: one change, however far it was dragged. Of keys pressed one after another the last. */
+  settle() {
+    clearTimeout(this.soon);
+    if (this.slides) this.soon = setTimeout(() => this.drop(), this.rest ?? KEYS_REST);
+  }
+
+  async drop() {
+    clearTimeout(this.soon);
+    if (this.slides) await this.commit(this.number.value);
+    this.slides = false;
+  }
+
+  /** Set a value, once; whether it is so now. */
   async commit(text) {
+    if (text === this.committing) return false;
     const value = Number(String(text).trim().replace("−", "-").replace(",", "."));
     if (String(text).trim() === "" || !Number.isFinite(value)) {
       this.fail("Expected a number.");
-      return;
+      return false;
     }
     const exact = this.isWhole ? Math.round(value) : value / this.factor;
+    this.committing = text;
     const said = await this.on.set(this.path, exact);
+    this.committing = null;
     this.isTyped = !said.ok;
     this.fail(said.ok ? "" : said.error);
+    return said.ok;
   }
 
   async restore() {
     const said = await this.on.restore(this.path);
     this.fail(said.ok ? "" : said.error);
-    this.number.focus();
   }
 
   fail(problem) {

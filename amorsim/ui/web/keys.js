@@ -53,7 +53,12 @@ export function listenToKeys(simulator) {
   window.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const target = event.target;
-    if (takesKeys(target)) return;
+    if (takesKeys(target)) {
+      // What is typed the form looks after; a slider or a list gives the keyboard back itself.
+      const isDone = ["Enter", "Escape"].includes(event.key) && target.type !== "text" && !target.closest("dialog");
+      if (isDone) target.blur();
+      return;
+    }
     // Space presses a button and opens a group; elsewhere it runs and pauses.
     if (event.key === " " && ["BUTTON", "SUMMARY"].includes(target.tagName)) return;
     const does = event.shiftKey && shifted[event.key] ? shifted[event.key] : plain[event.key];

@@ -63,7 +63,7 @@ export function build({ stage, timebar, driving, form }) {
       "div",
       { class: "head" },
       h("h2", { id: "control-title" }, swatch("estimated"), "Control"),
-      h("span", { class: "note" }, "what it knows: ", swatch("measured"), "readings from its ", swatch("estimated"), "estimated pose"),
+      h("span", { class: "note", title: "its readings, drawn from its estimated pose" }, "what it knows"),
       make("sensors", h("div", { class: "tools", role: "group", "aria-label": "sensors that are drawn" })),
     ),
     stage.control.element,
@@ -98,7 +98,7 @@ export function build({ stage, timebar, driving, form }) {
   );
   const plot = panel(
     "plot",
-    h("div", { class: "head" }, h("h2", { id: "plot-title" }, "Over time"), make("plotHead", h("div", { class: "tools" }))),
+    h("div", { class: "head" }, make("plotTitle", h("h2", { id: "plot-title" }, "Over time")), make("plotHead", h("div", { class: "tools" }))),
     h("div", { class: "plot-area" }, make("plot", h("canvas", { role: "img", "aria-label": "plot" }))),
   );
   const events = panel(

@@ -112,9 +112,9 @@ export const waist = (footprint) => footprint.circle ?? Math.max(...footprint.po
 export const reach = (footprint) =>
   footprint.circle ?? Math.max(...footprint.polygon.map(([u, v]) => Math.hypot(u, v)));
 
-/** What a body is filled with: where it truly is with its own colour, if it has one. */
+/** What a body is filled with: its own colour, if it has one; where it is estimated to be, paler. */
 export const fillOf = (body, kind, theme, otherwise = theme[`${kind}-fill`]) =>
-  kind === "true" && body.colour ? `${body.colour}b0` : otherwise;
+  body.colour ? `${body.colour}${kind === "true" ? "b0" : "60"}` : otherwise;
 
 /** Things in lists of those that have a key in common. */
 export function alikeBy(things, key) {
@@ -161,8 +161,19 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
   context.restore();
 }
 
-/** Zones of the floor, lamps and landmarks, as they truly are. */
+/** Markings and drops of the floor, its zones, lamps and landmarks, as they truly are. */
 export function drawFloor(context, camera, floor, theme) {
+  for (const { points, width, colour } of floor.patches ?? []) {
+    context.beginPath();
+    for (const [x, y] of points) context.lineTo(x, y);
+    context.fillStyle = context.strokeStyle = colour;
+    context.lineWidth = Math.max(width, px(camera, 1));
+    context.lineCap = context.lineJoin = "round";
+    if (width > 0) context.stroke();
+    else context.fill();
+  }
+  context.lineCap = "butt";
+  context.lineJoin = "miter";
   for (const zone of floor.zones) {
     context.beginPath();
     trace(context, { polygon: zone }, 0, 0, 0);
@@ -225,7 +236,7 @@ export function drawBelievedParts(context, camera, parts, poses, theme) {
     const [x, y, heading] = poses.subarray(3 * i, 3 * i + 3);
     if (Number.isFinite(x + y + heading)) trace(context, part.footprint, x, y, heading);
   });
-  context.fillStyle = theme["estimated-fill"];
+  context.fillStyle = fillOf(parts[0] ?? {}, "estimated", theme);
   context.fill();
   context.strokeStyle = theme.estimated;
   context.lineWidth = px(camera, 1.5);

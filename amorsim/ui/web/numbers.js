@@ -29,7 +29,7 @@ export class Numbers {
     this.quantities = robot ? quantitiesOf(robot) : [];
     this.series = new Map(this.quantities.map((q) => [q.key, new Series(KINDS)]));
     if (!this.quantities.some((q) => q.key === this.chosen)) this.chosen = this.quantities[0]?.key;
-    this.select.replaceChildren(...this.quantities.map((q) => h("option", { value: q.key }, `${q.label} [${q.unit}]`)));
+    this.select.replaceChildren(...this.quantities.map((q) => h("option", { value: q.key }, q.label)));
     this.rows = this.quantities.map((quantity) => {
       const cells = KINDS.map((kind) => h("td", { class: kind }));
       const pick = h(

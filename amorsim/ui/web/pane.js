@@ -5,6 +5,7 @@ import { drawCrowd } from "./crowd.js";
 import {
   drawBelievedParts, drawEllipse, drawFloor, drawGrid, drawMap, drawMarks, drawObstacles, drawRobot, drawTrail,
 } from "./marks.js";
+import { drawNames } from "./names.js";
 import { drawReadings, isDrawn } from "./readings.js";
 
 /** What a pane shows of the world (`true`) or of what the robot knows (`estimated`). */
@@ -43,7 +44,8 @@ export class Layer {
     const i = frame.selected;
     const robot = scene.robots[i];
     const poses = this.poses(frame);
-    drawCrowd(context, camera, ratio, scene.robots, poses, i, this.kind, theme);
+    // Where others are a robot knows from its readings alone, and those are drawn.
+    if (isTrue) drawCrowd(context, camera, ratio, scene.robots, poses, i, theme);
     if (!robot) return;
     const pose = [poses[3 * i], poses[3 * i + 1], poses[3 * i + 2]];
     if (options.trails) drawTrail(context, camera, isTrue ? state.trueTrail : state.estimatedTrail, this.kind, theme);
@@ -79,7 +81,8 @@ export class Pane {
       "aria-label": `${label}. Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.`,
     });
     this.note = h("output", { class: "note", "aria-hidden": "true" }); // what the table tells, too
-    this.element = h("div", { class: "pane" }, this.canvas, this.coordinates, this.note);
+    this.lack = h("p", { class: "lack", role: "status" }); // why there is less to see than one might expect
+    this.element = h("div", { class: "pane" }, this.canvas, this.lack, this.coordinates, this.note);
     this.context = this.canvas.getContext("2d", { alpha: false });
     this.listen();
   }
@@ -106,23 +109,29 @@ export class Pane {
       // What is known lies under what is true, so that an overlay shows both.
       for (const layer of [...this.layers].reverse()) layer.drawGround(context, camera, state);
       for (const layer of this.layers) layer.draw(context, camera, state, this.ratio);
-      if (state.mark) this.drawMark(state);
+      if (state.mark && state.frame.tick >= state.mark.tick) this.drawMark(state);
     }
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    if (state.scene && state.frame) {
+      const [layer] = this.layers;
+      const isAlone = layer.kind !== "true"; // of the others it knows nothing
+      drawNames(context, camera, state.scene.robots, layer.poses(state.frame), state.frame.selected, isAlone, state.theme);
+    }
     this.drawScale(state.theme);
     if (this.canvas.matches(":focus-visible")) this.drawMiddle(state.theme);
   }
 
   /** A cross where an event happened. */
   drawMark({ mark, theme }) {
+    const [x, y] = mark.point;
     const size = 9 / this.camera.scale;
     const { context } = this;
     context.strokeStyle = theme.danger;
     context.lineWidth = 2.5 / this.camera.scale;
     context.beginPath();
     for (const side of [-1, 1]) {
-      context.moveTo(mark[0] - size, mark[1] - side * size);
-      context.lineTo(mark[0] + size, mark[1] + side * size);
+      context.moveTo(x - size, y - side * size);
+      context.lineTo(x + size, y + side * size);
     }
     context.stroke();
   }

@@ -9,9 +9,10 @@ const NEAR = 9; // pixels
 export function pick(scene, frame, layers, camera, x, y, trueSensors) {
   const near = NEAR / camera.scale;
   const posesOf = (layer) => (layer.kind === "true" ? frame.truePoses : frame.estimatedPoses);
+  const shown = (layer) => (layer.kind === "true" ? scene.robots.map((_, i) => i) : [frame.selected]);
   // At a robot's rim there may be a bumper, or what begins at its rim: there it is the robot if it is nothing else.
   for (const layer of layers) {
-    const robot = nearestRobot(scene, posesOf(layer), x, y, near, 0.8);
+    const robot = nearestRobot(scene, shown(layer), posesOf(layer), x, y, near, 0.8);
     if (robot >= 0) return describeRobot(scene, frame, robot);
   }
   for (const layer of layers) {
@@ -19,7 +20,7 @@ export function pick(scene, frame, layers, camera, x, y, trueSensors) {
     if (reading) return reading;
   }
   for (const layer of layers) {
-    const robot = nearestRobot(scene, posesOf(layer), x, y, near, 1);
+    const robot = nearestRobot(scene, shown(layer), posesOf(layer), x, y, near, 1);
     if (robot >= 0) return describeRobot(scene, frame, robot);
   }
   for (let i = 0; i < scene.obstacles.length; i++) {
@@ -32,10 +33,10 @@ export function pick(scene, frame, layers, camera, x, y, trueSensors) {
   return null;
 }
 
-function nearestRobot(scene, poses, x, y, near, part) {
+function nearestRobot(scene, robots, poses, x, y, near, part) {
   let best = -1;
   let least = Infinity;
-  for (let i = 0; i < scene.robots.length; i++) {
+  for (const i of robots) {
     const gap = Math.hypot(poses[3 * i] - x, poses[3 * i + 1] - y);
     if (gap <= Math.max(part * scene.robots[i].reach, near) && gap < least) {
       least = gap;

@@ -81,6 +81,7 @@ export function readScene(raw) {
     robots: raw.robots.map((robot) => ({
       ...kinds[robot.kind],
       name: robot.name,
+      colour: robot.colour,
       controller: robot.controller,
       landmarks: robot.knowledge.landmarks,
       parts: raw.obstacles.filter((body) => body.part_of === robot.name),

@@ -2,7 +2,7 @@
 
 import { Film, download, savePicture } from "./capture.js";
 import { askName, showKeys, tell } from "./dialogs.js";
-import { h, say } from "./dom.js";
+import { colourChip, h, say } from "./dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
 import { Form } from "./forms.js";
@@ -43,6 +43,7 @@ export class Simulator {
     this.numbers.redraw = () => this.drawNumbers();
     this.events = new Events(this.parts.events, {
       go: (event) => this.go(event),
+      back: () => this.ask({ do: "go_back" }),
       stack: (event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
     this.warnings = new Warnings(this.parts.banner, ask);
@@ -115,7 +116,10 @@ export class Simulator {
   /** Another robot, or another course of events: what was kept of the one before goes, its history comes. */
   turn(frame) {
     const isOther = frame.selected !== this.selected;
-    if (frame.epoch !== this.epoch) this.events.clear();
+    if (frame.epoch !== this.epoch) {
+      this.events.clear();
+      this.stage.mark = null; // in this course of events it has not happened
+    }
     this.epoch = frame.epoch;
     this.selected = frame.selected;
     this.robot = this.scene.robots[frame.selected];
@@ -130,8 +134,12 @@ export class Simulator {
 
   showRobot() {
     this.parts.robot.value = String(this.selected);
-    say(this.parts.errorsTitle, `Errors of ${this.robot.name}`);
-    say(this.parts.numbersTitle, this.robot.name);
+    const chip = () => (this.robot.colour ? colourChip(this.robot.colour) : null);
+    this.parts.errorsTitle.replaceChildren(...[chip(), `Errors of ${this.robot.name}`].filter(Boolean));
+    this.parts.numbersTitle.replaceChildren(...[chip(), this.robot.name].filter(Boolean));
+    this.parts.plotTitle.replaceChildren(...[chip(), "Over time"].filter(Boolean));
+    const lack = this.robot.knowledge ? "" : `${this.robot.name} has no map (robots.knowledge.map)`;
+    say(this.stage.control.lack, lack);
     this.numbers.setRobot(this.robot);
     this.driving.setRobot(this.robot);
     const ranges = this.robot.sensors.filter(isDrawn);
@@ -216,7 +224,7 @@ export class Simulator {
 
   async go(event) {
     if (event.point) {
-      this.stage.mark = event.point;
+      this.stage.mark = { point: event.point, tick: event.tick };
       this.stage.setOption("follow", false);
       this.stage.camera.centre(...event.point);
     }
@@ -338,17 +346,20 @@ export class Simulator {
     return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
   }
 
-  saveRun() {
-    askName("Save the run", "folder", "run", "In the project's folder, as `amorsim run` leaves it.", async (name) => {
+  async saveRun() {
+    const places = await this.ask({ do: "places" });
+    if (!places.ok) return;
+    askName("Save the run", "folder", places.run, `As \`amorsim run\` leaves it, in ${places.project}`, async (name) => {
       const said = await this.connection.ask({ do: "save_run", name: name || null });
       if (said.ok) this.hint(`Saved as ${said.folder}.${said.same === false ? " It does not run the same again." : ""}`);
       return said;
     });
   }
 
-  saveScenario() {
-    const name = `${this.scene.scenario.replace(/\.toml$/, "")}-changed.toml`;
-    askName("Save as a scenario", "file", name, "In the project's folder, with the parameters as they are now.", async (file) => {
+  async saveScenario() {
+    const places = await this.ask({ do: "places" });
+    if (!places.ok) return;
+    askName("Save as a scenario", "file", places.scenario, `With the parameters as they are now, in ${places.project}`, async (file) => {
       const said = await this.connection.ask({ do: "save_scenario", name: file });
       if (said.ok) this.hint(`Saved as ${said.file}.`);
       return said;

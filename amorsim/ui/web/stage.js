@@ -102,15 +102,24 @@ export class Stage {
 
   fit() {
     this.setOption("follow", false);
-    if (this.scene) this.camera.fit(this.scene.map.extent);
+    if (!this.scene) return;
+    this.camera.fit(this.scene.map.extent);
+    const { x, y, scale } = this.camera;
+    this.fitted = { x, y, scale };
+  }
+
+  /** Whether all is seen, as fitted, and nobody has moved it since. */
+  get isFitted() {
+    return ["x", "y", "scale"].every((part) => this.fitted?.[part] === this.camera[part]);
   }
 
   resize() {
     const [width, height] = this.robot.resize();
     if (!this.options.overlay) this.control.resize();
+    const isChanged = width !== this.camera.width || height !== this.camera.height;
     const isFirst = this.camera.width === 1;
     this.camera.resize(width, height);
-    if (isFirst && this.scene) this.camera.fit(this.scene.map.extent);
+    if (isChanged && (isFirst || (this.isFitted && !this.options.follow))) this.fit();
     this.redraw();
   }
 

@@ -1,0 +1,58 @@
+"""Reads files that a user names, whatever they turn out to be."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+__all__ = ["MOST_BYTES", "check_readable", "read_bytes", "read_text", "reason"]
+
+MOST_BYTES = 100_000_000
+"""A text longer than this [bytes] is no map, track, scenario or program that anybody wrote."""
+
+_KINDS = (
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+def check_readable(path: str | os.PathLike[str], most: int = MOST_BYTES) -> None:
+    """Raise `OSError` unless a file is there, and is one that can be read to its end: regular, and of `most` bytes.
+
+    A pipe would wait for somebody to write into it, and a device such as ``/dev/zero`` has no end. Folders are left to
+    `open`, which says it of them.
+    """
+    about = Path(path).stat()
+    for is_kind, what in _KINDS:
+        if is_kind(about.st_mode):
+            raise OSError(f"it is {what}; expected a regular file")
+    if about.st_size > most:
+        raise OSError(f"it has {about.st_size / 1e6:.6g} MB; expected {most / 1e6:.6g} MB at most")
+
+
+def read_bytes(path: str | os.PathLike[str], most: int = MOST_BYTES) -> bytes:
+    """What is in a file.
+
+    Raises
+    ------
+    OSError
+        If there is no such file, it cannot be read, is no regular file, or has more than `most` bytes.
+    ValueError
+        If the path is none that a system could have, as with a zero byte.
+    """
+    check_readable(path, most)
+    return Path(path).read_bytes()
+
+
+def read_text(path: str | os.PathLike[str], encoding: str = "utf-8", most: int = MOST_BYTES) -> str:
+    """The text in a file, its line ends as Python reads them; raises what `read_bytes` does."""
+    check_readable(path, most)
+    return Path(path).read_text(encoding=encoding)
+
+
+def reason(error: Exception) -> str:
+    """Why a file could not be read, without its name, which the caller says."""
+    return (isinstance(error, OSError) and error.strerror) or str(error)

@@ -1,0 +1,103 @@
+"""Files that are replaced whole or not at all.
+
+Everything that amorsim writes, other than the lines that a run appends to, goes through here: into a temporary folder
+next to the file, to the disk, and only then over what was there. A failure or a kill leaves the old file as it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from amorsim.core.errors import AmorsimError, RunError
+
+__all__ = ["copy_file", "replacing", "write_bytes", "write_text"]
+
+PREFIX = ".amorsim-"  # of the temporary folders; what a kill leaves of one may be removed
+
+
+@contextlib.contextmanager
+def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError) -> Iterator[Path]:
+    """A path of the same name in a temporary folder; what is written there replaces `path` at the end.
+
+    Files written next to it replace those next to `path`. A link stays a link: the file that it leads to is replaced.
+    Permissions stay as they were. If the block raises, nothing is replaced.
+
+    Parameters
+    ----------
+    path
+        The file, which may be there or not.
+    error
+        What is raised in place of an `OSError`, whether the block or the replacing raised it.
+    """
+    path = Path(path)
+    try:
+        target = Path(os.path.realpath(path))
+        _refuse_to_replace(target)
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=target.parent))
+        try:
+            new = folder / path.name
+            yield new
+            beside = [file for file in folder.rglob("*") if file.is_file() and file != new]
+            for file in (*beside, new):
+                _sync(file)
+            if target.exists():
+                shutil.copymode(target, new)
+            for file in beside:  # first, for the file itself may name them
+                place = path.parent / file.relative_to(folder)
+                place.parent.mkdir(parents=True, exist_ok=True)
+                file.replace(place)
+            new.replace(target)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+    except OSError as problem:
+        raise error(f"{path}: cannot be written ({problem.strerror or problem})") from problem
+
+
+def _refuse_to_replace(target: Path) -> None:
+    """Complain of what opening the file for writing would complain of, and of what is no file."""
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not target.exists():
+        return
+    if not target.is_file():
+        raise OSError(errno.EINVAL, "it is a device or a pipe; name a file")
+    if not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+
+def _sync(file: Path) -> None:
+    with file.open("rb+") as opened:
+        os.fsync(opened.fileno())
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write a file.
+
+    Raises
+    ------
+    RunError
+        If it cannot be written; what was there is there still.
+    """
+    with replacing(path) as new:
+        new.write_bytes(data)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file, in UTF-8 and with the line ends of `text`; fails as `write_bytes` does."""
+    write_bytes(path, text.encode())
+
+
+def copy_file(source: str | os.PathLike[str], path: str | os.PathLike[str]) -> None:
+    """Copy what a file holds; fails as `write_bytes` does, and if `source` cannot be read."""
+    try:
+        data = Path(source).read_bytes()
+    except OSError as problem:
+        where = Path(path).parent
+        raise RunError(f"{source}: cannot be copied into {where} ({problem.strerror or problem})") from problem
+    write_bytes(path, data)

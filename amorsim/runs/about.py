@@ -1,0 +1,122 @@
+"""Reading the ``run.json`` of a run's folder: every key that amorsim writes has the type that it was written with."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from amorsim.core.errors import RunError
+from amorsim.core.parameters import ParameterError, check_value, describe
+from amorsim.runs.folder import ABOUT, FORMAT
+from amorsim.runs.session import MOST_STEPS
+from amorsim.runs.tables import check_file
+from amorsim.scenario.faults import shown
+from amorsim.scenario.spec import Scenario
+from amorsim.simulation.simulation import MAX_REPLICA
+
+__all__ = ["read_about"]
+
+LARGEST = 1 << 28  # [bytes]: room for the digests of three million replicas
+
+Check = Callable[[Any], bool]
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _is_whole(value: Any) -> bool:
+    return type(value) is int and 0 <= value <= MOST_STEPS
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and abs(value) < 1e300 and math.isfinite(value)
+
+
+def _is_real(value: Any) -> bool:
+    return type(value) in (int, float)
+
+
+def _table_of(check: Check) -> Check:
+    return lambda value: isinstance(value, dict) and all(map(check, value.values()))
+
+
+def _is_seed(value: Any) -> bool:
+    try:
+        check_value(describe(Scenario)["seed"], value)
+    except ParameterError:
+        return False
+    return True
+
+
+def _are_replicas(value: Any) -> bool:
+    return (
+        isinstance(value, list)
+        and bool(value)
+        and all(type(number) is int and 0 <= number <= MAX_REPLICA for number in value)
+        and len(set(value)) == len(value)
+    )
+
+
+def _are_inputs(value: Any) -> bool:
+    """Whether these are fingerprints of files in the folder, and of none elsewhere."""
+    if not _table_of(_is_text)(value):
+        return False
+    paths = [PurePosixPath(name) for name in value]
+    return not any(path.is_absolute() or ".." in path.parts or "\0" in str(path) for path in paths)
+
+
+_NEEDED: dict[str, tuple[Check, str]] = {
+    "status": (_is_text, "a text"),
+    "seed": (_is_seed, "a whole number"),
+    "replicas": (_are_replicas, "a list of different whole numbers >= 0"),
+    "dt": (lambda value: _is_number(value) and value > 0, "a number [s] > 0"),
+    "steps": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
+}
+_OTHERS: dict[str, tuple[Check, str]] = {
+    "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, the format that this amorsim reads,"),
+    "duration": (_is_number, "a number [s]"),
+    "inputs": (_are_inputs, "a table of fingerprints, by the names of files in the folder"),
+    "amorsim": (_is_text, "a text"),
+    "python": (_is_text, "a text"),
+    "processor": (_is_text, "a text"),
+    "system": (_is_text, "a text"),
+    "packages": (_table_of(_is_text), "a table of texts"),
+    "plugins": (_table_of(lambda value: value is None or _is_text(value)), "a table of texts"),
+    "steps_done": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
+    "digests": (_table_of(_is_text), "a table of texts, by replica"),
+    "distance": (_table_of(_is_real), "a table of numbers [m], by robot"),
+    "final_error": (_table_of(_is_real), "a table of numbers [m], by robot"),
+    "collisions": (_table_of(_is_whole), "a table of whole numbers, by robot"),
+    "seconds": (_is_number, "a number [s]"),
+}
+
+
+def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """What the ``run.json`` of a folder says; keys that amorsim does not know are left as they are.
+
+    Raises
+    ------
+    RunError
+        If it is not the folder of a run, or the file is damaged; it names the key.
+    """
+    path = Path(folder) / ABOUT
+    if not os.path.lexists(path):
+        raise RunError(f"{folder}: expected the folder of a run, with a {ABOUT} in it")
+    check_file(path, LARGEST)
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise RunError(f"{path}: cannot be read ({error})") from None
+    except RecursionError:
+        raise RunError(f"{path}: is damaged: its tables and lists are nested too deeply") from None
+    if not isinstance(about, dict):
+        raise RunError(f"{path}: is damaged: expected a table, got {shown(about)}")
+    for key, (check, what) in (_NEEDED | _OTHERS).items():
+        if (key in about or key in _NEEDED) and not check(about.get(key)):
+            raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {shown(about.get(key))}")
+    return about

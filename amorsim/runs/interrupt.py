@@ -1,0 +1,100 @@
+"""Ctrl-C in a run: it ends after the present step, or at once where a user's code does not return."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import threading
+import traceback
+from pathlib import Path
+from types import FrameType, TracebackType
+
+import numba
+
+from amorsim.core.trouble import users_lines
+
+__all__ = ["Interrupt"]
+
+PATIENCE = 0.5  # [s] that a user's code gets to return after Ctrl-C
+_COMPILER = Path(numba.__file__).parent
+
+
+class Interrupt:
+    """Takes Ctrl-C as a wish to end after the present step, so that all files end with the same one.
+
+    Where a controller or plugin does not return within `PATIENCE`, it is broken off by a `KeyboardInterrupt`. So does
+    a second Ctrl-C, wherever the run is. Where the program handles the signal itself, or the run is not in its main
+    thread, nothing is done.
+
+    Attributes
+    ----------
+    is_wanted
+        Whether Ctrl-C was pressed.
+    is_stepping
+        Whether a step is being made: only then is a user's code broken off.
+    """
+
+    def __init__(self) -> None:
+        self.is_wanted = False
+        self._installed = False
+        self._has_ended = threading.Event()
+        self.is_stepping = False
+        self._is_ours = False  # the next signal, which comes from `_watch`
+        self._within: FrameType | None = None  # whatever it calls is part of the run
+
+    def __enter__(self) -> Interrupt:
+        in_main = threading.current_thread() is threading.main_thread()
+        if in_main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            self._within = sys._getframe(1)
+            signal.signal(signal.SIGINT, self._note)
+            self._installed = True
+        return self
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        if self._is_ours:
+            self._is_ours = False
+            if self.is_stepping and self._users_stack(frame):  # else it has returned meanwhile
+                raise KeyboardInterrupt
+        elif self.is_wanted:
+            raise KeyboardInterrupt
+        else:
+            self.is_wanted = True
+            threading.Thread(target=self._watch, name="amorsim-interrupt", daemon=True).start()
+
+    def _watch(self) -> None:
+        """Break off a user's code that does not return."""
+        main = threading.main_thread().ident or 0
+        while not self._has_ended.wait(PATIENCE):
+            if self.is_stepping and self._users_stack(sys._current_frames().get(main)):
+                self._is_ours = True
+                if hasattr(signal, "pthread_kill"):  # also wakes a thread that sleeps
+                    signal.pthread_kill(main, signal.SIGINT)
+                else:
+                    signal.raise_signal(signal.SIGINT)
+
+    def _users_stack(self, frame: FrameType | None) -> list[str]:
+        """The lines of the user's code that the run is in; none where it is in code of amorsim, or compiles."""
+        stack = traceback.StackSummary()
+        while frame is not None and frame is not self._within:
+            summary = traceback.FrameSummary(frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
+            stack.insert(0, summary)
+            frame = frame.f_back
+        if any(Path(summary.filename).is_relative_to(_COMPILER) for summary in stack):
+            return []
+        return users_lines(stack)
+
+    def explain(self, error: KeyboardInterrupt) -> None:
+        """Add to an error where in the user's code it came."""
+        lines = users_lines(traceback.extract_tb(error.__traceback__))
+        if lines:
+            error.add_note("\n".join(["this did not return:", *lines]))
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._has_ended.set()
+        self._within = None
+        if self._installed:
+            with contextlib.suppress(ValueError):
+                signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,0 +1,49 @@
+"""The names of files in a document, and other names for the same files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from amorsim.core.parameters import describe
+from amorsim.scenario.controller_files import is_controller_file
+from amorsim.scenario.spec import Scenario
+from amorsim.scenario.starts import series_of
+
+__all__ = ["name_from", "rename_maps"]
+
+Document = dict[str, Any]
+
+
+def rename_maps(document: Document, to: Callable[[str], str]) -> None:
+    """Give the maps of a document, the world's and those that robots know, other names."""
+    document["world"]["map"] = to(document["world"]["map"])
+    for robot in document["robots"]:
+        if "map" in robot.get("knowledge", {}):
+            robot["knowledge"]["map"] = to(robot["knowledge"]["map"])
+
+
+def name_from(folder: Path, document: Document, scenario: Scenario) -> None:
+    """Name the files of a scenario's document from a folder, so that they may be moved together.
+
+    On Windows, files on another drive keep their whole paths.
+    """
+
+    def near(name: str) -> str:
+        try:
+            return Path(os.path.relpath(name, folder)).as_posix()
+        except ValueError:
+            return name
+
+    rename_maps(document, near)
+    motions = [obstacle.get("motion", {}) for obstacle in document.get("obstacles", ())]
+    for program in (*(robot.get("controller", {}) for robot in document["robots"]), *motions):
+        if is_controller_file(program.get("use", "")):
+            file, _, name = program["use"].rpartition(":")
+            program["use"] = f"{near(file)}:{name}"
+    for (obstacle, *_), motion in zip(series_of(scenario.obstacles), motions, strict=True):
+        for name, parameter in () if obstacle.motion is None else describe(type(obstacle.motion)).items():
+            if parameter.file and motion.get(name):
+                motion[name] = near(motion[name])

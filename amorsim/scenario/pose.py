@@ -1,0 +1,18 @@
+"""A pose in the world, as a scenario gives it."""
+
+from __future__ import annotations
+
+import attrs
+
+from amorsim.contracts import parameter
+
+__all__ = ["Pose"]
+
+
+@attrs.frozen(kw_only=True)
+class Pose:
+    """A pose in the world."""
+
+    x: float = parameter(0.0, unit="m", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", help="up in the world")
+    heading: float = parameter(0.0, unit="rad", help="anticlockwise from the world's x axis")

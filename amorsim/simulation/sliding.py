@@ -1,0 +1,63 @@
+"""Paths of bodies that slide while their wheels roll (`amorsim.contracts.Noise.slide`)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Drive
+from amorsim.core.poses import compose, exponential
+
+__all__ = ["arcs", "bounds", "displaced", "goes_on_arcs", "part_bounds"]
+
+Array = npt.NDArray[np.float64]
+
+
+def goes_on_arcs(drive: Drive) -> bool:
+    """Whether a drive's path in a step is the arc of its twist."""
+    return type(drive).displacement is Drive.displacement
+
+
+def arcs(drive: Drive, before: Array, after: Array, slide: Array | None) -> Array:
+    """The twists `(N, 3)` of a step, of drives that go on arcs."""
+    twist = drive.twist(before, after)
+    if slide is None:
+        return twist
+    return np.where(slide != 0.0, twist + slide, twist)  # adding 0.0 would change the sign of a zero
+
+
+def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fraction: Array) -> Array:
+    """The displacements `(N, 3)` of bodies at fractions `(N, 1)` of the step, with what they slide `(N, 3)`.
+
+    On an arc both add up to one twist. On other paths half of the slide comes before what the wheels make and half
+    after it: right to the second order of the step.
+    """
+    if slide is None:
+        return drive.displacement(before, after, fraction)
+    if goes_on_arcs(drive):
+        return exponential(arcs(drive, before, after, slide), fraction)
+    rolled = drive.displacement(before, after, fraction)
+    half = exponential(0.5 * slide, fraction)
+    found = compose(compose(half, rolled), half)
+    found[:, 2:] = rolled[:, 2:] + slide[:, 2:] * fraction  # `compose` wraps headings
+    return np.where((slide != 0.0).any(axis=1, keepdims=True), found, rolled)
+
+
+def bounds(travel: Array, slide: Array | None) -> Array:
+    """Bounds on the paths `(N, 2)` [m, rad] of bodies whose wheels alone give `travel` `(N, 2)`."""
+    if slide is None:
+        return travel
+    way = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)
+    turn = np.abs(slide[:, 2])
+    # Half of the slide's turn swings the whole path about its start.
+    length = travel[:, 0] + way + 0.5 * turn * (travel[:, 0] + way)
+    return np.stack((length, travel[:, 1] + turn), axis=1)
+
+
+def part_bounds(travel: Array, slide: Array | None) -> Array:
+    """Bounds on the paths of parts `(N, p, 2)`: a body with parts slides aside only, and its parts with it."""
+    if slide is None:
+        return travel
+    more = np.zeros_like(travel)
+    more[:, :, 0] = np.sqrt(slide[:, :1] ** 2 + slide[:, 1:2] ** 2)
+    return travel + more

@@ -1,0 +1,140 @@
+"""Files are replaced whole, or stay as they were."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from pathlib import Path
+
+import pytest
+
+import amorsim
+from amorsim.core.errors import MapError, RunError
+from amorsim.core.whole_files import copy_file, replacing, write_bytes, write_text
+from tests.disks import small_disk
+
+
+def test_a_file_is_made_or_replaced_and_nothing_else_is_left(tmp_path: Path) -> None:
+    file = tmp_path / "a.txt"
+    write_text(file, "one\r\nµ")
+    assert file.read_bytes() == "one\r\nµ".encode()
+    write_bytes(file, b"two")
+    assert file.read_bytes() == b"two"
+    copy_file(file, tmp_path / "b.txt")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "b.txt"]
+    assert (tmp_path / "b.txt").read_bytes() == b"two"
+
+
+@small_disk()
+def test_a_full_disk_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+    with pytest.raises(RunError, match=r"a\.txt: cannot be written \(File too large\)"):
+        write_bytes(file, bytes(1001))
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    assert file.read_text() == "old"
+
+
+def test_the_new_file_is_on_the_disk_before_it_replaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+    seen = []
+
+    def fail(descriptor: int) -> None:
+        seen.append((os.fstat(descriptor).st_size, file.read_text()))
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(RunError, match="No space left on device"):
+        write_text(file, "newer")
+    assert seen == [(5, "old")]
+    assert file.read_text() == "old"
+
+
+def _write_half(file: Path) -> None:
+    with replacing(file) as new:
+        new.write_text("half")
+        raise ValueError("only half of it")
+
+
+def _write_nothing(file: Path) -> None:
+    with replacing(file, MapError):
+        pass
+
+
+def test_an_error_of_the_writer_leaves_everything_as_it_was(tmp_path: Path) -> None:
+    file = tmp_path / "a.txt"
+    file.write_text("old")
+    with pytest.raises(ValueError, match="half"):
+        _write_half(file)
+    with pytest.raises(MapError, match=r"a\.txt: cannot be written \(No such file or directory\)"):
+        _write_nothing(file)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    assert file.read_text() == "old"
+
+
+def test_a_link_stays_and_its_file_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "real.txt").write_text("old")
+    (tmp_path / "link.txt").symlink_to("data/real.txt")
+    with replacing(tmp_path / "link.txt") as new:
+        assert new.name == "link.txt"
+        new.write_text("new")
+    assert (tmp_path / "link.txt").is_symlink()
+    assert (tmp_path / "data" / "real.txt").read_text() == "new"
+
+
+def test_files_beside_it_come_too(tmp_path: Path) -> None:
+    (tmp_path / "b.png").write_text("old")
+    with replacing(tmp_path / "a.yaml") as new:
+        (new.parent / "tiles").mkdir()
+        for name in ("a.yaml", "b.png", "tiles/c.png"):
+            (new.parent / name).write_text(name)
+    assert (tmp_path / "b.png").read_text() == "b.png"
+    assert (tmp_path / "tiles" / "c.png").read_text() == "tiles/c.png"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.yaml", "b.png", "tiles"]
+
+
+def test_permissions_are_those_of_the_old_file_or_of_any_new_one(tmp_path: Path) -> None:
+    (tmp_path / "plain.txt").write_text("")
+    write_text(tmp_path / "new.txt", "")
+    assert (tmp_path / "new.txt").stat().st_mode == (tmp_path / "plain.txt").stat().st_mode
+    (tmp_path / "new.txt").chmod(0o640)
+    write_text(tmp_path / "new.txt", "again")
+    assert stat.S_IMODE((tmp_path / "new.txt").stat().st_mode) == 0o640
+
+
+def test_what_is_no_file_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(RunError, match=r"folder: cannot be written \(Is a directory\)"):
+        write_text(tmp_path / "folder", "")
+    with pytest.raises(RunError, match=r"pipe: cannot be written \(it is a device or a pipe"):
+        write_text(tmp_path / "pipe", "")
+    with pytest.raises(RunError, match=r"none/a: cannot be written \(No such file or directory\)"):
+        write_text(tmp_path / "none" / "a", "")
+    with pytest.raises(RunError, match=r"none: cannot be copied into .* \(No such file or directory\)"):
+        copy_file(tmp_path / "none", tmp_path / "copy")
+
+
+def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.txt").write_text("old")
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # for root may write everything
+    with pytest.raises(RunError, match=r"a\.txt: cannot be written \(Permission denied\)"):
+        write_text(tmp_path / "a.txt", "new")
+
+
+def test_everything_that_writes_goes_through_here() -> None:
+    """What may write otherwise: lines that a run appends, room that it keeps, copies in a folder that passes."""
+    others = ["core/whole_files.py", "kernels/", "maps/", "runs/folder.py", "testing/maps.py"]
+    writes = re.compile(r"""\.write_(text|bytes)\(|shutil\.copy|\.savefig\((?!drawn)|open\([^)]*["'][wxa]b?\+?["']""")
+    root = Path(amorsim.__file__).parent
+    found = [
+        f"{name}:{number}"
+        for path in sorted(root.rglob("*.py"))
+        if not (name := path.relative_to(root).as_posix()).startswith(tuple(others))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if writes.search(line)
+    ]
+    assert found == []

@@ -1,0 +1,341 @@
+"""What a component raises, or returns that is not finite, is told with whose it is and when."""
+
+import re
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.contracts import Controller, Emission, Estimate, Estimator, Motion, Noise, Sensor
+from amorsim.core.errors import ComponentError, ControllerError
+from amorsim.core.shapes import Shape
+from amorsim.core.trouble import explain
+from amorsim.drives.differential import Differential
+from amorsim.kernels.paths import ARC, go_free
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle
+from tests import building
+
+STEP = 3  # at which they fail
+
+
+def fail(tick):
+    if np.any(tick >= STEP):
+        return {}["no such key"]
+    return None
+
+
+@attrs.frozen(kw_only=True)
+class BadEstimator(Estimator):
+    def start(self, context):
+        return {"ticks": np.zeros((context.rows, 1))}
+
+    def update(self, robot, readings, command, elapsed, state, draws):
+        state["ticks"] = state["ticks"] + (elapsed > 0.0)
+        fail(state["ticks"])
+        return Estimate(np.zeros((robot.rows, 3)), np.zeros((robot.rows, 3, 3)))
+
+
+@attrs.frozen(kw_only=True)
+class BadStart(Estimator):
+    def start(self, context):
+        raise ValueError("it cannot begin")
+
+    def update(self, robot, readings, command, elapsed, state, draws):
+        raise NotImplementedError
+
+
+@attrs.frozen(kw_only=True)
+class BadSensor(Sensor):
+    unit: ClassVar[str] = "m"
+    channels: ClassVar[tuple[str, ...]] = ("pan",)
+    at: str = am.parameter("sense", help="the method that fails", static=True)
+
+    def size(self, drive):
+        return fail(STEP if self.at == "size" else 0) or 2
+
+    def start(self, context):
+        fail(STEP if self.at == "start" else 0)
+        return {}
+
+    def sense(self, view, aim, state, draws):
+        fail(view.tick if self.at == "sense" else 0)
+        if self.at == "shape" and view.tick[0, 0] >= STEP:
+            return [1.0, 2.0], {}
+        return np.full((view.rows, 2), np.nan if self.at == "nan" and view.tick[0, 0] >= STEP else np.inf), {}
+
+    def actuate(self, command, dt, state, draws):
+        fail(STEP if self.at == "actuate" else 0)
+
+
+@attrs.frozen(kw_only=True)
+class BadEmitter(Sensor):
+    unit: ClassVar[str] = "m"
+    medium: ClassVar[str] = "ultrasound"
+
+    def size(self, drive):
+        return 1
+
+    def sense(self, view, aim, state, draws):
+        return np.zeros((view.rows, 1)), {}
+
+    def emit(self, view, state):
+        fail(view.tick)
+        rows = view.rows
+        return Emission(np.zeros((rows, 1, 3)), np.zeros((rows, 1)), np.zeros((rows, 1), dtype=bool))
+
+
+@attrs.frozen(kw_only=True)
+class BadNoise(Noise):
+    def start(self, context):
+        return {"ticks": np.zeros((context.rows, 1))}
+
+    def corrupt(self, values, side, elapsed, state, draws):
+        state["ticks"] = state["ticks"] + (elapsed > 0.0)
+        fail(state["ticks"])
+        return values
+
+
+@attrs.frozen(kw_only=True)
+class BadAim(BadNoise):
+    def aim(self, aim, elapsed, state, draws):
+        return fail(STEP)
+
+
+@attrs.frozen(kw_only=True)
+class BadDelay(BadNoise):
+    def delay(self, elapsed, state, draws):
+        return fail(STEP)
+
+    def longest_delay(self):
+        return np.full((1, 1), 0.1)
+
+
+@attrs.frozen(kw_only=True)
+class NanNoise(BadNoise):
+    def corrupt(self, values, side, elapsed, state, draws):
+        return values * np.nan
+
+
+@attrs.frozen(kw_only=True)
+class BadDrive(Differential):
+    at: str = am.parameter("advance", help="the method that fails", static=True)
+
+    def advance(self, joints, rates, command, dt, state, draws):
+        fail(STEP if self.at == "advance" else 0)
+        return super().advance(joints, rates, command, dt, state, draws)
+
+    def twist(self, before, after):
+        fail(STEP if self.at == "twist" else 0)
+        found = super().twist(before, after)
+        return found * np.nan if self.at == "nan" else found
+
+    def travel(self, before, after):
+        fail(STEP if self.at == "travel" else 0)
+        return super().travel(before, after)
+
+    def rolling_radius(self):
+        fail(STEP if self.at == "rolling_radius" else 0)
+        return super().rolling_radius()
+
+    def displacement(self, before, after, fraction):
+        return super().displacement(before, after, fraction)
+
+
+@attrs.frozen(kw_only=True)
+class BadController(Controller):
+    answer: float = am.parameter(0.0, help="what it commands")
+
+    def command(self, robot, readings, estimate, clock, state, draws):
+        fail(clock.tick)
+        return np.full((robot.rows, 2), 1.0)
+
+
+@attrs.frozen(kw_only=True)
+class BadMotion(Motion):
+    at: str = am.parameter("propose", help="the method that fails", static=True)
+
+    def start(self, context):
+        fail(STEP if self.at == "start" else 0)
+        return {}
+
+    def propose(self, view, dt, state, draws):
+        fail(view.tick if self.at == "propose" else 0)
+        return np.full((view.rows, 3), np.nan if view.tick[0, 0] >= STEP else 0.0)
+
+
+def simulate(*robots, **changes):
+    simulation = am.Simulation(building.scenario(*robots, dt=0.1, **changes))
+    simulation.run(1.0)
+
+
+def error_of(*robots, **changes):
+    with pytest.raises(am.AmorsimError) as caught:
+        simulate(*robots, **changes)
+    return caught.value
+
+
+def with_sensor(sensor, *noise, name="eye"):
+    return building.robot(
+        sensors={
+            "encoder": building.encoder(),
+            name: MountedSensor(sensor=sensor, noise=tuple(NoiseElement(name="odd", noise=one) for one in noise)),
+        }
+    )
+
+
+CASES = [
+    (lambda: building.robot(estimators={"mine": BadEstimator()}), "estimator 'mine' (BadEstimator)", 0.3, "fail("),
+    (lambda: building.robot(estimators={"mine": BadStart()}), "estimator 'mine' (BadStart)", 0.0, "cannot begin"),
+    (lambda: with_sensor(BadSensor()), "sensor 'eye' (BadSensor)", 0.3, "fail(view.tick"),
+    (lambda: with_sensor(BadSensor(at="start")), "sensor 'eye' (BadSensor)", 0.0, "in start"),
+    (lambda: with_sensor(BadSensor(at="actuate")), "sensor 'eye' (BadSensor)", 0.0, "in actuate"),
+    (lambda: with_sensor(BadEmitter()), "sensor 'eye' (BadEmitter)", 0.3, "in emit"),
+    (
+        lambda: with_sensor(building.ring(), BadNoise()),
+        "noise element 'odd' of sensor 'eye' (BadNoise)",
+        0.3,
+        "corrupt",
+    ),
+    (lambda: with_sensor(building.ring(), BadAim()), "noise element 'odd' of sensor 'eye' (BadAim)", 0.0, "in aim"),
+    (lambda: with_sensor(building.ring(), BadDelay()), "noise element 'odd' of sensor 'eye' (BadDelay)", 0.0, "delay"),
+    (
+        lambda: building.robot(ground=(NoiseElement(name="odd", noise=BadNoise()),)),
+        "noise element 'odd' of ground (BadNoise)",
+        0.2,
+        "in corrupt",
+    ),
+    *(
+        (
+            lambda at=at: building.robot(
+                estimators={},
+                drive=BadDrive(wheel_radius_left=0.1, wheel_radius_right=0.1, track=0.3, rate_max=9.0, at=at),
+            ),
+            "drive (BadDrive)",
+            0.0,
+            f"in {at}",
+        )
+        for at in ("advance", "twist", "rolling_radius")
+    ),
+]
+
+
+@pytest.mark.parametrize(("make", "who", "time", "line"), CASES)
+def test_what_a_component_raises_names_robot_component_and_time(make, who, time, line):
+    error = error_of(make())
+    assert isinstance(error, ComponentError)
+    assert str(error).startswith(f"{who} of robot 'rover' at {time:g} s raised ")
+    assert line in explain(error)
+    assert "test_failures.py" in explain(error)
+    assert "site-packages/numpy" not in explain(error)
+
+
+def test_a_size_that_raises_names_robot_and_sensor():
+    error = error_of(with_sensor(BadSensor(at="size")))
+    assert "sensor 'eye' (BadSensor) of robot 'rover': size() raised KeyError" in str(error)
+
+
+def test_a_plugins_controller_is_named_like_a_users():
+    error = error_of(building.robot(controller=BadController()))
+    assert isinstance(error, ControllerError)
+    assert error.robot == "rover"
+    assert str(error) == "controller (BadController) of robot 'rover' at 0.3 s raised KeyError: 'no such key'"
+
+
+def obstacle(**changes):
+    return Obstacle(name="cat", shape=Shape.circle(0.1), pose=am.Pose(x=4.0, y=4.0), motion=BadMotion(**changes))
+
+
+def test_a_motion_is_named_with_its_obstacle():
+    error = error_of(obstacles=(obstacle(),))
+    assert str(error).startswith("motion (BadMotion) of obstacle 'cat' at 0.3 s raised KeyError")
+    error = error_of(obstacles=(obstacle(at="start"),))
+    assert str(error).startswith("motion (BadMotion) of obstacle 'cat' at 0 s raised KeyError")
+    error = error_of(obstacles=(obstacle(at=""),))
+    assert "motion (BadMotion) of obstacle 'cat' at tick 3 (0.3 s): expected finite" in str(error)
+
+
+def test_of_many_robots_some_are_named():
+    robots = [
+        building.robot(name=f"r{i}", estimators={"mine": BadEstimator()}, pose=am.Pose(x=1.0 + i, y=1.0))
+        for i in range(5)
+    ]
+    assert "of robots 'r0', 'r1', 'r2' and 2 more at 0.3 s" in str(error_of(*robots))
+
+
+def test_an_error_of_amorsim_is_told_as_it_is():
+    @attrs.frozen(kw_only=True)
+    class Needs(BadEstimator):
+        def start(self, context):
+            raise ComponentError("Needs needs a laser")
+
+    assert str(error_of(building.robot(estimators={"mine": Needs()}))) == "Needs needs a laser"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: with_sensor(BadSensor(at="nan")),
+            "sensor 'eye' (BadSensor) of robot 'rover' at tick 3 (0.3 s): .*nan",
+        ),
+        (lambda: with_sensor(BadSensor(at="shape")), "at 0.3 s: expected values of the shape (1, 2).* a list"),
+        (
+            lambda: with_sensor(BadSensor(at=""), NanNoise()),
+            "sensor 'eye' (BadSensor) of robot 'rover' at tick 0 (0 s): .*its chain of noise (odd).*nan",
+        ),
+    ],
+)
+def test_a_reading_that_is_no_number_ends_the_run(make, message):
+    pattern = re.escape(message).replace(r"\.\*", ".*")
+    assert re.search(pattern, str(error_of(make())))
+
+
+def test_a_reading_may_be_inf():
+    simulate(with_sensor(BadSensor(at="")))
+
+
+@attrs.frozen(kw_only=True)
+class Lost(Estimator):
+    def update(self, robot, readings, command, elapsed, state, draws):
+        pose = np.zeros((robot.rows, 3))
+        pose[1, 2] = np.nan
+        return Estimate(pose, np.zeros((robot.rows, 3, 3)))
+
+
+@attrs.frozen(kw_only=True)
+class Nothing(Estimator):
+    def update(self, robot, readings, command, elapsed, state, draws):
+        return None
+
+
+def test_an_estimate_that_is_not_finite_names_the_row():
+    robots = [
+        building.robot(name=name, estimators={"mine": Lost()}, pose=am.Pose(x=x, y=1.0))
+        for name, x in (("a", 1.0), ("b", 3.0))
+    ]
+    assert str(error_of(*robots)) == (
+        "estimator 'mine' (Lost) of robot 'b' at tick 0 (0 s): expected finite numbers for the estimated pose, got "
+        "[0.0, 0.0, nan]"
+    )
+    with pytest.raises(ComponentError, match=r"expected an Estimate\(pose, covariance\), got a NoneType"):
+        am.Simulation(building.scenario(building.robot(estimators={"mine": Nothing()})))
+
+
+def test_a_path_that_is_not_finite_ends_the_run():
+    drive = BadDrive(wheel_radius_left=0.1, wheel_radius_right=0.1, track=0.3, rate_max=9.0, at="nan")
+    assert re.match(
+        r"drive \(BadDrive\) of robot 'rover' at tick 0 \(0 s\): expected finite numbers for the displacement",
+        str(error_of(building.robot(estimators={}, drive=drive))),
+    )
+
+
+def test_what_is_nan_has_no_room():
+    """So the shortest way through a step makes no pose of it."""
+    start, end, stop = np.zeros((1, 3)), np.empty((1, 3)), np.empty(1)
+    room = np.array([5.0])
+    given = np.array([0.3]), room, end, stop
+    assert go_free(start, np.array([[1.0, 0.0, 0.1]]), ARC, *given)
+    for bad in (np.nan, np.inf):
+        assert not go_free(start, np.array([[1.0, 0.0, bad]]), ARC, *given)

@@ -1,0 +1,63 @@
+"""What a simulation says of itself, and of what it cannot do."""
+
+import math
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from tests import building
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "says"),
+    [
+        ("errors.drive.track.scal", 1, "ends with one of scale, add, value.* got 1. Did you mean 'scale'?"),
+        ("errors.drive.track", 1.1, "ends with one of scale, add, value, as in errors.drive.track.scale"),
+        (
+            "errors.drive.track",
+            {"scal": 1.0},
+            "an error has no 'scal', but: scale, add, value, per. Did you mean 'scale'",
+        ),
+        ("errors", 1.0, "ends with one of"),
+        ("errors.drive.trak.scale", 1.0, "Did you mean 'track'?"),
+    ],
+)
+def test_an_error_that_cannot_be_set_is_told_in_words(path, value, says):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match=says.replace("(", r"\(")) as caught:
+        sim.set("rover", path, value)
+    assert str(caught.value).startswith(f"robot 'rover', {path}: ")
+    assert "**" not in str(caught.value)
+
+
+@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf])
+def test_it_runs_for_no_time_below_zero(duration):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match="duration: expected a number of seconds >= 0, got"):
+        sim.run(duration)
+    sim.run(0.0)
+    assert sim.tick == 0
+
+
+def test_it_says_what_it_is():
+    sim = am.Simulation(building.scenario(dt=0.1))
+    assert repr(sim) == "<Simulation: 1 robot, 1 replica, seed 3, at 0 s>"
+    sim = am.Simulation(building.scenario(dt=0.1), seed=4, replicas=2)
+    sim.run(0.5)
+    assert repr(sim) == "<Simulation: 1 robot, 2 replicas, seed 4, at 0.5 s>"
+    sim.reset(replicas=[1])
+    assert repr(sim) == "<Simulation: 1 robot, 2 replicas, seed 4, at 0 to 0.5 s>"
+    assert repr(am.Simulation(am.load("demo"))).startswith("<Simulation of 'demo': 1 robot, 1 replica, seed ")
+
+
+def test_a_bitmap_without_a_resolution_is_warned_of(tmp_path):
+    cells = np.zeros((4, 6), dtype=bool)
+    cells[0] = True
+    file = tmp_path / "plan.png"
+    am.save_map(am.Map.from_array(cells, resolution=0.1), file)
+    found = am.load_map(file)
+    assert found.resolution == 0.05
+    assert "no resolution is given, so a pixel is taken for 0.05 m" in found.warnings[0]
+    assert found.source.loader.resolution == 0.05  # what a run's folder says
+    assert am.load_map(file, resolution=0.1).warnings == ()
