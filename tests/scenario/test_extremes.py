@@ -69,6 +69,11 @@ def test_shapes_have_the_size_of_things(size: float) -> None:
         Shape.polygon([(0, 0), (size, 0), (0, size)])
 
 
+def test_a_rounding_is_none_or_one_that_can_be_seen() -> None:
+    with pytest.raises(ValueError, match="the rounding of a polygon is 0 m, or 1e-06 m at least, not 1e-320"):
+        Shape.polygon([(0, 0), (1, 0), (0, 1)], rounding=1e-320)
+
+
 def test_an_error_may_not_make_the_true_value_meaningless() -> None:
     robot = building.robot(errors={"drive.wheel_radius_left": am.Deviation(scale=1e5)})
     with pytest.raises(am.ScenarioError, match=r"wheel_radius_left.* <= 10, got 8250"):
