@@ -81,8 +81,11 @@ def check_free(path: Path | None, besides: str = "") -> None:
     RunError
         If there are files in it, it is a file itself, or what is in it cannot be told.
     """
-    if path is None or not path.exists():
-        return
+    try:
+        if path is None or not path.exists():
+            return
+    except OSError as error:  # a name that is too long
+        raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
     if not path.is_dir():
         raise RunError(f"{path}: is a file; name a folder, new or empty")
     try:
