@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import json
 import os
@@ -219,15 +220,18 @@ def last_time(folder: Path) -> float:
     return min(times, default=0.0)
 
 
+_version = functools.cache(metadata.version)  # which reads a file each time
+
+
 def circumstances() -> dict[str, Any]:
     """Versions and machine, on which the last bits of results may hang."""
     from llvmlite import binding
 
     packages = ("numpy", "numba", "attrs", "shapely", "pillow")
     return {
-        "amorsim": metadata.version("amorsim"),
+        "amorsim": _version("amorsim"),
         "python": sys.version.split()[0],
-        "packages": {name: metadata.version(name) for name in packages},
+        "packages": {name: _version(name) for name in packages},
         "plugins": {plugin.name: plugin.version for plugin in default_registry().plugins},
         # For which kind the kernels are compiled: two of one kind give the same bits.
         "processor": f"{platform.machine()} {binding.get_host_cpu_name()}",
