@@ -110,7 +110,7 @@ def _draw_collisions(axis: Any, events: Table) -> None:
 
 def _draw_uncertainty(axis: Any, path: Array, covariance: Array, style: dict[str, Any], label: str) -> None:
     """Ellipses of one standard deviation along a path, and at its end."""
-    places = np.unique(np.linspace(0, len(path) - 1, ELLIPSES).round().astype(int)) if len(path) else []
+    places = np.unique(np.linspace(0, max(len(path) - 1, 0), ELLIPSES).round().astype(int))[: len(path)].tolist()
     for place in places:
         last = place == len(path) - 1
         draw_ellipse(

@@ -30,13 +30,15 @@ class Estimates:
     @property
     def distance(self) -> Array:
         """How far estimated and true position are apart [m] `(S, N)`."""
-        return np.hypot(self.error[..., 0], self.error[..., 1])
+        distance: Array = np.hypot(self.error[..., 0], self.error[..., 1])
+        return distance
 
     @property
     def sigma(self) -> Array:
         """The standard deviations of x [m], y [m] and heading [rad] that the estimator believes `(S, N, 3)`."""
         with np.errstate(invalid="ignore"):
-            return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+            sigma: Array = np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+        return sigma
 
     @property
     def has_sigma(self) -> bool:

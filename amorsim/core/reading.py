@@ -6,7 +6,7 @@ import os
 import stat
 from pathlib import Path
 
-__all__ = ["MOST_BYTES", "check_readable", "read_bytes", "read_text", "reason"]
+__all__ = ["MOST_BYTES", "check_readable", "is_file", "read_bytes", "read_text", "reason"]
 
 MOST_BYTES = 100_000_000
 """A text longer than this [bytes] is no map, track, scenario or program that anybody wrote."""
@@ -31,6 +31,14 @@ def check_readable(path: str | os.PathLike[str], most: int = MOST_BYTES) -> None
             raise OSError(f"it is {what}; expected a regular file")
     if about.st_size > most:
         raise OSError(f"it has {about.st_size / 1e6:.6g} MB; expected {most / 1e6:.6g} MB at most")
+
+
+def is_file(path: str | os.PathLike[str]) -> bool:
+    """Whether there is a regular file; none is under a name that the system does not take."""
+    try:
+        return Path(path).is_file()
+    except OSError:  # a name that is too long
+        return False
 
 
 def read_bytes(path: str | os.PathLike[str], most: int = MOST_BYTES) -> bytes:

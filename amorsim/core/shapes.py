@@ -115,6 +115,8 @@ class Shape:
         ring = _ring(vertices)
         if not math.isfinite(rounding) or rounding < 0.0:
             raise ValueError(f"the rounding of a polygon is 0 m or more, not {rounding!r}")
+        if 0.0 < rounding < SMALLEST:
+            raise ValueError(f"the rounding of a polygon is 0 m, or {SMALLEST:g} m at least, not {rounding!r}")
         parts = tuple(_convex_parts(ring))
         border = ring
         if rounding > 0.0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -15,10 +15,11 @@ from amorsim.runs.folder import ABOUT, FORMAT
 from amorsim.runs.session import MOST_STEPS
 from amorsim.runs.tables import check_file
 from amorsim.scenario.faults import shown
+from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA
 
-__all__ = ["read_about"]
+__all__ = ["read_about", "scenario_of"]
 
 LARGEST = 1 << 28  # [bytes]: room for the digests of three million replicas
 
@@ -120,3 +121,19 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
         if (key in about or key in _NEEDED) and not check(about.get(key)):
             raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {shown(about.get(key))}")
     return about
+
+
+def scenario_of(folder: str | os.PathLike[str], about: Mapping[str, Any]) -> Scenario:
+    """The scenario that was run, from the files that lie in the folder; `about` is what its ``run.json`` says.
+
+    Raises
+    ------
+    RunError
+        If one of its files is no regular file.
+    ScenarioError
+        If it cannot be read.
+    """
+    for name in {"scenario.toml", *about.get("inputs", ())}:
+        if os.path.lexists(path := Path(folder) / name):
+            check_file(path)
+    return load(Path(folder) / "scenario.toml")

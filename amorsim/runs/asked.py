@@ -9,6 +9,7 @@ import attrs
 
 from amorsim.core.errors import AmorsimError, MapError
 from amorsim.core.parameters import ParameterError, check_value, describe
+from amorsim.core.reading import is_file
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +79,7 @@ def _check_map(path: Path) -> None:
     try:
         find_loader(path, None, default_registry())
     except MapError as error:
-        if path.is_file():
+        if is_file(path):
             raise AmorsimError(f"{error}; a scenario is a .toml file") from None
         raise
 

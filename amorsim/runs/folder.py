@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import hashlib
 import json
 import os
@@ -81,8 +82,11 @@ def check_free(path: Path | None, besides: str = "") -> None:
     RunError
         If there are files in it, it is a file itself, or what is in it cannot be told.
     """
-    if path is None or not path.exists():
-        return
+    try:
+        if path is None or not path.exists():
+            return
+    except OSError as error:  # a name that is too long
+        raise RunError(f"{path}: cannot make this folder for the run ({error.strerror or error})") from None
     if not path.is_dir():
         raise RunError(f"{path}: is a file; name a folder, new or empty")
     try:
@@ -216,15 +220,18 @@ def last_time(folder: Path) -> float:
     return min(times, default=0.0)
 
 
+_version = functools.cache(metadata.version)  # which reads a file each time
+
+
 def circumstances() -> dict[str, Any]:
     """Versions and machine, on which the last bits of results may hang."""
     from llvmlite import binding
 
     packages = ("numpy", "numba", "attrs", "shapely", "pillow")
     return {
-        "amorsim": metadata.version("amorsim"),
+        "amorsim": _version("amorsim"),
         "python": sys.version.split()[0],
-        "packages": {name: metadata.version(name) for name in packages},
+        "packages": {name: _version(name) for name in packages},
         "plugins": {plugin.name: plugin.version for plugin in default_registry().plugins},
         # For which kind the kernels are compiled: two of one kind give the same bits.
         "processor": f"{platform.machine()} {binding.get_host_cpu_name()}",

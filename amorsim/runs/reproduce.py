@@ -11,13 +11,12 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, RunError
-from amorsim.runs.about import read_about
+from amorsim.runs.about import read_about, scenario_of
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
 from amorsim.runs.folder import circumstances, fingerprints
 from amorsim.runs.replay import Replay
 from amorsim.runs.session import RunSession
-from amorsim.runs.tables import check_file, last_line
-from amorsim.scenario.read import load
+from amorsim.runs.tables import last_line
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Outcome", "reproduce"]
@@ -71,7 +70,7 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
     about = read_about(before)
     _check_ended(before, about)
     notes = [*_other_circumstances(about), *_other_inputs(about, before)]
-    scenario = load(before / "scenario.toml")
+    scenario = scenario_of(before, about)
     if scenario.dt != about["dt"]:
         raise RunError(
             f"{before / 'run.json'}: is damaged: 'dt' is {about['dt']:g} s, and in {before / 'scenario.toml'} "
@@ -182,9 +181,6 @@ def _version(version: Any) -> str:
 
 def _other_inputs(about: Mapping[str, Any], folder: Path) -> list[str]:
     were = about.get("inputs", {})
-    for name in ("scenario.toml", *were):
-        if (folder / name).exists():
-            check_file(folder / name)
     now = fingerprints(folder, list(were))
     return [
         f"{name} {'has been changed' if name in now else 'has gone'} since the run"

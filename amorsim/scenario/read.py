@@ -16,6 +16,7 @@ import attrs
 from amorsim.core.errors import Fault, MapError, ScenarioError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
+from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_recording
@@ -71,7 +72,7 @@ def find_document(source: str | Path, registry: Registry) -> tuple[Path, dict[st
     """
     path = Path(source)
     names = registry.names("scenario")
-    if str(source) in names and not path.is_file():
+    if str(source) in names and not is_file(path):
         path = registry.file("scenario", str(source))
     document = read_toml(path)
     if isinstance(document, str):
@@ -160,7 +161,7 @@ def check_words(
 
 def is_model(path: str | Path) -> bool:
     """Whether a file holds a robot's model: it has a drive or a shape, and neither world nor robots."""
-    document = read_toml(Path(path)) if Path(path).is_file() else ""
+    document = read_toml(Path(path)) if is_file(path) else ""
     return isinstance(document, dict) and not {"world", "robots"} & set(document) and bool(_MODEL & set(document))
 
 

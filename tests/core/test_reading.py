@@ -11,9 +11,11 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import MOST_BYTES, check_readable, read_bytes, read_text, reason
+from amorsim.core.reading import MOST_BYTES, check_readable, is_file, read_bytes, read_text, reason
 from amorsim.motions.track import Track
+from amorsim.runs.folder import check_free
 from amorsim.scenario.controller_files import load_controller
+from amorsim.scenario.read import is_model
 
 LONG = "n" * 300
 
@@ -33,6 +35,16 @@ def test_a_reason_is_without_the_name(tmp_path: Path) -> None:
         check_readable(tmp_path / "none")
     assert reason(found.value) == "No such file or directory"
     assert reason(ValueError("embedded null byte")) == "embedded null byte"
+
+
+def test_there_is_no_file_of_a_name_that_is_too_long(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    assert is_file(tmp_path / "file")
+    assert not is_file(tmp_path)
+    assert not is_file(tmp_path / LONG)
+    assert not is_model(tmp_path / f"{LONG}.toml")
+    with pytest.raises(am.RunError, match=r"cannot make this folder for the run \(File name too long\)"):
+        check_free(tmp_path / LONG)
 
 
 def odd_file(kind: str, folder: Path, suffix: str) -> Path:
