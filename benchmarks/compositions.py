@@ -6,7 +6,6 @@ its step takes.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -53,7 +52,7 @@ class Command(am.Controller):
         return np.tile((1.5, 1.8), (robot.rows, 1))
 
 
-def _by_python(readings: Any, estimate: Any, clock: Any, speed: float = 0.1) -> tuple[float, float]:
+def _by_python(readings: Any, _estimate: Any, _clock: Any, speed: float = 0.1) -> tuple[float, float]:
     """A user's controller: one robot, plain Python."""
     return speed, 0.05 if readings["laser"].min() > 0.3 else -0.05
 
@@ -72,7 +71,9 @@ def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) 
             ratio = None if name == _PLAIN else Ratio(spread=ratio_of(times, found[_PLAIN]), counts=True)
             setting = f"{name}, {replicas} row{'s' if replicas > 1 else ''}"
             rows.append(
-                Row(section=SECTION, setting=setting, side="amorsim", unit="us a step", rounds=tuple(times), ratio=ratio)
+                Row(
+                    section=SECTION, setting=setting, side="amorsim", unit="us a step", rounds=tuple(times), ratio=ratio
+                )
             )
     return rows
 

@@ -171,9 +171,14 @@ class NoiseTrial(Trial[Noise]):
             outputs["values"] = self.array(corrupted, values.shape, "corrupt()")
             self.who.require(not np.isnan(corrupted).any(), "finite", "corrupt()", "numbers", "nan")
             if self.keeps_inf:
-                kept = corrupted[np.isinf(values)]
+                # inf where nothing returned, -inf where something is nearer than a laser's shortest range.
+                changed = np.isinf(values) & (corrupted != values)
                 self.who.require(
-                    (kept == np.inf).all(), "inf", "corrupt() where nothing returned", "inf", kept[kept != np.inf][:3]
+                    not changed.any(),
+                    "inf",
+                    "corrupt() where nothing returned",
+                    "inf" if (values[changed] > 0.0).all() else "what it was given",
+                    corrupted[changed][:3],
                 )
         if type(component).slide is not Noise.slide:
             motion = 0.1 * np.sin(session.index[:, None] + np.arange(3.0) + session.t)

@@ -377,7 +377,7 @@ def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: list[Path]
 def _is_copied(file: Path, copy: Path) -> bool:
     """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
     try:
-        copy.open("xb").close()
+        copy.touch(exist_ok=False)
     except FileExistsError:
         return False
     except OSError as error:

@@ -176,7 +176,9 @@ def spread(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def figures(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The figures that are drawn, by the names of their files."""
     drawn: dict[str, Any] = {}
-    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda figure, path, **_: drawn.update({path.name: figure}))
+    monkeypatch.setattr(
+        "amorsim.analysis.plot.save_figure", lambda figure, path, **_: drawn.update({path.name: figure})
+    )
     return drawn
 
 

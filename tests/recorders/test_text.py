@@ -153,7 +153,7 @@ def test_robots_of_several_kinds_share_the_files(tmp_path: Path) -> None:
 
 
 def test_times_of_tiny_steps_can_be_told_apart(tmp_path: Path) -> None:
-    held = Written(building.scenario(dt=1e-8), tmp_path / "run")
+    held = Written(building.scenario(dt=1e-6), tmp_path / "run")
     held.step(3)
     assert len({row["time"] for row in held.rows("poses")}) == 4
 

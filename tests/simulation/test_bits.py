@@ -187,7 +187,7 @@ def test_threads_share_the_work_and_give_the_same_bits(threads: int, monkeypatch
     monkeypatch.setattr("amorsim.core.workers.cores", lambda: threads)
     alone = run(am.Simulation(crowd(3), replicas=4), 25)
     shared = run(am.Simulation(crowd(3), replicas=4, threads=threads), 25)
-    assert shared._fleet.world.workers._crew is not None
+    assert shared._fleet.world.workers._pool is not None
     assert shared.digest() == alone.digest()
 
 
@@ -222,4 +222,6 @@ def test_a_true_value_out_of_bounds_says_where_from_and_that_it_was_drawn(tmp_pa
         am.Simulation(made, replicas=20)
     fault = caught.value.faults[0]
     assert (fault.file, fault.path) == (str(tmp_path / "wide.toml"), "robots.rover.errors.drive.track")
-    assert re.search(r"expected a number \[m\] > 0, got -\d.*, drawn for replica \d+; take a narrower", fault.message)
+    assert re.search(
+        r"expected a number \[m\] >= 0.001 and <= 100, got -\d.*, drawn for replica \d+; take a narrower", fault.message
+    )

@@ -122,11 +122,11 @@ def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path) -> None
     assert scene["robots"][0]["colour"] == "#ff0000"
     assert [body.get("colour") for body in scene["obstacles"]] == [None, "#ff0000"]
     folder = am.run(scenario, tmp_path / "run", simulation=sim).folder
-    plots = {path.stem: path for path in plot_run(folder)}
+    plots = {path.stem.rpartition("-")[2]: path for path in plot_run(folder)}
     for path in (folder / "picture.png", plots["path"]):
         with Image.open(path) as opened:
             pixels = np.asarray(opened.convert("RGB")).astype(int)
         red = (pixels[:, :, 0] > 200) & (abs(pixels[:, :, 1] - 51) < 8) & (abs(pixels[:, :, 2] - 51) < 8)
         # Robot and trailer, at an opacity of 0.8 on white, and what lies over them.
         share = (0.5 * 0.5 + 0.7 * 0.5) / 100.0
-        assert 0.4 * share < red.mean() < 1.2 * share, path
+        assert 0.3 * share < red.mean() < 1.2 * share, path  # the map is a part of the picture

@@ -8,11 +8,13 @@ from typing import Any
 
 import pytest
 
+import amorsim as am
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.commands import _copy_maps
 from amorsim.ui.messages import COMMANDS, check
 from amorsim.ui.project import Saver, place_for
 from amorsim.ui.recipe import Recipe
+from tests import building
 from tests.ui.sessions import Make, write_project
 
 
@@ -114,13 +116,15 @@ def test_a_scenario_that_cannot_be_written_says_why(start: Make, tmp_path: Path)
 
 def test_a_map_is_copied_beside_nothing_that_is_there(tmp_path: Path) -> None:
     (tmp_path / "passing").mkdir()
-    (tmp_path / "passing" / "map.wld").write_text("map")
+    text = "0 0 1000 0\n0 0 0 1000\n"
+    (tmp_path / "passing" / "map.wld").write_text(text)
     (tmp_path / "saved.wld").symlink_to(tmp_path / "elsewhere.wld")  # which is not there
     (tmp_path / "saved-2.wld").write_text("kept")
     document: dict[str, Any] = {"world": {"map": str(tmp_path / "passing" / "map.wld")}, "robots": []}
-    _copy_maps(document, tmp_path / "passing", tmp_path / "saved.toml")
+    scenario = building.scenario(map=am.load_map(tmp_path / "passing" / "map.wld"))
+    _copy_maps(document, scenario, [tmp_path / "passing"], tmp_path / "saved.toml")
     assert document["world"]["map"] == str(tmp_path / "saved-3.wld")
-    assert (tmp_path / "saved-3.wld").read_text() == "map"
+    assert (tmp_path / "saved-3.wld").read_text() == text
     assert (tmp_path / "saved-2.wld").read_text() == "kept"
     assert not (tmp_path / "elsewhere.wld").exists()
 

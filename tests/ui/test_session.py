@@ -92,11 +92,11 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     assert (forms[path]["value"], forms[path]["scenario"]) == (1.05, 1.0)
     assert forms[path]["true"] == pytest.approx(1.05 * 0.0825)
     answer = session.request({"do": "set", "robot": "rover", "path": "drive.track", "value": -1.0})
-    assert "expected a number [m] > 0" in answer["error"]
+    assert "expected a number [m] >= 0.001 and <= 100" in answer["error"]
     # What was typed is told beside what follows from it.
     answer = session.request({"do": "set", "robot": "rover", "path": "errors.drive.track.scale", "value": -1.0})
     assert "-1.0 would be out of bounds" in answer["error"]
-    assert "drive.track: expected a number [m] > 0, got -0.33" in answer["error"]
+    assert "drive.track: expected a number [m] >= 0.001 and <= 100, got -0.33" in answer["error"]
     done(session, "step", steps=20)
     done(session, "save_scenario", name="changed")
     changed = am.load(tmp_path / "changed.toml")
