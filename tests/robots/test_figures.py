@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from tests import building
 
 FILES = sorted(Path(am.__file__).parent.glob("robots/*.toml")) + sorted(Path(am.__file__).parent.glob("devices/*.toml"))
 
@@ -71,6 +72,23 @@ def test_both_calibrations_of_a_b21r_agree(load, metres):
     value = np.interp(metres, sensor.distances, sensor.values)
     assert value == pytest.approx(math.sqrt(4000.0 / metres), rel=0.003)
     assert value == pytest.approx((1000.0 * metres) ** (-1.0 / 2.086) / 0.0005456, rel=0.055)
+
+
+def test_a_khepera_that_sees_nothing_reads_whole_counts_from_0_to_6_evenly(load):
+    # The Khepera Simulator's robot.c: a value below 7 becomes Rnd(7).
+    scenario = building.scenario(load("khepera"), map=building.empty(10.0))
+    sim = am.Simulation(scenario, seed=4, replicas=500)
+    values = []
+    for _ in range(10):
+        sim.step()
+        assert not sim.readings["infrared"].true.any()
+        values.append(sim.readings["infrared"].measured)
+    assert np.shape(values) == (10, 500, 8)
+    found, counts = np.unique(values, return_counts=True)
+    np.testing.assert_array_equal(found, np.arange(7.0))
+    # 40,000 draws into 7 bins: chi-squared with 6 degrees of freedom is above 27.9 once in 10,000.
+    expected = counts.sum() / 7.0
+    assert ((counts - expected) ** 2 / expected).sum() < 27.9
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
