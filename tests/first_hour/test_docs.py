@@ -61,6 +61,24 @@ def test_the_page_of_components_is_up_to_date() -> None:
     assert written == tool.page(), "run: python tools/make_reference.py"
 
 
+def test_the_page_of_python_is_up_to_date() -> None:
+    tool = _tool("make_python_reference")
+    written = tool.PAGE.read_text(encoding="utf-8")
+    assert written == tool.page(), "run: python tools/make_python_reference.py"
+
+
+def test_every_public_name_is_on_the_page_of_python() -> None:
+    text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
+    packages = {"controllers", "drives", "estimators", "motions", "noise", "sensors"}
+    for name in set(am.__all__) - packages - {"testing"}:
+        assert f"### `am.{name}`\n" in text, name
+    for name in packages:
+        for public in getattr(am, name).__all__:
+            assert f"| `{public}` |" in text, f"{name}.{public}"
+    for name in am.testing.__all__:
+        assert f"### `amorsim.testing.{name}`\n" in text, name
+
+
 def _anchors(page: Path) -> set[str]:
     found: dict[str, int] = {}
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
