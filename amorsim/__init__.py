@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         Emission,
         Estimate,
         Estimator,
+        FloorPoints,
         Frame,
         Joint,
         Lights,

@@ -410,6 +410,7 @@ DRAWN: dict[str, Callable[[], Figure]] = {
     "scale": lambda: _approach(noise.Scale(factor=1.1)),
     "quantize": lambda: _approach(noise.Quantize(step=0.25)),
     "saturate": lambda: _approach(noise.Saturate(minimum=3.2, maximum=4.3)),
+    "noise-floor": lambda: _approach(noise.NoiseFloor(level=3.2)),
     "dropout": lambda: _approach(noise.Gaussian(std=0.01), noise.Dropout(probability=0.3, report="last")),
     "outliers": lambda: _approach(noise.Gaussian(std=0.02), noise.Outliers(probability=0.1, std=0.7)),
     "stuck": lambda: _approach(noise.Stuck(rate=0.5, duration=1.0)),

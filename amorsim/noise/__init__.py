@@ -17,6 +17,7 @@ from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.latency_jitter import LatencyJitter
 from amorsim.noise.missed import Missed
 from amorsim.noise.motion_distortion import MotionDistortion
+from amorsim.noise.noise_floor import NoiseFloor
 from amorsim.noise.odometry_model import OdometryModel
 from amorsim.noise.outliers import Outliers
 from amorsim.noise.quantize import Quantize
@@ -43,6 +44,7 @@ __all__ = [
     "LatencyJitter",
     "Missed",
     "MotionDistortion",
+    "NoiseFloor",
     "OdometryModel",
     "Outliers",
     "Quantize",

@@ -46,6 +46,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.noise("scale", "amorsim.noise.scale:Scale")
     registry.noise("quantize", "amorsim.noise.quantize:Quantize")
     registry.noise("saturate", "amorsim.noise.saturate:Saturate")
+    registry.noise("noise_floor", "amorsim.noise.noise_floor:NoiseFloor")
     registry.noise("dropout", "amorsim.noise.dropout:Dropout")
     registry.noise("missed", "amorsim.noise.missed:Missed")
     registry.noise("outliers", "amorsim.noise.outliers:Outliers")

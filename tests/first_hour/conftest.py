@@ -6,8 +6,10 @@ import contextlib
 import io
 import re
 import shlex
+import sys
 import tomllib
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -159,11 +161,15 @@ class Page:
 
 
 @pytest.fixture
-def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
-    """A page to run in a folder of its own, where a map lies."""
+def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Page]:
+    """A page to run in a folder of its own, where a map lies; its modules are imported from there, and forgotten."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
     template = ROOT / "amorsim" / "cli" / "template" / "rooms.wld"
     (tmp_path / "rooms.wld").write_bytes(template.read_bytes())
     (tmp_path / "room.wld").write_bytes(template.read_bytes())
     (tmp_path / "hall.wld").write_bytes((ROOT / "amorsim" / "scenarios" / "hall.wld").read_bytes())
-    return Page(monkeypatch)
+    yield Page(monkeypatch)
+    for name, module in list(sys.modules.items()):
+        if (getattr(module, "__file__", None) or "").startswith(str(tmp_path)):
+            del sys.modules[name]

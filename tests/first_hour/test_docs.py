@@ -61,6 +61,24 @@ def test_the_page_of_components_is_up_to_date() -> None:
     assert written == tool.page(), "run: python tools/make_reference.py"
 
 
+def test_the_page_of_python_is_up_to_date() -> None:
+    tool = _tool("make_python_reference")
+    written = tool.PAGE.read_text(encoding="utf-8")
+    assert written == tool.page(), "run: python tools/make_python_reference.py"
+
+
+def test_every_public_name_is_on_the_page_of_python() -> None:
+    text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
+    packages = {"controllers", "drives", "estimators", "motions", "noise", "sensors"}
+    for name in set(am.__all__) - packages - {"testing"}:
+        assert f"### `am.{name}`\n" in text, name
+    for name in packages:
+        for public in getattr(am, name).__all__:
+            assert f"| `{public}` |" in text, f"{name}.{public}"
+    for name in am.testing.__all__:
+        assert f"### `amorsim.testing.{name}`\n" in text, name
+
+
 def _anchors(page: Path) -> set[str]:
     found: dict[str, int] = {}
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
@@ -153,3 +171,22 @@ def test_every_option_of_a_command_is_described() -> None:
             for option in parameter.opts:
                 if option.startswith("--") and option != "--help":
                     assert f"`{option}" in text, f"amorsim {name}: nothing is said of {option}"
+
+
+@pytest.mark.parametrize(
+    ("page", "kinds"),
+    [
+        ("write-an-estimator", (am.Estimator, am.Context, am.Measurement, am.RobotModel, am.Estimate)),
+        ("write-a-sensor", (am.Sensor, am.View, am.Aim, am.Emission)),
+        ("write-a-drive", (am.Drive,)),
+    ],
+)
+def test_every_method_and_field_of_a_contract_is_described(page: str, kinds: tuple[type, ...]) -> None:
+    text = (DOCS / "how-to" / f"{page}.md").read_text(encoding="utf-8")
+    told = {word for code in re.findall(r"`([^`\n]+)`", text) for word in re.findall(r"\w+", code)}
+    for kind in kinds:
+        names = {name for cls in kind.__mro__[:-1] for name in (*vars(cls), *vars(cls).get("__annotations__", {}))}
+        # The size of a sample is for sensors and noise alone.
+        names -= {"count", "index", "size"} if kind is am.Context else {"count", "index"}
+        missing = {name for name in names if not name.startswith("_")} - told
+        assert not missing, f"{page}.md says nothing of {sorted(missing)} of {kind.__name__}"

@@ -13,6 +13,7 @@ from amorsim.noise import (
     BiasRandomWalk,
     CompassDeviation,
     Dropout,
+    NoiseFloor,
     OdometryModel,
     Outliers,
     Slip,
@@ -31,6 +32,7 @@ NOTHING = {
     "dropout_value": Dropout(probability=0.0, report="value", value=1.0),
     "outliers": Outliers(probability=0.0, std=1.0),
     "outliers_of_nothing": Outliers(probability=0.7, std=0.0),
+    "noise_floor": NoiseFloor(level=0.0),
     "stuck": Stuck(rate=0.0, duration=1.0),
     "angle_random_walk": AngleRandomWalk(density=0.0),
     "bias_random_walk": BiasRandomWalk(std=0.0),
@@ -48,6 +50,7 @@ GROUND = {
 }
 SOMETHING = {
     "dropout": Dropout(probability=0.3, report="value", value=-1.0),
+    "noise_floor": NoiseFloor(level=20.0),
     "outliers": Outliers(probability=0.3, std=1.0),
     "angle_random_walk": AngleRandomWalk(density=0.1),
     "bias_random_walk": BiasRandomWalk(std=0.2),
@@ -109,7 +112,7 @@ def test_errors_of_rows_values_ticks_and_elements_are_uncorrelated(name):
     assert_uncorrelated(*first.T)
     assert_uncorrelated(first[: ROWS // 2], first[ROWS // 2 :])
     assert_uncorrelated(first[:-1], first[1:])
-    if name in ("dropout", "outliers", "angle_random_walk"):
+    if name in ("dropout", "noise_floor", "outliers", "angle_random_walk"):
         assert_uncorrelated(*series[1:])
 
 

@@ -1,4 +1,4 @@
-"""Values that are lost, far off, or frozen."""
+"""Values that are lost, drowned, far off, or frozen."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from amorsim.core.parameters import ParameterError
-from amorsim.noise import Dropout, Outliers, Stuck
+from amorsim.noise import Dropout, NoiseFloor, Outliers, Stuck
 from tests.noise.sampling import (
     ROWS,
     Samples,
@@ -62,6 +62,14 @@ def test_losses_of_all_kinds_are_the_same_losses():
 def test_a_value_goes_with_its_report_only(given, problem):
     with pytest.raises(ParameterError, match=problem):
         Dropout(probability=0.1, **given)
+
+
+def test_values_from_0_up_to_the_level_drown_and_others_keep_their_bits():
+    values = np.array([[-1e-300, 0.0, 6.999, 7.0], [math.inf, -7.0, 40.0, 1023.0]])
+    found = Samples(NoiseFloor(level=7.0), rows=2).take(values)
+    drowned = np.array([[False, True, True, False], [False, False, False, False]])
+    np.testing.assert_array_equal(found != values, drowned)
+    assert ((found[drowned] >= 0.0) & (found[drowned] <= 7.0)).all()
 
 
 def test_outliers_are_a_contaminated_normal_distribution():

@@ -150,6 +150,13 @@ CASES: dict[str, Case] = {
     "outliers": Case(
         errors=reading(noise.Outliers(probability=0.2, std=1.5)), std=1.5 * math.sqrt(0.2), kurtosis=3.0 / 0.2
     ),
+    # 2 becomes anything from 0 to 4.
+    "noise_floor": Case(
+        errors=reading(noise.NoiseFloor(level=4.0)),
+        std=4.0 / math.sqrt(12.0),
+        kurtosis=1.8,
+        cumulative=lambda x: 0.5 + x / 4.0,
+    ),
     "dropout": Case(errors=lost(noise.Dropout(probability=0.3, report="value", value=0.0)), **share(0.3)),
     "missed": Case(
         errors=lost(noise.Missed(probability=0.1, per_metre=0.2), slot=np.arange(K), range=1.0, empty=0.0),

@@ -31,6 +31,7 @@ CASES: dict[str, tuple[Any, am.Noise]] = {
     "dropout": (GYRO, noise.Dropout(probability=0.4, report="last")),
     "gaussian": (GYRO, noise.Gaussian(std=0.1, proportional=0.1, per="increment")),
     "missed": (am.sensors.Fiducial(), noise.Missed(probability=0.5)),
+    "noise_floor": (GYRO, noise.NoiseFloor(level=0.3)),
     "outliers": (GYRO, noise.Outliers(probability=0.4, std=1.0)),
     "quantize": (GYRO, noise.Quantize(step=0.07)),
     "saturate": (GYRO, noise.Saturate(minimum=-0.1, maximum=0.1)),

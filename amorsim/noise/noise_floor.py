@@ -1,0 +1,36 @@
+"""Noise in which small values drown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Draws, Noise, State, parameter
+
+__all__ = ["NoiseFloor"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class NoiseFloor(Noise):
+    """Replaces each value from 0 up to a level by a draw that is uniform from 0 up to that level.
+
+    Other values stay as they are. The Khepera Simulator 2.0 of O. Michel (1995) reads its infrared sensors so, with a
+    level of 7 counts.
+
+    Parameters
+    ----------
+    level
+        Below which values drown, in the sensor's unit; 0 for nowhere.
+    """
+
+    level: float = parameter(unit="sensor", ge=0, help="below which values drown")
+
+    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
+        """The values `(N, k)`, those below the level replaced."""
+        drowned = (values >= 0.0) & (values < self.level)
+        return np.where(drowned, draws.uniform(values.shape[1]) * self.level, values)
