@@ -313,7 +313,9 @@ def page() -> str:
         for path in group.get("from", []):
             module, _, name = path.rpartition(".")
             lines += _entry(path, getattr(importlib.import_module(module), name), settings)
-    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).rstrip("\n") + "\n"
+    parts = "\n".join(lines).split("```")
+    parts[::2] = [re.sub(r"\n{3,}", "\n\n", text) for text in parts[::2]]  # not the code between
+    return "```".join(parts).rstrip("\n") + "\n"
 
 
 if __name__ == "__main__":
