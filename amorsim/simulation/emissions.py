@@ -33,9 +33,8 @@ def collect(groups: list[Group], world: World) -> None:
                 poses, half_angle, fired, time = Emission(*emitted)
             except RAISED as error:
                 unit.blame(error)
-            due = unit.due(group.moment)
-            if due is not None:
-                fired = fired & due
+            due, _ = unit.due(group.moment)
+            fired = fired & due
             replicas, each = len(world.first) - 1, poses.shape[1]
             body = np.repeat(group.bodies[:, None], each, axis=1)
             said.setdefault(medium, []).append(

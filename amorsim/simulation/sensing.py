@@ -12,6 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Context, Draws, Measurement, Sensor, State
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
+from amorsim.kernels import delivery
 from amorsim.scenario.needs import samples_under_way
 from amorsim.scenario.spec import MountedSensor
 from amorsim.simulation.chain import Chain, Streams
@@ -23,8 +24,6 @@ __all__ = ["SensorUnit"]
 
 Array = npt.NDArray[np.float64]
 Ticks = npt.NDArray[np.int64]
-
-_TOLERANCE = 1e-9  # of a sample: 0.1 s at 10 Hz is one sample, though 0.1 * 10 need not be 1
 
 
 class Batch:
@@ -88,11 +87,11 @@ class SensorUnit:
         self.state: State = {}
         self.mount: Array = np.zeros((1, 3))
         self._rate: Array | None = None
-        self._delay: Ticks | None = None  # of the latency [ticks]; none where nothing is ever late
+        self._delay: Ticks = np.zeros((1, 1), dtype=np.int64)  # of the latency [ticks]
         self._latency: Array = np.zeros((1, 1))
         self._slots = 1  # samples that can be under way at once, and one
         self._late: Array = self._latency  # [s], of the latest sample beyond the latency
-        self._pending: dict[str, npt.NDArray[Any]] = {}
+        self._under_way: delivery.UnderWay | None = None
         self._batch: Batch | None = None  # of the plan that reads for it, and which part of it is its own, from `first`
         self.first = self._end = self._turn = 0
         self._hold_nothing(1)
@@ -148,11 +147,10 @@ class SensorUnit:
         self.mount = np.array([[unit.mount.x, unit.mount.y, unit.mount.heading] for unit in true])
         self.chain.set_parameters([unit.noise for unit in true])
         rates = [math.inf if unit.rate is None else unit.rate for unit in true]
-        self._rate = None if all(rate * dt >= 1 - _TOLERANCE for rate in rates) else np.array([rates]).T
+        self._rate = None if all(rate * dt >= 1 - delivery.TOLERANCE for rate in rates) else np.array([rates]).T
         self._latency = np.array([[unit.latency] for unit in true])
         self._slots = samples_under_way(self._latency + self.chain.longest_delay(), dt) + 1
-        delays = np.ceil(self._latency / dt - _TOLERANCE).astype(np.int64)
-        self._delay = delays if self._slots > 1 else None
+        self._delay = np.ceil(self._latency / dt - delivery.TOLERANCE).astype(np.int64)
 
     def start(self, context: Context) -> None:
         """Forget everything: the state at the start of an episode, before the first sample."""
@@ -163,52 +161,46 @@ class SensorUnit:
         self.chain.states = self.chain.start(context)
         rows = context.rows
         self._hold_nothing(rows)
-        self._pending = {}
-        if self._delay is not None:
-            self._pending = {
-                "true": np.zeros((rows, self._slots, self.size)),
-                "measured": np.zeros((rows, self._slots, self.size)),
-                "stamp": np.full((rows, self._slots), -1, dtype=np.int64),
-            }
-            if self.chain.delays:
-                self._pending["arrival"] = np.zeros((rows, self._slots), dtype=np.int64)
-                self._pending["latest"] = np.zeros((rows, 1), dtype=np.int64)  # arrival of the last sample
+        self._under_way = None
+        if self._slots > 1:
+            slots = (rows, self._slots)
+            self._under_way = delivery.UnderWay(
+                true=np.zeros((*slots, self.size)),
+                measured=np.zeros((*slots, self.size)),
+                stamp=np.full(slots, -1, dtype=np.int64),
+                arrival=np.zeros(slots if self.chain.delays else (rows, 0), dtype=np.int64),
+                latest=np.zeros((rows, 1), dtype=np.int64),
+            )
 
     @property
     def is_prompt(self) -> bool:
         """Whether it reads in every step, and every reading arrives at once."""
-        return self._rate is None and self._delay is None
+        return self._rate is None and self._slots == 1
 
     def sample(self, view: GroupView, moment: Moment) -> None:
         """Read where a reading is due, take delivery of what arrives, and hold the rest."""
-        due = self.due(moment)
-        if due is None:
-            true, measured = self._read(view, moment)
-        elif not due.any():
-            held = self.held
+        due, count = self.due(moment)
+        held = self.held
+        if count == 0:
             self._deliver(due, held.true, held.measured, held.last, moment)
             return
-        elif due.all():
+        if count == len(due):
             true, measured = self._read(view, moment)
-            due = None
-        else:
-            kept = [{k: v.copy() for k, v in state.items()} for state in (self.state, *self.chain.states)]
-            true, measured = self._read(view, moment)
-            for state, old in zip((self.state, *self.chain.states), kept, strict=True):
-                for key, before in old.items():
-                    state[key] = _choose(due, state[key], before)
-        last = moment.tick if due is None else np.where(due, moment.tick, self.held.last)
-        self._deliver(due, true, measured, last, moment)
+            self._deliver(due, true, measured, moment.tick, moment)
+            return
+        kept = [{k: v.copy() for k, v in state.items()} for state in (self.state, *self.chain.states)]
+        true, measured = self._read(view, moment)
+        for state, old in zip((self.state, *self.chain.states), kept, strict=True):
+            for key, before in old.items():
+                state[key] = _choose(due, state[key], before)
+        self._deliver(due, true, measured, np.where(due, moment.tick, held.last), moment)
 
-    def due(self, moment: Moment) -> npt.NDArray[np.bool_] | None:
-        """The rows that read at this tick: the first at or after each due time; none for all of them."""
+    def due(self, moment: Moment) -> tuple[npt.NDArray[np.bool_], int]:
+        """The rows that read at this tick, the first at or after each due time `(N, 1)`, and how many they are."""
         if self._rate is None:
-            return None
-        samples = self._rate * moment.dt
-        with np.errstate(invalid="ignore"):  # inf * 0 where a row reads every step
-            now = np.floor(moment.tick * samples + _TOLERANCE)
-            before = np.floor((moment.tick - 1) * samples + _TOLERANCE)
-        return np.asarray((now > before) | (samples >= 1.0) | (moment.tick == 0))
+            return moment.always, len(moment.always)
+        due = np.empty_like(moment.always)
+        return due, delivery.due_rows(moment.tick, self._rate, moment.dt, due)
 
     def _read(self, view: GroupView, moment: Moment) -> tuple[Array, Array]:
         if self._rate is None:
@@ -262,60 +254,23 @@ class SensorUnit:
         """Raise what the sensor raised, as `Whose.blame` does."""
         self.whose.blame(self._what, self.sensor, error)
 
-    def _deliver(
-        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, last: Ticks, moment: Moment
-    ) -> None:
+    def _deliver(self, due: npt.NDArray[np.bool_], true: Array, measured: Array, last: Ticks, moment: Moment) -> None:
+        """Hold what robots have after this tick's samples; rows that are not due gave none."""
         tick = moment.tick
-        if self._delay is None and due is None:
+        if self.is_prompt:
             self._hold(Held(true, measured, tick, last, Measurement(measured, tick, moment.now, moment.always)))
             return
         held = self.held
-        stamp, fresh = held.stamp, moment.always
-        if self._delay is not None:
-            arrived = self._exchange(due, true, measured, tick, moment.dt)
-            first = tick == 0  # held from the start, though it arrives later
-            true = _choose(arrived[0] | first, np.where(first, true, arrived[1]), held.true)
-            measured = _choose(arrived[0] | first, np.where(first, measured, arrived[2]), held.measured)
-            stamp = np.where(arrived[0], arrived[3], np.where(first, tick, stamp))
-            fresh = arrived[0]
-        elif due is not None:
-            true = _choose(due, true, held.true)
-            measured = _choose(due, measured, held.measured)
-            stamp = np.where(due, tick, stamp)
-            fresh = due
-        age = np.multiply(tick - stamp, moment.dt, dtype=np.float64)
-        self._hold(Held(true, measured, stamp, last, Measurement(measured, stamp, age, fresh)))
-
-    def _exchange(
-        self, due: npt.NDArray[np.bool_] | None, true: Array, measured: Array, tick: Ticks, dt: float
-    ) -> tuple[npt.NDArray[np.bool_], Array, Array, Ticks]:
-        """Put this tick's samples under way, and take out those whose latency is over."""
-        assert self._delay is not None
-        pending = {key: value.copy() for key, value in self._pending.items()}
-        slots = pending["stamp"].shape[1]
-        rows = np.arange(len(tick))
-        slot = tick[:, 0] % slots
-        sampled = np.ones(len(tick), dtype=bool) if due is None else due[:, 0]
-        put, at = rows[sampled], slot[sampled]
-        pending["true"][put, at] = true[sampled]
-        pending["measured"][put, at] = measured[sampled]
-        pending["stamp"][rows, slot] = np.where(sampled, tick[:, 0], -1)
-        self._pending = pending
-        if self.chain.delays:
-            late = np.ceil(np.maximum(self._latency + self._late, 0.0) / dt - _TOLERANCE).astype(np.int64)
-            arrival = np.maximum(tick + late, pending["latest"])  # nothing overtakes
-            pending["latest"][sampled] = arrival[sampled]
-            pending["arrival"][put, at] = arrival[sampled, 0]
-            here = (pending["stamp"] >= 0) & (pending["arrival"] <= tick)
-            sent = np.where(here, pending["stamp"], -1).max(axis=1, keepdims=True)
-            pending["stamp"][here] = -1  # the latest is taken, those before it are of no more use
-            arrived = sent >= 0
-            slot = sent[:, 0] % slots
+        before = delivery.Reading(held.true, held.measured, held.stamp, held.reading.age, held.reading.fresh)
+        after = _room_for(*held.true.shape)
+        true, measured = _floats(true), _floats(measured)
+        if self._under_way is None:
+            delivery.take_due(due, tick, moment.dt, true, measured, before, after)
         else:
-            sent = tick - self._delay
-            slot = sent[:, 0] % slots
-            arrived = (pending["stamp"][rows, slot][:, None] == sent) & (sent >= 0)
-        return arrived, pending["true"][rows, slot], pending["measured"][rows, slot], sent
+            late = self._latency + self._late
+            delivery.deliver(due, tick, moment.dt, true, measured, self._delay, late, self._under_way, before, after)
+        reading = Measurement(after.measured, after.stamp, after.age, after.fresh)
+        self._hold(Held(after.true, after.measured, after.stamp, last, reading))
 
     # ------------------------------------------------------------------------------------ for snapshots and resets
 
@@ -323,16 +278,35 @@ class SensorUnit:
         """The unit's own arrays, by name (the states of components are kept apart)."""
         true, measured, stamp, last, reading = self.held
         held = {"true": true, "measured": measured, "stamp": stamp, "last": last}
-        return {**held, "fresh": reading.fresh, "age": reading.age, **{"." + k: v for k, v in self._pending.items()}}
+        under_way = {} if self._under_way is None else self._under_way._asdict()
+        waiting = {f".{name}": array.copy() for name, array in under_way.items()}  # these change in place
+        return {**held, "fresh": reading.fresh, "age": reading.age, **waiting}
 
     def set_arrays(self, arrays: dict[str, npt.NDArray[Any]]) -> None:
         """Put the arrays of `arrays` back."""
         measured, stamp = arrays["measured"], arrays["stamp"]
         reading = Measurement(measured, stamp, arrays["age"], arrays["fresh"])
-        self._pending = {key[1:]: value for key, value in arrays.items() if key.startswith(".")}
+        if self._under_way is not None:
+            waiting = {name: arrays[f".{name}"].copy() for name in self._under_way._fields}
+            self._under_way = delivery.UnderWay(**waiting)
         self._hold(Held(arrays["true"], measured, stamp, arrays["last"], reading))
 
 
 def _choose(rows: npt.NDArray[np.bool_], yes: Array, no: Array) -> Array:
     """Row by row `yes` or `no`, whatever follows the first axis; the dtype of `no`."""
     return np.where(rows.reshape(len(no), *([1] * (no.ndim - 1))), yes, no)
+
+
+def _room_for(rows: int, values: int) -> delivery.Reading:
+    return delivery.Reading(
+        np.empty((rows, values)),
+        np.empty((rows, values)),
+        np.empty((rows, 1), dtype=np.int64),
+        np.empty((rows, 1)),
+        np.empty((rows, 1), dtype=np.bool_),
+    )
+
+
+def _floats(values: npt.NDArray[Any]) -> Array:
+    """Values as kernels take them."""
+    return np.ascontiguousarray(values, dtype=np.float64)
