@@ -30,6 +30,8 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     ParameterError
         If the parameter does not take the value.
     """
+    if not isinstance(path, str):
+        raise LookupError(f"expected a path, as 'drive.track', got {path!r}")  # noqa: TRY004 - of what leads nowhere
     parts = path.split(".")
     if parts[0] != "errors":
         return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]

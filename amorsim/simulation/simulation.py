@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import operator
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -28,11 +29,12 @@ from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHa
 from amorsim.simulation.occupancy import occupancy
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
 
-__all__ = ["Simulation"]
+__all__ = ["MOST_STEPS", "Simulation"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
 MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter, and one number kept for studies
 
 
@@ -117,11 +119,15 @@ class Simulation:
         Raises
         ------
         AmorsimError
-            If the duration is below 0, or not a finite number.
+            If the duration is no number, below 0, or longer than 2^32 - 1 steps.
         """
         duration = self.scenario.duration if duration is None else duration
-        if not 0.0 <= duration < np.inf:
-            raise AmorsimError(f"duration: expected a number of seconds >= 0, got {duration!r}")
+        most = MOST_STEPS * self.dt
+        if isinstance(duration, bool) or not isinstance(duration, Real) or not 0.0 <= duration <= most:
+            raise AmorsimError(
+                f"duration: expected a number of seconds >= 0 and <= {most:g} "
+                f"(2^32 - 1 steps of {self.dt:g} s), got {duration!r}"
+            )
         for _ in range(self.steps_of(duration)):
             self.step()
 

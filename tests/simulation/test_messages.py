@@ -31,10 +31,26 @@ def test_an_error_that_cannot_be_set_is_told_in_words(path, value, says):
     assert "**" not in str(caught.value)
 
 
-@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf])
-def test_it_runs_for_no_time_below_zero(duration):
+@pytest.mark.parametrize("path", [None, 3, ("errors", "drive")])
+def test_a_path_that_is_no_text_is_told_in_words(path):
     sim = am.Simulation(building.scenario())
-    with pytest.raises(am.AmorsimError, match="duration: expected a number of seconds >= 0, got"):
+    with pytest.raises(am.AmorsimError, match=r"expected a path, as 'drive\.track', got"):
+        sim.set("rover", path, 1.0)
+
+
+@pytest.mark.parametrize("name", [None, 3, ["rover"]])
+def test_a_name_that_is_no_text_is_told_in_words(name):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match=r"there is no robot .*, but: rover"):
+        sim.set(name, "drive.track", 1.0)
+    with pytest.raises(am.AmorsimError, match=r"there is no obstacle .*, but: none"):
+        sim.obstacle(name)
+
+
+@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf, 1e300, 10**400, "2", True, [1.0]])
+def test_it_runs_for_no_time_below_zero_and_none_without_an_end(duration):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match=r"duration: expected a number of seconds >= 0 and <= .*, got"):
         sim.run(duration)
     sim.run(0.0)
     assert sim.tick == 0
