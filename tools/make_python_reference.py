@@ -313,7 +313,10 @@ def page() -> str:
         for path in group.get("from", []):
             module, _, name = path.rpartition(".")
             lines += _entry(path, getattr(importlib.import_module(module), name), settings)
-    return re.sub(r"\n{3,}", "\n\n", "\n".join(lines)).rstrip("\n") + "\n"
+    # Code keeps its blank lines: two of them stand around a class or a function.
+    parts = re.split(r"^(```.*?^```)$", "\n".join(lines), flags=re.MULTILINE | re.DOTALL)
+    parts[::2] = [re.sub(r"\n{3,}", "\n\n", text) for text in parts[::2]]
+    return "".join(parts).rstrip("\n") + "\n"
 
 
 if __name__ == "__main__":
