@@ -38,6 +38,42 @@ def test_a_path_that_is_no_text_is_told_in_words(path):
         sim.set("rover", path, 1.0)
 
 
+class Nameless:
+    def __repr__(self):
+        raise RuntimeError("no words")
+
+
+@pytest.mark.parametrize(
+    "value", [10**5000, Nameless(), [10**5000], "x", None, math.nan], ids=lambda value: type(value).__name__
+)
+def test_odd_values_are_told_in_words(value):
+    sim = am.Simulation(building.scenario())
+    rover = sim.robot("rover")
+    sim.hand_over("rover")
+    for path in ("drive.track", "errors.drive.track.scale", "errors.drive.track", "controller"):
+        with pytest.raises(am.AmorsimError, match="robot 'rover', "):
+            sim.set("rover", path, value)
+    with pytest.raises(am.AmorsimError, match="expected a pose of three finite numbers"):
+        sim.set_pose("rover", value)
+    with pytest.raises(am.AmorsimError, match="expected a pose of three finite numbers"):
+        sim.set_pose("rover", (1.0, 1.0, value))
+    with pytest.raises(am.AmorsimError, match="expected finite numbers for forward, turn and left"):
+        rover.drive(value)
+    with pytest.raises(am.AmorsimError, match="expected a finite number for each of"):
+        rover.command(value, 1.0)
+
+
+@pytest.mark.parametrize("value", [10**5000, Nameless(), "x", math.nan], ids=lambda value: type(value).__name__)
+def test_odd_replicas_and_seeds_are_told_in_words(value):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match="there is no replica"):
+        sim.robot("rover", value)
+    with pytest.raises((am.AmorsimError, am.ParameterError), match=r"expected|memory"):
+        am.Simulation(building.scenario(), replicas=value)
+    with pytest.raises((am.AmorsimError, am.ParameterError), match="expected"):
+        am.Simulation(building.scenario(), seed=value)
+
+
 @pytest.mark.parametrize("name", [None, 3, ["rover"]])
 def test_a_name_that_is_no_text_is_told_in_words(name):
     sim = am.Simulation(building.scenario())
