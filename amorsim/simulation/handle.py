@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from numbers import Real
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["ObstacleHandle", "Reading", "Readings", "RobotHandle", "finite_numbers"]
 
 Array = npt.NDArray[np.float64]
+
+_NUMBER = (int, float, np.integer, np.floating)
 
 
 class Reading(NamedTuple):
@@ -229,8 +230,7 @@ class ObstacleHandle:
 def finite_numbers(values: Any) -> list[float] | None:
     """Some numbers as floats; None if these are no sequence, or one is no number or not finite."""
     try:
-        # Real takes true and false too, and NumPy's numbers.
-        numbers = [float(value) for value in values if isinstance(value, Real) and type(value) is not bool]
+        numbers = [float(value) for value in values if isinstance(value, _NUMBER) and not isinstance(value, bool)]
         is_whole = len(numbers) == len(values)
     except (TypeError, OverflowError):  # no sequence; a whole number of hundreds of digits
         return None
