@@ -183,6 +183,23 @@ def _all_together(summary: RunSummary, ended: int) -> str:
     )
 
 
+def _of_all_replicas(simulation: Simulation, names: list[str]) -> Iterator[str]:
+    """What some robots did in all replicas, a line each."""
+    numbers = simulation.replicas
+    apart = (simulation.true_pose - simulation.estimated_pose).reshape(len(numbers), len(simulation.names), 3)
+    for name in names:
+        off = [math.hypot(x, y) for x, y in apart[:, simulation.names.index(name), :2].tolist()]
+        rms = math.sqrt(math.fsum(error**2 for error in off) / len(off))
+        worst = max(range(len(off)), key=off.__getitem__)
+        hit = [event.replica for event in simulation.events if event.kind == "collision" and event.name == name]
+        hits = "1 collision" if len(hit) == 1 else f"{len(hit) or 'no'} collisions"
+        where = f" in {len(set(hit))} of them" if hit else ""
+        yield (
+            f"{name} (all {len(numbers)} replicas): {hits}{where}; at the end estimates are off by {rms:.3f} m (root "
+            f"mean square), in replica {numbers[worst]} the most, by {off[worst]:.3f} m"
+        )
+
+
 def _report(simulation: Simulation, summary: RunSummary) -> None:
     time_ = summary.steps * simulation.dt
     if not summary.is_complete:
@@ -206,6 +223,9 @@ def _report(simulation: Simulation, summary: RunSummary) -> None:
         )
     if len(names) > 5:
         say(_all_together(summary, len(ended)))
+    if len(numbers) > 1:
+        for line in _of_all_replicas(simulation, names[:5]):
+            say(line)
     if simulation.scenario.recording.sensors == "auto" and not (summary.folder / "sensors").exists():
         say("sensors are left out, there being so many replicas; --set recording.sensors=all writes them too")
     picture = summary.folder / "picture.png"

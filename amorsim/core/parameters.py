@@ -15,6 +15,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import in_words
 
 __all__ = ["LARGEST", "SMALLEST", "Parameter", "ParameterError", "check_value", "describe", "parameter"]
 
@@ -219,14 +220,14 @@ def _problem(expected: Parameter, kind: Any, value: Any) -> str:
             return _wrong(expected, value)
         largest = _LARGEST_WHOLE if kind is int else LARGEST
         if abs(value) > largest and expected.le is None and expected.lt is None:
-            return f"expected {expected.expectation}, of {largest:g} at the most, got {value!r}"
+            return f"expected {expected.expectation}, of {largest:g} at the most, got {in_words(value)}"
         if expected.gt == 0 and value < SMALLEST:
-            return f"expected {expected.expectation}, of {SMALLEST:g} at least, got {value!r}"
+            return f"expected {expected.expectation}, of {SMALLEST:g} at least, got {in_words(value)}"
     return ""
 
 
 def _wrong(expected: Parameter, value: Any) -> str:
-    return f"expected {expected.expectation}, got {value!r}"
+    return f"expected {expected.expectation}, got {in_words(value)}"
 
 
 _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}

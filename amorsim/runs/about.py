@@ -12,12 +12,11 @@ from typing import Any
 from amorsim.core.errors import RunError
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.runs.folder import ABOUT, FORMAT
-from amorsim.runs.session import MOST_STEPS
 from amorsim.runs.tables import check_file
 from amorsim.scenario.faults import shown
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
-from amorsim.simulation.simulation import MAX_REPLICA
+from amorsim.simulation.simulation import MAX_REPLICA, MOST_STEPS
 
 __all__ = ["read_about", "scenario_of"]
 

@@ -24,12 +24,11 @@ from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerp
 from amorsim.runs.traces import Traces
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import document_of, with_copies, write_document
-from amorsim.simulation.simulation import Simulation
+from amorsim.simulation.simulation import MOST_STEPS, Simulation
 
-__all__ = ["MOST_STEPS", "RunSession", "RunSummary", "record", "run_name", "steps_of"]
+__all__ = ["RunSession", "RunSummary", "record", "run_name", "steps_of"]
 
 SENSOR_FILES_UP_TO = 32  # replicas; beyond, sensors are written only if asked for
-MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
 
 
 @attrs.frozen(kw_only=True)

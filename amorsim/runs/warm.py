@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -23,12 +24,14 @@ from amorsim.scenario.spec import Scenario
 __all__ = ["compile_kernels"]
 
 Progress = Callable[[int, int], None]
+LONGEST_SECOND = 600.0  # [s] that the second process gets from its start; what it leaves is compiled when first called
 
 
 def compile_kernels(progress: Progress | None = None) -> None:
     """Compile the kernels of usual runs; `progress` is called with how many trials are done, and how many there are.
 
-    Two processes share the work where there are two processors. This one returns when both have ended.
+    Two processes share the work. This one returns when both have ended; the second is ended `LONGEST_SECOND` after its
+    start.
     """
     total, done, lock = len(_TRIALS), 0, threading.Lock()
 
@@ -44,17 +47,25 @@ def compile_kernels(progress: Progress | None = None) -> None:
     if not sys.executable:  # a program that Python is part of may name none
         _try_all(tuple(_TRIALS), one_more)
     else:
-        command = [sys.executable, "-P", "-m", __spec__.name, *_SECOND]
-        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as second:
+        deadline = time.monotonic() + LONGEST_SECOND
+        with subprocess.Popen(_command(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as second:
             try:
                 listener = threading.Thread(target=_listen, args=(second, one_more), daemon=True)
                 listener.start()
                 _try_all([name for name in _TRIALS if name not in _SECOND], one_more)
-                listener.join()
+                listener.join(max(0.0, deadline - time.monotonic()))
+                if listener.is_alive():
+                    second.kill()
+                    listener.join()
             except BaseException:
                 second.kill()
                 raise
     mark_warm()
+
+
+def _command() -> list[str]:
+    # -P: otherwise Python would look into the present folder first, where a user's struct.py may lie.
+    return [sys.executable, "-P", "-m", __spec__.name, *_SECOND]
 
 
 def _listen(process: subprocess.Popen[str], one_more: Callable[[], None]) -> None:

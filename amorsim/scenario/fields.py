@@ -16,6 +16,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.parameters import Parameter, ParameterError, check_value, describe
+from amorsim.core.trouble import in_words
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
 
@@ -109,7 +110,7 @@ def _read(node: Node, key: str, parameter: Parameter) -> Any:
             value = os.path.abspath(node.folder / value)  # noqa: PTH100
         check_value(parameter, value)
     except ParameterError as error:
-        problem = error.problem.replace(f"got {value!r}", f"got {shown(node.value)}")
+        problem = error.problem.replace(f"got {in_words(value)}", f"got {shown(node.value)}")
         node.fault(problem if len(problem) < 500 else f"{problem[:500]}...")
         return _BAD
     return value

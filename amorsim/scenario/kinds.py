@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import in_words
 
 __all__ = ["by_name", "check_colour", "is_a", "many"]
 
@@ -29,7 +30,9 @@ def by_name(kind: type, example: str) -> Validator:
 
     def check(_: Any, attribute: Any, value: Any) -> None:
         if not isinstance(value, Mapping):
-            raise ParameterError(attribute.name, f"expected a dict by names, as {{'name': {example}}}, got {value!r}")
+            raise ParameterError(
+                attribute.name, f"expected a dict by names, as {{'name': {example}}}, got {in_words(value)}"
+            )
         for name, thing in value.items():
             if not isinstance(thing, kind):
                 raise ParameterError(attribute.name, f"{name}: {_wrong(kind, example, thing)}")
@@ -63,4 +66,4 @@ def check_colour(colour: str | None) -> None:
 def _wrong(kind: type, example: str, value: Any) -> str:
     if inspect.isclass(value) and issubclass(value, kind):
         return f"expected one of these, and not the class: {value.__name__}(...)"
-    return f"expected a {kind.__name__}, as {example}, got {value!r}"
+    return f"expected a {kind.__name__}, as {example}, got {in_words(value)}"

@@ -9,6 +9,7 @@ import attrs
 
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import describe
+from amorsim.core.trouble import in_words
 from amorsim.scenario.spec import Deviation, MountedSensor, NoiseElement, Pose, Robot
 
 __all__ = ["changed", "with_value"]
@@ -30,6 +31,8 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     ParameterError
         If the parameter does not take the value.
     """
+    if not isinstance(path, str):
+        raise LookupError(f"expected a path, as 'drive.track', got {in_words(path)}")  # noqa: TRY004 - of what leads nowhere
     parts = path.split(".")
     if parts[0] != "errors":
         return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]
@@ -41,7 +44,7 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
         if field not in _NUMBERS:
             raise LookupError(
                 f"expected a path that ends with one of {', '.join(_NUMBERS)}, as in errors.drive.track.scale, or a "
-                f"table of these, got {value!r}.{did_you_mean(field, _NUMBERS)}"
+                f"table of these, got {in_words(value)}.{did_you_mean(field, _NUMBERS)}"
             )
         deviation = attrs.evolve(robot.errors.get(target, Deviation()), **{field: value})
     changed(robot, target.split("."), lambda nominal: nominal, live=True)  # the path must lead somewhere
@@ -99,7 +102,7 @@ def _descend(value: Any, rest: list[str], change: Change, live: bool) -> Any:
             f"{len(value) - 1}"
         )
     if not isinstance(value, (int, float)) or isinstance(value, bool):
-        raise LookupError(f"only a number can be changed, and this is {value!r}")  # noqa: TRY004 - of the path
+        raise LookupError(f"only a number can be changed, and this is {in_words(value)}")  # noqa: TRY004 - of the path
     return change(value)
 
 

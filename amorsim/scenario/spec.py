@@ -24,6 +24,7 @@ from amorsim.core.errors import did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
+from amorsim.core.trouble import in_words
 from amorsim.motions.user import UserMotion
 from amorsim.scenario.floor import Drop, Floor, Marking
 from amorsim.scenario.kinds import by_name, check_colour, is_a, many
@@ -59,7 +60,8 @@ def _check_name(_: Any, attribute: Any, value: Any) -> None:
     if not isinstance(value, str) or not _NAME.fullmatch(value):
         raise ParameterError(
             attribute.name,
-            f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {value!r}",
+            f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got "
+            f"{in_words(value)}",
         )
 
 

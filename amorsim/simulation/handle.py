@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +12,18 @@ import numpy.typing as npt
 from amorsim.controllers.driving import command_along, joints_of
 from amorsim.controllers.manual import limited
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.trouble import in_words
 
 if TYPE_CHECKING:
     from amorsim.scenario.spec import Robot
     from amorsim.simulation.group import Group
     from amorsim.simulation.obstacles import ObstacleGroup
 
-__all__ = ["ObstacleHandle", "Reading", "Readings", "RobotHandle"]
+__all__ = ["ObstacleHandle", "Reading", "Readings", "RobotHandle", "finite_numbers"]
 
 Array = npt.NDArray[np.float64]
+
+_NUMBER = (int, float, np.integer, np.floating)
 
 
 class Reading(NamedTuple):
@@ -155,8 +159,14 @@ class RobotHandle:
         wheels point.
         """
         group, row = self._group, self._row
+        wanted = finite_numbers((forward, left, turn))
+        if wanted is None:
+            raise AmorsimError(
+                f"robot {self.name!r}: expected finite numbers for forward, turn and left, got "
+                f"{in_words((forward, turn, left))}"
+            )
         twists = np.zeros((group.rows, 3))
-        twists[row] = forward, left, turn
+        twists[row] = wanted
         joints = joints_of(group.robot, group.readings)
         along = command_along(group.robot, limited(group.controller, twists), joints)
         wheels: list[float] = along[row].tolist()
@@ -186,15 +196,17 @@ class RobotHandle:
                 f"robot {self.name!r}: only the 'manual' controller takes commands from outside, and this is "
                 f"{type(group.controller).__name__}; take the robot over with hand_over({self.name!r}) first"
             )
-        if len(channels) != len(names) or not np.isfinite(channels).all():
+        rates = finite_numbers(channels)
+        if rates is None or len(rates) != len(names):
             raise AmorsimError(
-                f"robot {self.name!r}: expected a finite number for each of {', '.join(names)}, got {channels}"
+                f"robot {self.name!r}: expected a finite number for each of {', '.join(names)}, got "
+                f"{in_words(channels)}"
             )
         if self.is_by_hand:
             group.hand = group.hand.copy()
-            group.hand[self._row] = channels
+            group.hand[self._row] = rates
         else:
-            group.controller_state["command"][self._row] = channels
+            group.controller_state["command"][self._row] = rates
 
 
 class ObstacleHandle:
@@ -213,6 +225,16 @@ class ObstacleHandle:
     def true_twist(self) -> Array:
         """Its mean velocity over the last step: (forward [m/s], left [m/s], turn [rad/s])."""
         return _read_only(self._group.true_twist[self._row])
+
+
+def finite_numbers(values: Any) -> list[float] | None:
+    """Some numbers as floats; None if these are no sequence, or one is no number or not finite."""
+    try:
+        numbers = [float(value) for value in values if isinstance(value, _NUMBER) and not isinstance(value, bool)]
+        is_whole = len(numbers) == len(values)
+    except (TypeError, OverflowError):  # no sequence; a whole number of hundreds of digits
+        return None
+    return numbers if is_whole and all(map(math.isfinite, numbers)) else None
 
 
 def _read_only(array: npt.NDArray[np.generic]) -> npt.NDArray:  # type: ignore[type-arg]

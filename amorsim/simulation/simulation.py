@@ -15,6 +15,7 @@ from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.starts import outside
+from amorsim.core.trouble import in_words
 from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
@@ -24,15 +25,16 @@ from amorsim.simulation.contact import WALL
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
-from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle
+from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
 from amorsim.simulation.occupancy import occupancy
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
 
-__all__ = ["Simulation"]
+__all__ = ["MOST_STEPS", "Simulation"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
 MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter, and one number kept for studies
 
 
@@ -71,8 +73,8 @@ class Simulation:
         self.threads = threads
         self.dt = scenario.dt
         replicas = _plain(replicas)
-        if not isinstance(replicas, int) and not hasattr(replicas, "__len__"):
-            raise AmorsimError(f"expected a number of replicas > 0, or a list of their numbers, got {replicas!r}")
+        if not (0 < replicas <= MAX_REPLICA + 1 if isinstance(replicas, int) else hasattr(replicas, "__len__")):
+            raise _no_replicas(replicas)
         _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
         seed = scenario.seed if seed is None else _plain(seed)
@@ -117,11 +119,16 @@ class Simulation:
         Raises
         ------
         AmorsimError
-            If the duration is below 0, or not a finite number.
+            If the duration is no number, below 0, or longer than 2^32 - 1 steps.
         """
         duration = self.scenario.duration if duration is None else duration
-        if not 0.0 <= duration < np.inf:
-            raise AmorsimError(f"duration: expected a number of seconds >= 0, got {duration!r}")
+        most = MOST_STEPS * self.dt
+        numbers = finite_numbers((duration,))
+        if numbers is None or not 0.0 <= numbers[0] <= most:
+            raise AmorsimError(
+                f"duration: expected a number of seconds >= 0 and <= {most:g} "
+                f"(2^32 - 1 steps of {self.dt:g} s), got {in_words(duration)}"
+            )
         for _ in range(self.steps_of(duration)):
             self.step()
 
@@ -241,7 +248,7 @@ class Simulation:
                 raise AmorsimError("there are several replicas; say which one with replica=")
             return 0
         if replica not in self.replicas:
-            raise AmorsimError(f"there is no replica {replica}; there are {_in_words(self.replicas)}")
+            raise AmorsimError(f"there is no replica {in_words(replica)}; there are {_in_words(self.replicas)}")
         return self.replicas.index(replica)
 
     def frames(self) -> list[Frame]:
@@ -273,9 +280,10 @@ class Simulation:
         """
         handle = self.robot(name, replica)
         group, row = handle._group, handle._row
-        if len(pose) != 3 or not np.isfinite(pose).all():
-            raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {pose!r}")
-        wanted = np.array([pose], dtype=float)
+        numbers = finite_numbers(pose)
+        if numbers is None or len(numbers) != 3:
+            raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {in_words(pose)}")
+        wanted = np.array([numbers])
         beyond = outside(self._fleet.world.map, *wanted[0, :2].tolist())
         if beyond:
             raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: that {beyond}")
@@ -290,7 +298,7 @@ class Simulation:
         group.joint_rates = _with_row(group.joint_rates, row, 0.0)
         self._fleet.place()
         self._fleet.part_from_all(int(group.bodies[row]))
-        self._log_change(handle, "pose_set", "pose", tuple(float(part) for part in pose))
+        self._log_change(handle, "pose_set", "pose", tuple(numbers))
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
         """Change a parameter of a robot from the next step on; in one replica, or in all if none is named.
@@ -319,7 +327,7 @@ class Simulation:
                 group.set_parameters()
                 reason = error.problem if isinstance(error, ParameterError) else str(error.args[0])
                 if isinstance(error, ScenarioError):  # it tells of what follows from the value
-                    reason = f"{value!r} would be out of bounds, for by it {reason}"
+                    reason = f"{in_words(value)} would be out of bounds, for by it {reason}"
                 raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
         for handle in handles:
             self._log_change(handle, "parameter_set", path, value)
@@ -463,10 +471,19 @@ def _check_memory(scenario: Scenario, replicas: int) -> None:
 
 
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
-    numbers = tuple(range(replicas)) if isinstance(replicas, int) else tuple(operator.index(n) for n in replicas)
+    try:
+        numbers = tuple(range(replicas)) if isinstance(replicas, int) else tuple(operator.index(n) for n in replicas)
+    except TypeError:  # one is no whole number
+        raise _no_replicas(replicas) from None
     if not numbers or len(set(numbers)) < len(numbers) or min(numbers) < 0 or max(numbers) > MAX_REPLICA:
-        raise AmorsimError(f"expected a number of replicas > 0, or different numbers >= 0, got {replicas!r}")
+        raise _no_replicas(replicas)
     return numbers
+
+
+def _no_replicas(given: Any) -> AmorsimError:
+    return AmorsimError(
+        f"expected a number of replicas > 0, or a list of different numbers >= 0, got {in_words(given)}"
+    )
 
 
 def _with_row(array: Array, row: int, value: Any) -> Array:

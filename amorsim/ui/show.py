@@ -32,7 +32,7 @@ Say = Callable[[str], None]
 def check_extra() -> None:
     """Raise what says what to install where the window's own libraries are not there."""
     if importlib.util.find_spec("nicegui") is None:
-        raise AmorsimError('the window needs the extra "ui"; install it with: pip install "amorsim[ui]"')
+        raise AmorsimError('the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"')
 
 
 def show(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
+from amorsim.analysis.files import RunFiles
 from tests.cli.conftest import Command
 
 WLD = Path(__file__).resolve().parents[3] / "shared" / "maps" / "wld"
@@ -71,10 +72,17 @@ def test_options_take_the_place_of_what_the_scenario_says(amorsim: Command, stud
 
 
 def test_replicas_by_count_and_by_number(amorsim: Command, study: Path, tmp_path: Path) -> None:
-    result = amorsim("run", study, "--duration", "0.3", "--replicas", 3, "--out", "three")
+    options = ("--duration", "3", "--set", "robots.rover.errors.drive.wheel_radius_left.scale={normal=[1.0, 0.05]}")
+    result = amorsim("run", study, *options, "--replicas", 3, "--out", "three")
     assert "rover (replica 0 of 3): drove" in result.out
+    poses = RunFiles(tmp_path / "three").arrays("poses")
+    off = np.hypot(*(poses["true_pose"] - poses["estimated_pose"])[-1, :, :2].T)
+    assert (
+        f"rover (all 3 replicas): no collisions; at the end estimates are off by {np.sqrt(np.mean(off**2)):.3f} m "
+        f"(root mean square), in replica {off.argmax()} the most, by {off.max():.3f} m\n"
+    ) in result.out
     assert about(tmp_path / "three")["replicas"] == [0, 1, 2]
-    assert amorsim("run", study, "--duration", "0.3", "--replica", 2, "--replica", 9, "--out", "two").status == 0
+    assert amorsim("run", study, *options, "--replica", 2, "--replica", 9, "--out", "two").status == 0
     assert about(tmp_path / "two")["replicas"] == [2, 9]
     assert about(tmp_path / "two")["digests"]["2"] == about(tmp_path / "three")["digests"]["2"]  # type: ignore[index]
 

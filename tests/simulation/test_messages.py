@@ -31,10 +31,62 @@ def test_an_error_that_cannot_be_set_is_told_in_words(path, value, says):
     assert "**" not in str(caught.value)
 
 
-@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf])
-def test_it_runs_for_no_time_below_zero(duration):
+@pytest.mark.parametrize("path", [None, 3, ("errors", "drive")])
+def test_a_path_that_is_no_text_is_told_in_words(path):
     sim = am.Simulation(building.scenario())
-    with pytest.raises(am.AmorsimError, match="duration: expected a number of seconds >= 0, got"):
+    with pytest.raises(am.AmorsimError, match=r"expected a path, as 'drive\.track', got"):
+        sim.set("rover", path, 1.0)
+
+
+class Nameless:
+    def __repr__(self):
+        raise RuntimeError("no words")
+
+
+@pytest.mark.parametrize(
+    "value", [10**5000, Nameless(), [10**5000], "x", None, math.nan], ids=lambda value: type(value).__name__
+)
+def test_odd_values_are_told_in_words(value):
+    sim = am.Simulation(building.scenario())
+    rover = sim.robot("rover")
+    sim.hand_over("rover")
+    for path in ("drive.track", "errors.drive.track.scale", "errors.drive.track", "controller"):
+        with pytest.raises(am.AmorsimError, match="robot 'rover', "):
+            sim.set("rover", path, value)
+    with pytest.raises(am.AmorsimError, match="expected a pose of three finite numbers"):
+        sim.set_pose("rover", value)
+    with pytest.raises(am.AmorsimError, match="expected a pose of three finite numbers"):
+        sim.set_pose("rover", (1.0, 1.0, value))
+    with pytest.raises(am.AmorsimError, match="expected finite numbers for forward, turn and left"):
+        rover.drive(value)
+    with pytest.raises(am.AmorsimError, match="expected a finite number for each of"):
+        rover.command(value, 1.0)
+
+
+@pytest.mark.parametrize("value", [10**5000, Nameless(), "x", math.nan], ids=lambda value: type(value).__name__)
+def test_odd_replicas_and_seeds_are_told_in_words(value):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match="there is no replica"):
+        sim.robot("rover", value)
+    with pytest.raises((am.AmorsimError, am.ParameterError), match=r"expected|memory"):
+        am.Simulation(building.scenario(), replicas=value)
+    with pytest.raises((am.AmorsimError, am.ParameterError), match="expected"):
+        am.Simulation(building.scenario(), seed=value)
+
+
+@pytest.mark.parametrize("name", [None, 3, ["rover"]])
+def test_a_name_that_is_no_text_is_told_in_words(name):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match=r"there is no robot .*, but: rover"):
+        sim.set(name, "drive.track", 1.0)
+    with pytest.raises(am.AmorsimError, match=r"there is no obstacle .*, but: none"):
+        sim.obstacle(name)
+
+
+@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf, 1e300, 10**400, "2", True, [1.0]])
+def test_it_runs_for_no_time_below_zero_and_none_without_an_end(duration):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match=r"duration: expected a number of seconds >= 0 and <= .*, got"):
         sim.run(duration)
     sim.run(0.0)
     assert sim.tick == 0

@@ -222,7 +222,7 @@ def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypat
     )
     status, said = amorsim("view", "demo")
     assert status == 2
-    assert said.splitlines() == ['the window needs the extra "ui"; install it with: pip install "amorsim[ui]"']
+    assert said.splitlines() == ['the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"']
 
 
 def test_mistakes_are_told_as_run_tells_them(amorsim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
