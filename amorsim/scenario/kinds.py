@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 from amorsim.core.parameters import ParameterError
+from amorsim.plugins.checks import check_name
 
 __all__ = ["by_name", "check_colour", "is_a", "many"]
 
@@ -31,6 +32,8 @@ def by_name(kind: type, example: str) -> Validator:
         if not isinstance(value, Mapping):
             raise ParameterError(attribute.name, f"expected a dict by names, as {{'name': {example}}}, got {value!r}")
         for name, thing in value.items():
+            if problem := check_name(name):
+                raise ParameterError(attribute.name, problem)
             if not isinstance(thing, kind):
                 raise ParameterError(attribute.name, f"{name}: {_wrong(kind, example, thing)}")
 
