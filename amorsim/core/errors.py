@@ -88,7 +88,9 @@ class ScenarioError(AmorsimError):
         super().__init__("\n".join(str(fault) for fault in self.faults))
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A question after the known name nearest to `name`, led by a space, or nothing."""
+def did_you_mean(name: object, known: Iterable[str]) -> str:
+    """A question after the known name nearest to `name`, led by a space; nothing, also where `name` is no text."""
+    if not isinstance(name, str):
+        return ""
     near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f" Did you mean {near[0]!r}?" if near else ""

@@ -30,7 +30,7 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     ParameterError
         If the parameter does not take the value.
     """
-    parts = path.split(".")
+    parts = str(path).split(".")
     if parts[0] != "errors":
         return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]
     if isinstance(value, (dict, Deviation)):

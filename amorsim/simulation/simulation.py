@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import operator
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -52,6 +54,8 @@ class Simulation:
 
     Raises
     ------
+    ParameterError
+        If something else than a scenario is given; `am.load` makes one from a file or the name of a bundled one.
     ScenarioError
         With every fault that shows only now: a start in a wall or in another body, an error whose path leads
         nowhere or whose true value its field does not take.
@@ -65,13 +69,15 @@ class Simulation:
         replicas: int | Sequence[int] = 1,
         threads: int = 1,
     ) -> None:
+        if not isinstance(scenario, Scenario):
+            raise ParameterError("scenario", f"expected a Scenario, as am.load('demo'), got {scenario!r}")
         if not isinstance(threads, int) or threads < 1:
             raise AmorsimError(f"expected a number of threads >= 1, got {threads!r}")
         self.scenario = scenario
         self.threads = threads
         self.dt = scenario.dt
         replicas = _plain(replicas)
-        if not isinstance(replicas, int) and not hasattr(replicas, "__len__"):
+        if not isinstance(replicas, int) and (isinstance(replicas, str) or not hasattr(replicas, "__len__")):
             raise AmorsimError(f"expected a number of replicas > 0, or a list of their numbers, got {replicas!r}")
         _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
@@ -120,7 +126,7 @@ class Simulation:
             If the duration is below 0, or not a finite number.
         """
         duration = self.scenario.duration if duration is None else duration
-        if not 0.0 <= duration < np.inf:
+        if not isinstance(duration, Real) or not 0 <= duration <= sys.float_info.max:
             raise AmorsimError(f"duration: expected a number of seconds >= 0, got {duration!r}")
         for _ in range(self.steps_of(duration)):
             self.step()
@@ -273,9 +279,12 @@ class Simulation:
         """
         handle = self.robot(name, replica)
         group, row = handle._group, handle._row
-        if len(pose) != 3 or not np.isfinite(pose).all():
+        try:
+            wanted = np.array([pose], dtype=float)
+        except (TypeError, ValueError):
+            wanted = np.empty(0)
+        if wanted.shape != (1, 3) or not np.isfinite(wanted).all():
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {pose!r}")
-        wanted = np.array([pose], dtype=float)
         beyond = outside(self._fleet.world.map, *wanted[0, :2].tolist())
         if beyond:
             raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: that {beyond}")

@@ -31,13 +31,44 @@ def test_an_error_that_cannot_be_set_is_told_in_words(path, value, says):
     assert "**" not in str(caught.value)
 
 
-@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf])
+@pytest.mark.parametrize("duration", [-1, -1e-9, math.nan, math.inf, 10**400, "5", 1j, np.ones(1)])
 def test_it_runs_for_no_time_below_zero(duration):
     sim = am.Simulation(building.scenario())
     with pytest.raises(am.AmorsimError, match="duration: expected a number of seconds >= 0, got"):
         sim.run(duration)
     sim.run(0.0)
     assert sim.tick == 0
+
+
+@pytest.mark.parametrize("given", ["demo", None, am.Robot, {"robots": []}])
+def test_what_is_no_scenario_is_refused_with_a_word_of_how_to_get_one(given):
+    with pytest.raises(am.ParameterError, match=r"scenario: expected a Scenario, as am.load\('demo'\), got"):
+        am.Simulation(given)
+
+
+@pytest.mark.parametrize("replicas", ["3", None, 2.5])
+def test_replicas_are_a_number_or_numbers(replicas):
+    with pytest.raises(am.AmorsimError, match="expected a number of replicas > 0, or a list of their numbers, got"):
+        am.Simulation(building.scenario(), replicas=replicas)
+
+
+def test_names_and_paths_that_are_no_texts_are_refused_with_words():
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match="there is no robot 0, but: rover"):
+        sim.robot(0)
+    with pytest.raises(am.AmorsimError, match="there is no robot None, but: rover"):
+        sim.set(None, "drive.track", 0.3)
+    with pytest.raises(am.AmorsimError, match="robot 'rover', None: there is no parameter 'None', but: name, "):
+        sim.set("rover", None, 0.3)
+
+
+@pytest.mark.parametrize("pose", [am.Pose(x=1.0), 5, None, "abc", (1.0, 2.0), (1.0, 2.0, math.nan), ((1, 2, 3),)])
+def test_a_robot_is_put_at_three_finite_numbers_only(pose):
+    sim = am.Simulation(building.scenario())
+    before = sim.true_pose.tolist()
+    with pytest.raises(am.AmorsimError, match="robot 'rover': expected a pose of three finite numbers, got"):
+        sim.set_pose("rover", pose)
+    assert sim.true_pose.tolist() == before
 
 
 def test_it_says_what_it_is():
