@@ -6,7 +6,6 @@ import hashlib
 import operator
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -35,6 +34,7 @@ __all__ = ["Simulation"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+_NUMBERS = (int, float, np.integer, np.floating)
 MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter, and one number kept for studies
 
 
@@ -77,7 +77,7 @@ class Simulation:
         self.threads = threads
         self.dt = scenario.dt
         replicas = _plain(replicas)
-        if not isinstance(replicas, int) and (isinstance(replicas, str) or not hasattr(replicas, "__len__")):
+        if not isinstance(replicas, int) and not hasattr(replicas, "__len__"):
             raise AmorsimError(f"expected a number of replicas > 0, or a list of their numbers, got {replicas!r}")
         _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
         self.replicas = _replica_numbers(replicas)
@@ -126,7 +126,7 @@ class Simulation:
             If the duration is below 0, or not a finite number.
         """
         duration = self.scenario.duration if duration is None else duration
-        if not isinstance(duration, Real) or not 0 <= duration <= sys.float_info.max:
+        if not isinstance(duration, _NUMBERS) or not 0 <= duration <= sys.float_info.max:
             raise AmorsimError(f"duration: expected a number of seconds >= 0, got {duration!r}")
         for _ in range(self.steps_of(duration)):
             self.step()
@@ -472,7 +472,10 @@ def _check_memory(scenario: Scenario, replicas: int) -> None:
 
 
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
-    numbers = tuple(range(replicas)) if isinstance(replicas, int) else tuple(operator.index(n) for n in replicas)
+    try:
+        numbers = tuple(range(replicas)) if isinstance(replicas, int) else tuple(operator.index(n) for n in replicas)
+    except TypeError:
+        numbers = ()
     if not numbers or len(set(numbers)) < len(numbers) or min(numbers) < 0 or max(numbers) > MAX_REPLICA:
         raise AmorsimError(f"expected a number of replicas > 0, or different numbers >= 0, got {replicas!r}")
     return numbers
