@@ -397,7 +397,9 @@ class Simulation:
         if seed is not None:
             if replicas is not None:
                 raise AmorsimError("a seed is for all replicas; reset some of them without one")
-            self._build(operator.index(seed))
+            seed = _plain(seed)
+            check_value(describe(Scenario)["seed"], seed)
+            self._build(seed)
             return
         chosen = range(len(self.replicas)) if replicas is None else [self._replica_index(r) for r in replicas]
         again = np.zeros(len(self.replicas), dtype=bool)
@@ -437,6 +439,8 @@ class Simulation:
         """
         if isinstance(snapshot, bytes):
             snapshot = from_bytes(self._fleet, snapshot)
+        if not isinstance(snapshot, Snapshot):
+            raise SnapshotError(f"expected what Simulation.snapshot() gave, or its bytes, got {snapshot!r}")
         if not fits(self._fleet, snapshot):
             raise SnapshotError("this snapshot is of another simulation")
         if snapshot.seed != self.seed:

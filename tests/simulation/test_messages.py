@@ -71,6 +71,20 @@ def test_a_robot_is_put_at_three_finite_numbers_only(pose):
     assert sim.true_pose.tolist() == before
 
 
+@pytest.mark.parametrize("given", [None, 5, "yesterday"])
+def test_what_is_no_snapshot_is_not_restored(given):
+    with pytest.raises(am.SnapshotError, match=r"expected what Simulation.snapshot\(\) gave, or its bytes, got"):
+        am.Simulation(building.scenario()).restore(given)
+
+
+@pytest.mark.parametrize("seed", ["a", -1, 2.5, 2**70])
+def test_a_simulation_begins_anew_from_a_seed_that_a_scenario_takes(seed):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.ParameterError, match=r"seed: expected a whole number >= 0"):
+        sim.reset(seed=seed)
+    assert sim.seed == 3
+
+
 def test_it_says_what_it_is():
     sim = am.Simulation(building.scenario(dt=0.1))
     assert repr(sim) == "<Simulation: 1 robot, 1 replica, seed 3, at 0 s>"
