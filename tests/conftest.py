@@ -1,6 +1,7 @@
 """What holds for all tests."""
 
 import os
+import signal
 
 from hypothesis import settings
 
@@ -10,3 +11,7 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # Timing is never what decides: a kernel compiles in its first example, and machines are shared.
 settings.register_profile("amorsim", deadline=None)
 settings.load_profile("amorsim")
+
+# A command that a shell starts in the background ignores Ctrl-C, and so would all that it starts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -6,9 +6,10 @@ import gc
 import os
 import sys
 import warnings
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from amorsim.cli import calibrate, check, compile_, explain, new, plot, plugins, reproduce, run, umbmark, view
 from amorsim.cli.console import complain
@@ -17,8 +18,23 @@ from amorsim.core.trouble import explain as in_words
 
 __all__ = ["app", "main"]
 
+INTERRUPTED = 130  # the exit status after Ctrl-C, as shells have it
+
+
+class _Commands(TyperGroup):
+    """Says where Ctrl-C was answered; typer itself ends without a word, and drops the error's notes."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            complain("\n".join(["interrupted", *getattr(error, "__notes__", ())]))
+            raise typer.Exit(INTERRUPTED) from error
+
+
 app = typer.Typer(
     name="amorsim",
+    cls=_Commands,
     help="Simulate mobile robots in the plane, where every quantity is true, measured and estimated.",
     epilog="Begin with `amorsim run demo`, or with `amorsim new my-study` and what it says then.",
     no_args_is_help=True,
@@ -70,9 +86,6 @@ def main() -> None:
         except AmorsimError as error:
             complain(in_words(error))
             sys.exit(2)
-        except KeyboardInterrupt as error:
-            complain("\n".join(["interrupted", *getattr(error, "__notes__", ())]))
-            sys.exit(130)
         except BrokenPipeError:
             # Whoever read our output has gone (``| head``); nothing more can be said to him.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

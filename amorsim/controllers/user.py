@@ -21,7 +21,7 @@ from amorsim.contracts import (
     State,
 )
 from amorsim.controllers.driving import command_along, joints_of
-from amorsim.core.errors import ControllerError
+from amorsim.core.errors import ControllerError, did_you_mean
 from amorsim.core.trouble import RAISED, in_words
 from amorsim.core.user_code import UserCode
 
@@ -186,16 +186,25 @@ class UserController(UserCode, Controller):
         return answers.command()
 
 
+class _RobotReadings(dict[str, RobotReading]):
+    """The readings of one robot by sensor, which say what sensors there are where one is asked for that is not."""
+
+    def __missing__(self, name: str) -> RobotReading:
+        raise KeyError(f"there is no sensor {name!r}, but: {', '.join(self) or 'none'}.{did_you_mean(name, self)}")
+
+
 def _row_of_readings(readings: Mapping[str, Measurement], row: int) -> dict[str, RobotReading]:
-    return {
-        name: RobotReading(
-            reading.measured[row].copy(),
-            int(reading.stamp[row, 0]),
-            float(reading.age[row, 0]),
-            bool(reading.fresh[row, 0]),
-        )
-        for name, reading in readings.items()
-    }
+    return _RobotReadings(
+        {
+            name: RobotReading(
+                reading.measured[row].copy(),
+                int(reading.stamp[row, 0]),
+                float(reading.age[row, 0]),
+                bool(reading.fresh[row, 0]),
+            )
+            for name, reading in readings.items()
+        }
+    )
 
 
 class _Answers:

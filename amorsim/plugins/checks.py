@@ -14,6 +14,7 @@ import attrs
 from amorsim.contracts import Drive, Joint, Part
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import Parameter, describe
+from amorsim.core.trouble import in_words
 
 __all__ = ["RESERVED", "check_class", "check_name"]
 
@@ -37,7 +38,9 @@ def check_name(name: object) -> str:
     """What is wrong with a name to register under, or nothing."""
     if isinstance(name, str) and _NAME.fullmatch(name):
         return ""
-    return f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {name!r}"
+    return (
+        f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {in_words(name)}"
+    )
 
 
 def check_class(kind: str, contract: type, cls: Any) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
+from amorsim.plugins.checks import check_name
 
 __all__ = ["by_name", "check_colour", "is_a", "many"]
 
@@ -34,6 +35,8 @@ def by_name(kind: type, example: str) -> Validator:
                 attribute.name, f"expected a dict by names, as {{'name': {example}}}, got {in_words(value)}"
             )
         for name, thing in value.items():
+            if problem := check_name(name):
+                raise ParameterError(attribute.name, problem)
             if not isinstance(thing, kind):
                 raise ParameterError(attribute.name, f"{name}: {_wrong(kind, example, thing)}")
 

@@ -38,6 +38,10 @@ class Override:
 
 def parse_overrides(texts: Iterable[str], book: Book) -> list[Override]:
     """What ``PATH=VALUE`` texts say: a value is one of TOML, or else a plain text."""
+    if isinstance(texts, str):
+        problem = f"expected a list of settings, as [{texts!r}], got a text"
+        book.add(Fault(file="", path="overrides", message=problem))
+        return []
     found = []
     for text in texts:
         name, equals, value = text.partition("=")

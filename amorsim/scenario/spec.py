@@ -9,7 +9,6 @@ from __future__ import annotations
 import collections
 import math
 import operator
-import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -24,8 +23,8 @@ from amorsim.core.errors import did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
-from amorsim.core.trouble import in_words
 from amorsim.motions.user import UserMotion
+from amorsim.plugins.checks import check_name
 from amorsim.scenario.floor import Drop, Floor, Marking
 from amorsim.scenario.kinds import by_name, check_colour, is_a, many
 from amorsim.scenario.pose import Pose
@@ -53,16 +52,11 @@ __all__ = [
 ]
 
 _SHAPE, _POSE, _START = "am.Shape.circle(0.2)", "am.Pose(x=1.0)", "am.RandomStart()"
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,63}")
 
 
 def _check_name(_: Any, attribute: Any, value: Any) -> None:
-    if not isinstance(value, str) or not _NAME.fullmatch(value):
-        raise ParameterError(
-            attribute.name,
-            f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got "
-            f"{in_words(value)}",
-        )
+    if problem := check_name(value):
+        raise ParameterError(attribute.name, problem)
 
 
 @attrs.frozen(kw_only=True)
@@ -273,6 +267,9 @@ def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, Mounted
         raise ParameterError(
             "sensors", f"expected a dict by names, as {{'laser': am.sensors.Laser()}}, got {sensors!r}"
         )
+    for name in sensors:
+        if problem := check_name(name):
+            raise ParameterError("sensors", problem)
     return {
         name: given if isinstance(given, MountedSensor) else MountedSensor(sensor=given)
         for name, given in sensors.items()

@@ -54,8 +54,8 @@ def command_of(group: Group, which: Rows | None) -> Array:
         group.whose.blame("controller", controller, error)
     expected = group.hand.shape if which is None else (len(which), len(group.channels))
     answer: Any = command  # whatever the plugin returned
-    if not isinstance(answer, np.ndarray):
-        found = type(answer).__name__
+    if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
+        found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
         raise group.whose.wrong("controller", controller, f"expected a command of the shape {expected}, got a {found}")
     if group.devices and command.shape == (expected[0], len(group.drive.channels)):
         missing = expected[1] - command.shape[1]

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from amorsim.contracts import Context, Estimate, State
 from amorsim.core.trouble import RAISED
-from amorsim.simulation.whose import is_finite
+from amorsim.simulation.whose import array_problem, is_finite
 
 if TYPE_CHECKING:
     from amorsim.simulation.group import Group
@@ -61,7 +59,6 @@ def _problem(found: Any, rows: int) -> str:
     if not isinstance(found, Estimate):
         return f"expected an Estimate(pose, covariance), got a {type(found).__name__}"
     for what, array, shape in (("pose", found.pose, (rows, 3)), ("covariance", found.covariance, (rows, 3, 3))):
-        if not isinstance(array, np.ndarray) or array.shape != shape:
-            told = f"the shape {array.shape}" if isinstance(array, np.ndarray) else f"a {type(array).__name__}"
-            return f"expected a {what} of the shape {shape}, got {told}"
+        if problem := array_problem(array, f"a {what}", shape):
+            return problem
     return ""

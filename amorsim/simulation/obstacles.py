@@ -19,7 +19,7 @@ from amorsim.simulation.bodies import World
 from amorsim.simulation.chain import Streams
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.view import GroupView
-from amorsim.simulation.whose import Whose, is_finite
+from amorsim.simulation.whose import Whose, array_problem, is_finite
 
 __all__ = ["ObstacleGroup"]
 
@@ -76,10 +76,8 @@ class ObstacleGroup:
             proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
         except RAISED as error:
             self.whose.blame("motion", self.motion, error)
-        shape = self.true_pose.shape
-        if not isinstance(proposed, np.ndarray) or proposed.shape != shape:
-            found = getattr(proposed, "shape", type(proposed).__name__)
-            raise self.whose.wrong("motion", self.motion, f"expected displacements of the shape {shape}, got {found}")
+        if problem := array_problem(proposed, "displacements", self.true_pose.shape):
+            raise self.whose.wrong("motion", self.motion, problem)
         if not is_finite(proposed):
             raise self.whose.not_finite("motion", self.motion, "the displacement", proposed)
         self.proposed = proposed

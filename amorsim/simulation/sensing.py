@@ -18,7 +18,7 @@ from amorsim.scenario.spec import MountedSensor
 from amorsim.simulation.chain import Chain, Streams
 from amorsim.simulation.moment import Moment
 from amorsim.simulation.view import GroupView
-from amorsim.simulation.whose import Whose
+from amorsim.simulation.whose import Whose, array_problem
 
 __all__ = ["SensorUnit"]
 
@@ -235,12 +235,8 @@ class SensorUnit:
 
     def _check(self, values: Any, by: str) -> None:
         """Raise what is wrong with values that were to be `(N, k)` numbers, or inf where nothing returned."""
-        shape = len(self.mount), self.size
-        if not isinstance(values, np.ndarray) or values.shape != shape:
-            found = f"the shape {values.shape}" if isinstance(values, np.ndarray) else f"a {type(values).__name__}"
-            raise self.whose.wrong(
-                self._what, self.sensor, f"expected values of the shape {shape} from {by}, got {found}"
-            )
+        if problem := array_problem(values, "values", (len(self.mount), self.size), by):
+            raise self.whose.wrong(self._what, self.sensor, problem)
         # The least of numbers is nan where one of them is; where one is inf it need not be.
         if values.size and values.min() != values.min():
             told = np.where(np.isinf(values), 0.0, values)

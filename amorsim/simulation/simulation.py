@@ -54,6 +54,8 @@ class Simulation:
 
     Raises
     ------
+    ParameterError
+        If something else than a scenario is given; `am.load` makes one from a file or the name of a bundled one.
     ScenarioError
         With every fault that shows only now: a start in a wall or in another body, an error whose path leads
         nowhere or whose true value its field does not take.
@@ -67,6 +69,8 @@ class Simulation:
         replicas: int | Sequence[int] = 1,
         threads: int = 1,
     ) -> None:
+        if not isinstance(scenario, Scenario):
+            raise ParameterError("scenario", f"expected a Scenario, as am.load('demo'), got {scenario!r}")
         if not isinstance(threads, int) or threads < 1:
             raise AmorsimError(f"expected a number of threads >= 1, got {threads!r}")
         self.scenario = scenario
@@ -396,7 +400,9 @@ class Simulation:
         if seed is not None:
             if replicas is not None:
                 raise AmorsimError("a seed is for all replicas; reset some of them without one")
-            self._build(operator.index(seed))
+            seed = _plain(seed)
+            check_value(describe(Scenario)["seed"], seed)
+            self._build(seed)
             return
         chosen = range(len(self.replicas)) if replicas is None else [self._replica_index(r) for r in replicas]
         again = np.zeros(len(self.replicas), dtype=bool)
@@ -436,6 +442,8 @@ class Simulation:
         """
         if isinstance(snapshot, bytes):
             snapshot = from_bytes(self._fleet, snapshot)
+        if not isinstance(snapshot, Snapshot):
+            raise SnapshotError(f"expected what Simulation.snapshot() gave, or its bytes, got {snapshot!r}")
         if not fits(self._fleet, snapshot):
             raise SnapshotError("this snapshot is of another simulation")
         if snapshot.seed != self.seed:

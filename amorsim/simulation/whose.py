@@ -15,7 +15,7 @@ from amorsim.core.errors import AmorsimError, ComponentError, ControllerError
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.simulation.moment import Moment
 
-__all__ = ["Whose", "is_finite", "of_drive"]
+__all__ = ["Whose", "array_problem", "is_finite", "of_drive"]
 
 _FEW = 16  # numbers
 _NAMED = 3  # robots in a message
@@ -91,6 +91,18 @@ class Whose:
 def _named(what: str, component: Any) -> str:
     """A component as messages call it; a class is told where it is not the whole of what is told."""
     return f"{what} ({type(component).__name__})"
+
+
+def array_problem(array: Any, what: str, shape: tuple[int, ...], by: str = "") -> str:
+    """What is wrong with something, returned `by`, that was to be an array of numbers of a shape; or nothing."""
+    source = f" from {by}" if by else ""
+    if not isinstance(array, np.ndarray):
+        return f"expected {what} of the shape {shape}{source}, got a {type(array).__name__}"
+    if array.shape != shape:
+        return f"expected {what} of the shape {shape}{source}, got the shape {array.shape}"
+    if array.dtype != np.float64:
+        return f"expected {what} of the type float64{source}, got {array.dtype}; .astype(np.float64) makes it so"
+    return ""
 
 
 def is_finite(array: npt.NDArray[np.float64]) -> bool:

@@ -64,6 +64,10 @@ def view(
         written.
     """
     check_extra()
+    if not isinstance(scenario, (Scenario, str, os.PathLike)):
+        raise AmorsimError(
+            f"scenario: expected a Scenario, a file, or the name of a bundled scenario, as 'demo', got {scenario!r}"
+        )
     if is_child():
         raise AmorsimError(
             "the window's simulation looks for a controller or motion in this file, and must not open a window of its "

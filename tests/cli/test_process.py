@@ -16,6 +16,15 @@ from amorsim.analysis.files import RunFiles
 from tests.studies import make_study
 
 SLOW = "import time\n\n\ndef drive(r, e, c, speed):\n    time.sleep(0.005)\n    return 1.0, -1.0\n"
+HANGS = """import pathlib
+
+
+def drive(r, e, c, speed):
+    if c.time > 0.25:
+        pathlib.Path(__file__).with_name("hangs").touch()
+        while True: pass
+    return 0.1, 0.0
+"""
 
 
 def begin(folder: Path, *arguments: str) -> subprocess.Popen[str]:
@@ -32,13 +41,18 @@ def begin_run(folder: Path, wait: float) -> subprocess.Popen[str]:
     """A run that goes on for long, and has done so for `wait` seconds."""
     make_study(folder / "study", SLOW)
     process = begin(folder, "run", "study/scenario.toml", "--duration", "3000", "--out", "run")
+    wait_for(process, folder / "run" / "sensors" / "sonar.csv")
+    time.sleep(wait)
+    return process
+
+
+def wait_for(process: subprocess.Popen[str], file: Path) -> None:
+    """Until a process has made a file."""
     deadline = time.monotonic() + 60.0
-    while not (folder / "run" / "sensors" / "sonar.csv").exists():
+    while not file.exists():
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < deadline
         time.sleep(0.02)
-    time.sleep(wait)
-    return process
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
@@ -55,6 +69,20 @@ def test_ctrl_c_leaves_whole_files_and_says_so(tmp_path: Path) -> None:
     for table in ("poses", "velocities", "commands", "sensors/laser", "estimates/dead_reckoning"):
         assert len(files.table(table)["time"]) == steps + 1, table
     assert (tmp_path / "run" / "picture.png").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_in_a_controller_that_does_not_return_says_where_it_was(tmp_path: Path) -> None:
+    make_study(tmp_path / "study", HANGS)
+    process = begin(tmp_path, "run", "study/scenario.toml", "--out", "run")
+    wait_for(process, tmp_path / "study" / "hangs")
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted\nthis did not return:\n" in err
+    assert "while True: pass" in err
+    assert "the files up to 0.3 s are in run" in err
+    assert json.loads((tmp_path / "run" / "run.json").read_text())["status"] == "interrupted"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")

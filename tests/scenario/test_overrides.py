@@ -3,6 +3,7 @@
 import pytest
 
 from amorsim.core.errors import ScenarioError
+from amorsim.scenario.read import load
 from amorsim.scenario.spec import Deviation
 
 TWO = """
@@ -129,3 +130,8 @@ def test_faults_of_settings_and_files_come_together(read):
         "test.toml",
         "--set robots.rover.drive.track=no",
     ]
+
+
+def test_one_setting_alone_is_not_taken_for_a_list_of_letters():
+    with pytest.raises(ScenarioError, match=r"expected a list of settings, as \['simulation.dt=0.2'\], got a text"):
+        load("demo", "simulation.dt=0.2")

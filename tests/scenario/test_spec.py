@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -47,3 +49,12 @@ def test_a_robot_without_a_pose_starts_where_the_map_says_or_where_most_room_is(
 def test_names_must_differ() -> None:
     with pytest.raises(am.ParameterError, match="two robots or obstacles are called 'rover'"):
         building.scenario(building.robot(), building.robot())
+
+
+@pytest.mark.parametrize("name", ["../../escaped", "a b", "", "laser.front", 5])
+def test_names_of_sensors_and_estimators_are_those_that_files_take(name: Any) -> None:
+    """They name a run's files, too: such a sensor's readings would be written outside of its folder."""
+    with pytest.raises(am.ParameterError, match=r"sensors: expected a name of letters, .*, got"):
+        building.robot(sensors={"encoder": building.encoder(), name: am.sensors.Laser()})
+    with pytest.raises(am.ParameterError, match=r"estimators: expected a name of letters, .*, got"):
+        building.robot(estimators={name: am.estimators.DeadReckoning()})

@@ -292,6 +292,52 @@ def test_a_reading_that_is_no_number_ends_the_run(make, message):
     assert re.search(pattern, str(error_of(make())))
 
 
+@attrs.frozen(kw_only=True)
+class OddNumbers(Noise, Estimator):
+    """Returns numbers of another type than the engine's."""
+
+    dtype: str = am.parameter("int64", help="of what it returns", static=True)
+
+    def corrupt(self, values, side, elapsed, state, draws):
+        return np.zeros_like(values, dtype=self.dtype)
+
+    def update(self, robot, readings, command, elapsed, state, draws):
+        return Estimate(np.zeros((robot.rows, 3), dtype=self.dtype), np.zeros((robot.rows, 3, 3)))
+
+
+@attrs.frozen(kw_only=True)
+class OddMotion(Motion):
+    def propose(self, view, dt, state, draws):
+        return np.zeros((view.rows, 3), dtype=np.float32)
+
+
+@attrs.frozen(kw_only=True)
+class OddCommand(Controller):
+    dtype: str = am.parameter("int64", help="of what it returns", static=True)
+
+    def command(self, robot, readings, estimate, clock, state, draws):
+        return np.zeros((robot.rows, 2), dtype=self.dtype)
+
+
+@pytest.mark.parametrize("dtype", ["int64", "float32", "object", "U3"])
+def test_numbers_of_another_type_are_refused_and_not_left_to_the_kernels(dtype):
+    odd = OddNumbers(dtype=dtype)
+    says = rf"of the type float64.*, got .*{'<U3' if dtype == 'U3' else dtype}; .astype\(np.float64\) makes it so"
+    for robot in (with_sensor(BadSensor(at=""), odd), building.robot(estimators={"mine": odd})):
+        assert re.search(says, str(error_of(robot)))
+
+
+def test_displacements_of_another_type_are_refused():
+    cat = Obstacle(name="cat", shape=Shape.circle(0.1), pose=am.Pose(x=4.0, y=4.0), motion=OddMotion())
+    assert "expected displacements of the type float64, got float32" in str(error_of(obstacles=(cat,)))
+
+
+def test_a_command_is_of_numbers_of_any_type():
+    simulate(building.robot(controller=OddCommand(dtype="int64")))
+    message = str(error_of(building.robot(controller=OddCommand(dtype="U3"))))
+    assert "expected a command of the shape (1, 2), got a <U3 array" in message
+
+
 def test_a_reading_may_be_inf():
     simulate(with_sensor(BadSensor(at="")))
 

@@ -92,6 +92,51 @@ def test_it_runs_for_no_time_below_zero_and_none_without_an_end(duration):
     assert sim.tick == 0
 
 
+@pytest.mark.parametrize("given", ["demo", None, am.Robot, {"robots": []}])
+def test_what_is_no_scenario_is_refused_with_a_word_of_how_to_get_one(given):
+    with pytest.raises(am.ParameterError, match=r"scenario: expected a Scenario, as am.load\('demo'\), got"):
+        am.Simulation(given)
+
+
+@pytest.mark.parametrize("replicas", ["3", None, 2.5, [0.5]])
+def test_replicas_are_a_number_or_numbers(replicas):
+    with pytest.raises(am.AmorsimError, match=r"expected a number of replicas > 0, or .* numbers.*, got"):
+        am.Simulation(building.scenario(), replicas=replicas)
+
+
+def test_names_and_paths_that_are_no_texts_are_refused_with_words():
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.AmorsimError, match="there is no robot 0, but: rover"):
+        sim.robot(0)
+    with pytest.raises(am.AmorsimError, match="there is no robot None, but: rover"):
+        sim.set(None, "drive.track", 0.3)
+    with pytest.raises(am.AmorsimError, match="robot 'rover', None: there is no parameter 'None', but: name, "):
+        sim.set("rover", None, 0.3)
+
+
+@pytest.mark.parametrize("pose", [am.Pose(x=1.0), 5, None, "abc", (1.0, 2.0), (1.0, 2.0, math.nan), ((1, 2, 3),)])
+def test_a_robot_is_put_at_three_finite_numbers_only(pose):
+    sim = am.Simulation(building.scenario())
+    before = sim.true_pose.tolist()
+    with pytest.raises(am.AmorsimError, match="robot 'rover': expected a pose of three finite numbers, got"):
+        sim.set_pose("rover", pose)
+    assert sim.true_pose.tolist() == before
+
+
+@pytest.mark.parametrize("given", [None, 5, "yesterday"])
+def test_what_is_no_snapshot_is_not_restored(given):
+    with pytest.raises(am.SnapshotError, match=r"expected what Simulation.snapshot\(\) gave, or its bytes, got"):
+        am.Simulation(building.scenario()).restore(given)
+
+
+@pytest.mark.parametrize("seed", ["a", -1, 2.5, 2**70])
+def test_a_simulation_begins_anew_from_a_seed_that_a_scenario_takes(seed):
+    sim = am.Simulation(building.scenario())
+    with pytest.raises(am.ParameterError, match=r"seed: expected a whole number >= 0"):
+        sim.reset(seed=seed)
+    assert sim.seed == 3
+
+
 def test_it_says_what_it_is():
     sim = am.Simulation(building.scenario(dt=0.1))
     assert repr(sim) == "<Simulation: 1 robot, 1 replica, seed 3, at 0 s>"

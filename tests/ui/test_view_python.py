@@ -208,3 +208,9 @@ def test_a_scenario_that_is_saved_keeps_its_map(tmp_path: Path) -> None:
     assert again.robots[0].knowledge.map is not None
     assert have_same_cells(again.map, world)
     assert (project / "first.wld").read_text() == "somebody else's"
+
+
+@pytest.mark.parametrize("given", [None, 5, am.Simulation])
+def test_what_can_be_shown_is_said_where_something_else_is_given(given: Any) -> None:
+    with pytest.raises(am.AmorsimError, match=r"scenario: expected a Scenario, a file, or the name of a bundled"):
+        am.view(given, browser=False)
