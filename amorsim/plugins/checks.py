@@ -38,9 +38,8 @@ def check_name(name: object) -> str:
     """What is wrong with a name to register under, or nothing."""
     if isinstance(name, str) and _NAME.fullmatch(name):
         return ""
-    return (
-        f"expected a name of letters, digits, '-' and '_' that begins with a letter (64 at most), got {in_words(name)}"
-    )
+    expected = "a name of letters, digits, '-' and '_' that begins with a letter (64 at most)"
+    return f"expected {expected}, got {in_words(name)}"
 
 
 def check_class(kind: str, contract: type, cls: Any) -> tuple[str, ...]:
