@@ -17,7 +17,7 @@ import amorsim as am
 from benchmarks import worlds
 from benchmarks.contest import Clock
 from benchmarks.ours import pioneer
-from benchmarks.results import Ratio, Row, ratio_of
+from benchmarks.results import Row
 from benchmarks.task import DT
 
 __all__ = ["measure"]
@@ -54,7 +54,7 @@ class Command(am.Controller):
 
 def _by_python(readings: Any, _estimate: Any, _clock: Any, speed: float = 0.1) -> tuple[float, float]:
     """A user's controller: one robot, plain Python."""
-    return speed, 0.05 if readings["laser"].min() > 0.3 else -0.05
+    return speed, 0.05 if readings["laser"].measured.min() > 0.3 else -0.05
 
 
 def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) -> list[Row]:
@@ -67,15 +67,18 @@ def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) 
             say(f"compositions: {replicas} rows, round {number + 1}")
             for name, simulation in sides.items():
                 found[name].append(_microseconds(simulation, 3 if quick else steps, clock))
-        for name, times in found.items():
-            ratio = None if name == _PLAIN else Ratio(spread=ratio_of(times, found[_PLAIN]), counts=True)
-            setting = f"{name}, {replicas} row{'s' if replicas > 1 else ''}"
-            rows.append(
-                Row(
-                    section=SECTION, setting=setting, side="amorsim", unit="us a step", rounds=tuple(times), ratio=ratio
-                )
-            )
+        plain = found.pop(_PLAIN)
+        where = f"{replicas} row{'s' if replicas > 1 else ''}"
+        rows.append(_row(f"{_PLAIN}, {where}", "us a step", plain))
+        rows += [
+            _row(f"{name}, {where}", "times as long", [a / b for a, b in zip(times, plain, strict=True)])
+            for name, times in found.items()
+        ]
     return rows
+
+
+def _row(setting: str, unit: str, rounds: list[float]) -> Row:
+    return Row(section=SECTION, setting=setting, side="amorsim", unit=unit, rounds=tuple(rounds))
 
 
 def _microseconds(simulation: am.Simulation, steps: int, clock: Clock) -> float:

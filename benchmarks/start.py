@@ -101,13 +101,13 @@ def _cold(rounds: int, folder: Path, say: Callable[[str], None]) -> list[Row]:
             "cold, the demo's first step",
             "amorsim",
             found,
-            "an empty cache: all kernels are compiled, in as many processes as there are cores",
+            "an empty cache: kernels are compiled as they are called, in one process",
         ),
         _row(
             "cold, the demo from start to end",
             "amorsim",
             whole,
-            "amorsim run demo --duration 0.1 with an empty cache: kernels compiled likewise, files and picture",
+            "amorsim run demo --duration 0.1 with an empty cache: kernels compiled in two processes, files and picture",
         ),
     ]
 

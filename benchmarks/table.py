@@ -71,7 +71,7 @@ def figure(value: float) -> str:
 
 
 def _is_own(row: Row) -> bool:
-    return row.section in ("memory", "start") or "costs" in row.note or row.side == "plain traversal"
+    return row.section in ("compositions", "memory", "start") or "costs" in row.note or row.side == "plain traversal"
 
 
 def _cells(row: Row) -> tuple[str, ...]:

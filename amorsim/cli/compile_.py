@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from amorsim.cli.console import compile_once, say
+from amorsim.cli.console import compile_all
 
 __all__ = ["command"]
 
@@ -18,5 +18,4 @@ def command(
 
     It takes about a minute, once after installing or updating. What is compiled already is kept.
     """
-    if not compile_once(lambda: None, quiet) and not quiet:
-        say("the kernels are compiled already")
+    compile_all(quiet, more=True)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from amorsim.kernels import COMPILING
 
-__all__ = ["compile_once", "complain", "say"]
+__all__ = ["compile_all", "compile_once", "complain", "say"]
 
 
 def say(text: str) -> None:
@@ -33,18 +33,23 @@ def compile_once(look: Callable[[], None], quiet: bool = False) -> bool:
     if not is_cold():
         return False
     look()
+    compile_all(quiet)
+    return True
+
+
+def compile_all(quiet: bool = False, more: bool = False) -> None:
+    """Compile what usual runs need, and show how far it is; see `amorsim.runs.warm`."""
     from amorsim.runs.warm import compile_kernels
 
     if quiet:
-        compile_kernels()
-        return True
+        compile_kernels(more=more)
+        return
     say(COMPILING)
     if not sys.stdout.isatty():
-        compile_kernels()
-        return True
+        compile_kernels(more=more)
+        return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
 
     with Progress(BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), transient=True) as bar:
         task = bar.add_task("")
-        compile_kernels(lambda done, total: bar.update(task, completed=done, total=total))
-    return True
+        compile_kernels(lambda done, total: bar.update(task, completed=done, total=total), more=more)

@@ -27,13 +27,21 @@ Progress = Callable[[int, int], None]
 LONGEST_SECOND = 600.0  # [s] that the second process gets from its start; what it leaves is compiled when first called
 
 
-def compile_kernels(progress: Progress | None = None) -> None:
+def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> None:
     """Compile the kernels of usual runs; `progress` is called with how many trials are done, and how many there are.
 
     Two processes share the work. This one returns when both have ended; the second is ended `LONGEST_SECOND` after its
     start.
+
+    Parameters
+    ----------
+    progress
+        Called at the beginning too.
+    more
+        Whether to compile what robots need that meet something, too.
     """
-    total, done, lock = len(_TRIALS), 0, threading.Lock()
+    first, second = (_FIRST + _MORE, _SECOND) if more else (_FIRST, _SECOND)
+    total, done, lock = len(first) + len(second), 0, threading.Lock()
 
     def one_more() -> None:
         nonlocal done
@@ -45,27 +53,31 @@ def compile_kernels(progress: Progress | None = None) -> None:
     if progress is not None:
         progress(0, total)
     if not sys.executable:  # a program that Python is part of may name none
-        _try_all(tuple(_TRIALS), one_more)
+        _try_all((*first, *second), one_more)
     else:
-        deadline = time.monotonic() + LONGEST_SECOND
-        with subprocess.Popen(_command(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as second:
-            try:
-                listener = threading.Thread(target=_listen, args=(second, one_more), daemon=True)
-                listener.start()
-                _try_all([name for name in _TRIALS if name not in _SECOND], one_more)
-                listener.join(max(0.0, deadline - time.monotonic()))
-                if listener.is_alive():
-                    second.kill()
-                    listener.join()
-            except BaseException:
-                second.kill()
-                raise
+        _try_in_two(first, second, one_more)
     mark_warm()
 
 
-def _command() -> list[str]:
+def _try_in_two(first: Sequence[str], second: Sequence[str], one_more: Callable[[], None]) -> None:
+    deadline = time.monotonic() + LONGEST_SECOND
+    with subprocess.Popen(_command(second), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            listener = threading.Thread(target=_listen, args=(process, one_more), daemon=True)
+            listener.start()
+            _try_all(first, one_more)
+            listener.join(max(0.0, deadline - time.monotonic()))
+            if listener.is_alive():
+                process.kill()
+                listener.join()
+        except BaseException:
+            process.kill()
+            raise
+
+
+def _command(names: Sequence[str]) -> list[str]:
     # -P: otherwise Python would look into the present folder first, where a user's struct.py may lie.
-    return [sys.executable, "-P", "-m", __spec__.name, *_SECOND]
+    return [sys.executable, "-P", "-m", __spec__.name, *names]
 
 
 def _listen(process: subprocess.Popen[str], one_more: Callable[[], None]) -> None:
@@ -82,16 +94,16 @@ def _try_all(names: Sequence[str], one_more: Callable[[], None]) -> None:
         one_more()
 
 
-def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors: bool) -> Scenario:
-    """Pioneers in a hall, with those of their sensors that are named."""
+def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors: Any) -> Scenario:
+    """Pioneers in a hall; `sensors` are tables of their laser and sonar, which they lack otherwise."""
     registry = default_registry()
     place = registry.file("scenario", "convoy").parent
-    robots: list[Mapping[str, Any]] = [
+    robots = [
         {
             "name": f"robot{number}",
             "model": "pioneer2dx",
             "pose": {"x": x, "y": y, "heading_deg": -90.0},
-            "sensors": {name: False for name in ("laser", "sonar") if not sensors.get(name)},
+            "sensors": {"laser": False, "sonar": False, **sensors},
             "controller": {"use": controller},
         }
         for number, (x, y) in enumerate(poses)
@@ -100,17 +112,18 @@ def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors
     return loads(document, place, registry=registry)
 
 
-# By name: what is simulated, and for how many steps.
+# By name: what is simulated, and for how many steps. Devices that are read together share one large kernel, which only
+# one of the processes should compile: so the robot that wanders looks along Bresenham's lines.
 _TRIALS: Mapping[str, Callable[[], tuple[Scenario, int]]] = {
-    "roll": lambda: (_pioneers((5.0, 3.0)), 1),
-    "scan": lambda: (_pioneers((5.0, 3.0), laser=True), 1),
-    "wander": lambda: (_pioneers((5.0, 3.0), controller="wander", laser=True), 2),
-    "collide": lambda: (_pioneers((5.0, 0.6), (5.0, 1.3), controller="square"), 15),
-    "hear": lambda: (_pioneers((5.0, 3.0), sonar=True), 1),
-    "meet": lambda: (_pioneers((5.0, 3.0), (5.0, 4.0), laser=True, sonar=True), 1),
+    "look": lambda: (_pioneers((5.0, 3.0), laser={}, sonar={}), 1),
+    "wander": lambda: (_pioneers((5.0, 3.0), controller="wander", laser={"traversal": "bresenham"}), 2),
     "demo": lambda: (load("demo"), 2),
+    "collide": lambda: (_pioneers((5.0, 0.6), (5.0, 1.3), controller="square"), 40),
+    "meet": lambda: (_pioneers((5.0, 3.0), (5.0, 4.0), laser={}, sonar={}), 1),
 }
-_SECOND = ("collide", "hear")
+_FIRST: tuple[str, ...] = ("look", "demo")
+_SECOND: tuple[str, ...] = ("wander",)
+_MORE: tuple[str, ...] = ("collide", "meet")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from tests.cli.conftest import Command
 def just_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where nothing has been compiled yet; whoever begins to compile fails."""
 
-    def compile_kernels(*_: object) -> None:
+    def compile_kernels(*_: object, more: bool = False) -> None:
         raise AssertionError("compiled for nothing")
 
     monkeypatch.setattr("amorsim.kernels.cache_folder.is_cold", lambda: True)

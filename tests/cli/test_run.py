@@ -191,7 +191,7 @@ def test_the_progress_bar_is_drawn_on_a_terminal(
 def test_compiling_is_announced(amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compiled: list[bool] = []
     monkeypatch.setattr("amorsim.kernels.cache_folder.is_cold", lambda: True)
-    monkeypatch.setattr("amorsim.runs.warm.compile_kernels", lambda *_: compiled.append(True))
+    monkeypatch.setattr("amorsim.runs.warm.compile_kernels", lambda *_, more=False: compiled.append(True))
     assert amorsim("run", study, "--duration", "0.1").out.startswith("compiling the kernels, once")
     assert compiled == [True]
     assert amorsim("run", study, "--duration", "0.1", "-q").out == ""

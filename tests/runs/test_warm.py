@@ -7,6 +7,7 @@ import time
 
 import pytest
 
+import amorsim as am
 from amorsim.runs import warm
 
 
@@ -21,13 +22,37 @@ def tried(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_a_second_process_that_does_not_end_is_ended(tried: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     endless = [sys.executable, "-c", "import time; time.sleep(60)"]
-    monkeypatch.setattr(warm, "_command", lambda: endless)
+    monkeypatch.setattr(warm, "_command", lambda names: endless)
     monkeypatch.setattr(warm, "LONGEST_SECOND", 0.3)
     started = time.monotonic()
     warm.compile_kernels()
     assert time.monotonic() - started < 20.0
-    assert "roll" in tried
+    assert tried == ["look", "demo"]
 
 
 def test_the_second_process_does_not_look_into_the_present_folder() -> None:
-    assert warm._command()[1] == "-P"
+    assert warm._command(["wander"])[1] == "-P"
+
+
+def test_every_trial_is_made_once_and_counted(tried: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[list[str]] = []
+
+    def command(names: list[str]) -> list[str]:
+        asked.append(list(names))
+        return [sys.executable, "-c", "print('done')"]
+
+    monkeypatch.setattr(warm, "_command", command)
+    monkeypatch.setattr(warm, "_try_all", lambda some, one_more: [one_more() for _ in some] and tried.extend(some))
+    counted: list[tuple[int, int]] = []
+    warm.compile_kernels(lambda done, total: counted.append((done, total)), more=True)
+    assert sorted(tried + asked[0]) == sorted(warm._TRIALS)
+    assert counted == [(done, 5) for done in range(6)]
+
+
+@pytest.mark.parametrize("name", list(warm._TRIALS))
+def test_a_trial_simulates_what_it_is_for(name: str) -> None:
+    scenario, steps = warm._TRIALS[name]()
+    simulation = am.Simulation(scenario)
+    simulation.run(steps * scenario.dt)
+    met = {event.other for event in simulation.events if event.kind == "collision"}
+    assert met == ({"wall", "robot0", "robot1"} if name == "collide" else set())
