@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
-from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, social_forces
+from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, Passers, Walls, range_of, social_forces
 from amorsim.motions.ways import blocked_for, displacement, facing
 
 __all__ = ["Pedestrian"]
@@ -160,7 +160,6 @@ class Pedestrian(Motion):
 
     def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float) -> Array:
         """Accelerations by others and walls [m/s^2] `(N, 2)`, `ahead` [s] from now."""
-        bodies = view.bodies()
         level: Array = np.zeros((view.rows, 3))  # glances count from the world's x axis
         level[:, :2] = view.body_pose[:, :2]
         look: Array = np.empty((view.rows, 1))
@@ -168,25 +167,25 @@ class Pedestrian(Motion):
         push = np.maximum(self.wall_strength / self.wall_range / NEGLIGIBLE, 2.0)
         look[:] = self.wall_range * np.log(push) + 2.0 * ahead * self.speed
         walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)
-        heeded = np.ones((view.rows, len(bodies.reach)), dtype=bool)
-        if not self.avoid_robots:
-            heeded = heeded & ~bodies.is_robot
         half = np.cos(0.5 * self.sight)
-        others, wall = (self.strength, self.range, self.step), (self.wall_strength, self.wall_range)
-        relative = np.full((view.rows, 1), float(self.relative))
-        parts = (*others, *wall, half, self.behind, relative, np.full((view.rows, 1), ahead))
+        relative, later = np.full((view.rows, 1), float(self.relative)), np.full((view.rows, 1), ahead)
+        heeds_robots = np.full((view.rows, 1), float(self.avoid_robots))
+        strength, width, step = np.asarray(self.strength), np.asarray(self.range), np.asarray(self.step)
+        by_walls = (self.wall_strength, self.wall_range)
+        parts = (strength, width, step, *by_walls, half, self.behind, relative, later, heeds_robots)
         numbers = np.concatenate([np.asarray(part) for part in parts], axis=1)
+        pace = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
+        near = view.neighbours(range_of(strength, width, step, relative, later, pace), step + later)
+        passers = Passers(near.poses, near.twists, near.reach, near.is_robot)
         out = np.empty((view.rows, 2))
         social_forces(
-            np.ascontiguousarray(bodies.poses),
-            np.ascontiguousarray(bodies.twists),
-            np.ascontiguousarray(bodies.reach),
-            heeded,
-            bodies.own,
+            passers,
+            near.own,
+            near.first,
+            near.body,
             np.ascontiguousarray(velocity),
             np.ascontiguousarray(wanted),
-            walls,
-            _TABLE,
+            Walls(walls, _TABLE),
             numbers,
             out,
         )
