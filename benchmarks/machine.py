@@ -10,7 +10,7 @@ from pathlib import Path
 
 __all__ = ["circumstances"]
 
-_PACKAGES = ("amorsim", "numpy", "numba", "ir-sim", "navground", "raycast2D", "vmas", "torch")
+_PACKAGES = ("amorsim", "numpy", "numba", "ir-sim", "navground", "raycast2D", "vmas", "torch", "jupedsim")
 
 
 def circumstances() -> dict[str, str]:
