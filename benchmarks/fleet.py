@@ -55,13 +55,13 @@ def _settings(quick: bool) -> list[_Setting]:
         ),
         _Setting(name="one Pioneer, open field", world=worlds.open_field, robots=1, steps=60, with_pioneer=True),
         _Setting(name="10 discs, office", world=worlds.office, robots=10, steps=30),
+        _Setting(name="10 discs, furnished office", world=worlds.furnished_office, robots=10, steps=10),
         _Setting(name="100 replicas of a disc, line room", world=worlds.line_room, robots=1, steps=20, replicas=100),
     ]
     if not quick:
         found += [
             _Setting(name="100 discs, office", world=worlds.office, robots=100, steps=10),
             _Setting(name="1000 discs, office", world=worlds.office, robots=1000, steps=4),
-            _Setting(name="100 discs, furnished office", world=worlds.furnished_office, robots=100, steps=10),
             _Setting(name="100 discs, open field", world=lambda: worlds.open_field(50.0), robots=100, steps=10),
             _Setting(
                 name="1000 replicas of a disc, line room", world=worlds.line_room, robots=1, steps=10, replicas=1000
