@@ -19,6 +19,7 @@ __all__ = ["Pedestrian"]
 Array = npt.NDArray[np.float64]
 
 _RAYS = 24
+_WORK = 60  # rays that the forces on a pedestrian cost as much as
 _BEARINGS: Array = np.array([2.0 * math.pi * ray / _RAYS for ray in range(_RAYS)])
 _TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
 
@@ -95,7 +96,7 @@ class Pedestrian(Motion):
         # His velocity in the middle of the step, by the force of the one before.
         target = free + self.relaxation * state["force"]
         middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation)
-        force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt)
+        force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt, draws)
         target = free + self.relaxation * force
         after, way = self._relaxed(velocity, target, dt, normal[:, 1:])
         most = 1.3 * state["speed"]
@@ -158,7 +159,7 @@ class Pedestrian(Motion):
         rows = np.arange(len(goals))[:, None]
         return goals[rows, goal, 0] - view.body_pose[:, :1], goals[rows, goal, 1] - view.body_pose[:, 1:2]
 
-    def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float) -> Array:
+    def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float, draws: Draws) -> Array:
         """Accelerations by others and walls [m/s^2] `(N, 2)`, `ahead` [s] from now."""
         level: Array = np.zeros((view.rows, 3))  # glances count from the world's x axis
         level[:, :2] = view.body_pose[:, :2]
@@ -177,17 +178,11 @@ class Pedestrian(Motion):
         pace = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
         near = view.neighbours(range_of(strength, width, step, relative, later, pace), step + later)
         passers = Passers(near.poses, near.twists, near.reach, near.is_robot)
+        mine = np.ascontiguousarray(velocity), np.ascontiguousarray(wanted), Walls(walls, _TABLE), numbers
         out = np.empty((view.rows, 2))
-        social_forces(
-            passers,
-            near.own,
-            near.first,
-            near.body,
-            np.ascontiguousarray(velocity),
-            np.ascontiguousarray(wanted),
-            Walls(walls, _TABLE),
-            numbers,
-            out,
+        draws.share(
+            _WORK,
+            lambda begin, end: social_forces(passers, near.own, near.first, near.body, *mine, begin, end, out),
         )
         return out
 

@@ -59,7 +59,7 @@ def call(poses, twists, reach, heeded, own, wanted, walls, bearings, relative=Fa
     first = np.concatenate(([0], np.cumsum(looked_at.sum(axis=1))))
     body = np.flatnonzero(looked_at)
     mine = np.arange(rows) * bodies + own
-    social_forces(passers, mine, first, body, velocity, wanted, Walls(walls, bearings), numbers, out)
+    social_forces(passers, mine, first, body, velocity, wanted, Walls(walls, bearings), numbers, 0, len(out), out)
     return out
 
 
@@ -182,7 +182,7 @@ def test_robots_count_if_they_are_heeded() -> None:
             out = np.empty((1, 2))
             numbers = np.array([[*NUMBERS, 0.0, 0.0, heeded]])
             social_forces(
-                passers, own, first, body, np.zeros((1, 2)), np.eye(2)[:1], Walls(walls, bearings), numbers, out
+                passers, own, first, body, np.zeros((1, 2)), np.eye(2)[:1], Walls(walls, bearings), numbers, 0, 1, out
             )
             forces[heeded, robot] = out
     assert not forces[0.0, True].any()

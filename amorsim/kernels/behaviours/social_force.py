@@ -63,6 +63,8 @@ def social_forces(
     wanted: Floats,
     walls: Walls,
     numbers: Floats,
+    begin: int,
+    end: int,
     out: Floats,
 ) -> None:
     """Accelerations [m/s^2] by which others and walls repel pedestrians, some time ahead, as all go on as they do.
@@ -90,6 +92,8 @@ def social_forces(
         strength and range of that by walls, cosine of half the angle of sight, weight of what is out of it, how
         much of his own step is taken from theirs (0 or 1), how far ahead [s] the forces are asked for, and whether
         robots count (0 or 1).
+    begin, end
+        The pedestrians that are worked on.
     out
         (N, 2) the sums, in order of body, then of bearing.
     """
@@ -99,7 +103,7 @@ def social_forces(
     # Velocities over the ground and speeds, each worked out when it is first needed.
     over_ground = np.empty((reach.shape[0], 3))
     known = np.zeros(reach.shape[0], dtype=np.bool_)
-    for n in range(own.shape[0]):
+    for n in range(begin, end):
         strength, width, ahead = numbers[n, 0], numbers[n, 1], numbers[n, 2]
         wall_strength, wall_width = numbers[n, 3], numbers[n, 4]
         later = numbers[n, 8]
