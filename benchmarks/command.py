@@ -9,16 +9,17 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, fleet, memory, rays, start
+from benchmarks import compositions, crowd, fleet, memory, mixed, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
+from benchmarks.published import BESIDE
 from benchmarks.results import Row, as_json
 from benchmarks.table import as_text
 
 __all__ = ["main"]
 
-SECTIONS = ("rays", "fleet", "compositions", "memory", "start")
+SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start")
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
@@ -42,18 +43,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if "rays" in given.only:
         rows, plain_rates = rays.measure(given.rounds, given.quick, clock, say)
     if "fleet" in given.only:
-        if not plain_rates:
-            plain_rates = rays.yardstick(given.rounds, given.quick, clock, say)
-        rows += fleet.measure(given.rounds, given.quick, peers, plain_rates, clock, say, given.threads)
+        rows += fleet.measure(given.rounds, given.quick, peers, clock, say, given.threads)
     if "compositions" in given.only:
-        rows += compositions.measure(given.rounds, given.quick, clock, say)
+        rows += compositions.measure(given.rounds, given.quick, peers, clock, say)
+    if "mixed" in given.only:
+        rows += mixed.measure(given.rounds, given.quick, clock, say)
+    if "crowd" in given.only:
+        rows += crowd.measure(given.rounds, given.quick, clock, say)
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
     if "start" in given.only:
         rows += start.measure(given.rounds, given.quick, peers, clock, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])
     about["took"] = f"{time.perf_counter() - began:.0f} s, {given.rounds} rounds"
-    text = as_text(rows, about, command.strip(), plain_rates, missing)
+    text = as_text(rows, about, command.strip(), plain_rates, [*missing, *BESIDE])
     given.out.mkdir(parents=True, exist_ok=True)
     (given.out / "table.txt").write_text(text, encoding="utf-8")
     document = {

@@ -1,7 +1,8 @@
-"""Running sides in turn, round after round, each watched while it is timed."""
+"""Running sides in turn, round after round: each watched once, and then timed in the same loop as all others."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Protocol
 
@@ -9,10 +10,10 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.results import Conduct, mean_range
-from benchmarks.task import BEAMS, RANGE_MAX, Track
+from benchmarks.results import AGREEMENT, Conduct, mean_range
+from benchmarks.task import BEAMS, RANGE_MAX, RANGE_STD, Track
 
-__all__ = ["Clock", "Pass", "Side", "drive", "followed", "track_conduct"]
+__all__ = ["Clock", "Pass", "Seen", "Side", "Watched", "drive", "strayed", "track_conduct", "watch"]
 
 Array = npt.NDArray[np.float64]
 Clock = Callable[[], float]
@@ -47,8 +48,20 @@ class Pass:
     seconds: float
 
 
+@attrs.frozen(kw_only=True, eq=False)
+class Seen:
+    """What a side did while it was watched, and where that left it: a timed drive must end there too."""
+
+    conduct: Conduct
+    scan: Array
+    poses: Array
+
+
 def drive(side: Side, steps: int, at_least: float, clock: Clock) -> Pass:
-    """Make `steps` steps from the start, again and again until `at_least` seconds have been timed."""
+    """Make `steps` steps from the start, again and again until `at_least` seconds have been timed.
+
+    All sides are timed by this loop, with nothing between the steps.
+    """
     made, seconds = 0, 0.0
     while seconds < at_least or not made:
         side.reset()
@@ -60,33 +73,34 @@ def drive(side: Side, steps: int, at_least: float, clock: Clock) -> Pass:
     return Pass(steps=made, seconds=seconds)
 
 
-def followed(side: Watched, steps: int, at_most: float, clock: Clock) -> tuple[Pass, Conduct]:
-    """Make up to `steps` steps from the start, but no new one after `at_most` seconds; and what was seen and driven.
+def watch(side: Watched, steps: int, at_most: float) -> Seen:
+    """What a side sees and drives in up to `steps` steps from the start, but in no new one after `at_most` seconds.
 
-    Only the steps are timed. A scan counts as evaluated if it has all beams and is not the last one over again,
-    where the robot has moved.
+    A scan counts as evaluated if it has all beams and is not the last one over again, where the robot has moved and
+    sees something.
     """
     side.reset()
     before, last = side.poses(), None
     ranges, way, stopped = [], 0.0, 0.0
-    seconds, made, all_beams = 0.0, 0, True
+    made, all_beams = 0, True
+    began = time.perf_counter()
     for index in range(steps):
-        started = clock()
         side.step(index)
-        seconds += clock() - started
         made += 1
         scan, after = side.ranges(), side.poses()
         moved = np.abs(after - before).max(axis=1) > 1e-6
         all_beams &= scan.shape == (len(after), BEAMS)
         if last is not None and scan.shape == last.shape:
-            all_beams &= bool((scan != last).any(axis=1)[moved].all())
+            is_new = (scan != last).any(axis=1) | ~(scan < RANGE_MAX).any(axis=1)
+            all_beams &= bool(is_new[moved].all())
         ranges.append(mean_range(scan, RANGE_MAX))
         way += float(np.hypot(*(after - before)[:, :2].T).mean())
         stopped += float(1.0 - moved.mean())
         before, last = after, scan
-        if seconds > at_most:
+        if time.perf_counter() - began > at_most:
             break
-    return Pass(steps=made, seconds=seconds), Conduct(
+    assert last is not None
+    conduct = Conduct(
         first_range=ranges[0],
         mean_range=float(np.mean(ranges)),
         distance=way,
@@ -94,6 +108,21 @@ def followed(side: Watched, steps: int, at_most: float, clock: Clock) -> tuple[P
         steps=made,
         all_beams=all_beams,
     )
+    return Seen(conduct=conduct, scan=last, poses=before)
+
+
+def strayed(side: Watched, seen: Seen) -> str:
+    """How a timed drive ended elsewhere than the one that was watched, or without its scan; nothing if it did not.
+
+    Scans may differ by their noise.
+    """
+    poses, scan = side.poses(), side.ranges()
+    if np.abs(poses - seen.poses).max() > 1e-3:
+        return "timed, it did not go the way that was watched"
+    if scan.shape != seen.scan.shape:
+        return "timed, it did not make the scans that were watched"
+    far = np.abs(np.minimum(scan, RANGE_MAX) - np.minimum(seen.scan, RANGE_MAX)) > 20.0 * RANGE_STD
+    return "timed, it did not make the scans that were watched" if far.mean() > AGREEMENT else ""
 
 
 def track_conduct(track: Track, steps: int, lag: int = 0) -> Conduct:

@@ -11,7 +11,7 @@ from amorsim.runs.machine import processor
 
 __all__ = ["circumstances"]
 
-_PACKAGES = ("amorsim", "numpy", "numba", "ir-sim", "navground", "raycast2D", "vmas", "torch")
+_PACKAGES = ("amorsim", "numpy", "numba", "ir-sim", "navground", "raycast2D", "vmas", "torch", "jupedsim")
 
 
 def circumstances() -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import attrs
@@ -14,7 +15,7 @@ from benchmarks.results import mean_range
 from benchmarks.task import DT, RADIUS, RANGE_MAX, RANGE_STD, Task, Track
 from benchmarks.worlds import World
 
-__all__ = ["DISCS", "PIONEER", "Ours", "disc", "pioneer"]
+__all__ = ["DISCS", "PIONEER", "Ours", "UnderWay", "disc", "given", "pioneer"]
 
 Array = npt.NDArray[np.float64]
 
@@ -57,13 +58,43 @@ def disc(name: str, pose: Array) -> am.Robot:
     )
 
 
+@functools.cache  # robots of one group have controllers of one class
+def given(*values: float) -> am.Controller:
+    """A controller that gives one command for ever, without a thought."""
+
+    @attrs.frozen(kw_only=True)
+    class Given(am.Controller):
+        def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Array:
+            return np.tile(values, (robot.rows, 1))
+
+    return Given()
+
+
+class UnderWay:
+    """A simulation that has made some steps, and goes back to there."""
+
+    def __init__(self, simulation: am.Simulation, steps: int = _UNDER_WAY) -> None:
+        self.simulation = simulation
+        for _ in range(steps):
+            simulation.step()
+        self._start: Snapshot = simulation.snapshot()
+
+    def reset(self) -> None:
+        """Go back to the start of the contest, to the bit."""
+        self.simulation.restore(self._start)
+
+    def step(self, index: int) -> None:
+        """One step."""
+        self.simulation.step()
+
+
 class Ours:
     """A simulation under way, that can be put back to where a contest starts."""
 
-    def __init__(self, world: World, robots: list[am.Robot], threads: int = 1) -> None:
-        self._world, self._robots, self._threads = world, robots, threads
+    def __init__(self, world: World, robots: list[am.Robot], threads: int = 1, replicas: int = 1) -> None:
+        self._world, self._robots, self._threads, self._replicas = world, robots, threads, replicas
         scenario = am.Scenario(map=world.map, robots=robots, dt=DT, seed=11)
-        self.simulation = am.Simulation(scenario, threads=threads)
+        self.simulation = am.Simulation(scenario, threads=threads, replicas=replicas)
         self._commands = [self._stepped() for _ in range(_UNDER_WAY)]
         self._start: Snapshot = self.simulation.snapshot()
 
@@ -78,7 +109,8 @@ class Ours:
         self.reset()
         commands = np.array([*self._commands, *(self._stepped() for _ in range(steps))])
         controller = _repeating(commands)
-        return Ours(self._world, [attrs.evolve(robot, controller=controller) for robot in self._robots], self._threads)
+        robots = [attrs.evolve(robot, controller=controller) for robot in self._robots]
+        return Ours(self._world, robots, self._threads, self._replicas)
 
     def reset(self) -> None:
         """Go back to the start of the contest, to the bit."""

@@ -14,7 +14,7 @@ from benchmarks.peers.raycast2d import COMPUTES, Raycast2D
 from benchmarks.results import Conduct, Ratio, Row, compare, mean_range, ratio_of
 from benchmarks.task import BEAMS, FOV, RANGE_MAX
 
-__all__ = ["measure", "same_bits", "yardstick"]
+__all__ = ["measure", "same_bits"]
 
 Array = npt.NDArray[np.float64]
 
@@ -62,12 +62,6 @@ def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) 
         )
     rows += _raycast2d(worlds.office(), rounds, quick, clock, say)
     return rows, plain_rates
-
-
-def yardstick(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) -> tuple[float, ...]:
-    """The plain traversal's rays a second on the office alone, by which published figures are scaled."""
-    _, rates = _by_size(worlds.office(), rounds, quick, clock, say)
-    return rates
 
 
 def _by_size(

@@ -62,7 +62,7 @@ class Ratio:
 class Row:
     """One line of the table: one side in one setting."""
 
-    section: str  # rays, fleet, memory, start
+    section: str  # one of `benchmarks.command.SECTIONS`
     setting: str
     side: str
     unit: str

@@ -13,6 +13,8 @@ _TITLES = {
     "rays": "Ray casting",
     "fleet": "Robot-steps",
     "compositions": "What a robot costs that differs from the shipped Pioneer in one thing",
+    "mixed": "A mixed fleet",
+    "crowd": "A crowd",
     "memory": "Memory and loading",
     "start": "Start-up and files",
 }
@@ -71,7 +73,11 @@ def figure(value: float) -> str:
 
 
 def _is_own(row: Row) -> bool:
-    return row.section in ("compositions", "memory", "start") or "costs" in row.note or row.side == "plain traversal"
+    return (
+        row.section in ("compositions", "mixed", "crowd", "memory", "start")
+        or "costs" in row.note
+        or row.side == "plain traversal"
+    )
 
 
 def _cells(row: Row) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 import amorsim as am
 
 __all__ = [
+    "HALL",
     "World",
     "bitmap_room",
     "city",
@@ -20,6 +21,8 @@ __all__ = [
     "furnished_office",
     "line_room",
     "office",
+    "office_with_hall",
+    "open_field",
     "places",
     "room_walls",
     "write_wld",
@@ -137,6 +140,31 @@ def furnished_office(side: float = 50.0) -> World:
         map=am.Map.from_array(cells, resolution=OFFICE_CELL),
         walls=_borders(cells, OFFICE_CELL),
     )
+
+
+HALL = (10.0, 10.0, 40.0, 40.0)
+"""Of `office_with_hall` [m]: least x and y, most x and y."""
+
+
+@functools.cache
+def office_with_hall() -> World:
+    """The office of 50 m with a hall in place of thirty-six rooms, where cars can turn."""
+    cells = office().cells.copy()
+    low, end = round(HALL[0] / OFFICE_CELL), round(HALL[2] / OFFICE_CELL)
+    cells[low + 1 : end, low + 1 : end] = 0
+    return World(
+        name="office of 50 m with a hall, 5 cm",
+        map=am.Map.from_array(cells, resolution=OFFICE_CELL),
+        walls=_borders(cells, OFFICE_CELL),
+    )
+
+
+@functools.cache
+def open_field(side: float = 30.0) -> World:
+    """A square field with a fence around it, and nothing else, in cells of 5 cm."""
+    fence = np.array(_rectangle(0.0, 0.0, side, side))
+    field = am.Map.from_segments(fence, resolution=OFFICE_CELL, extent=(0.0, 0.0, side, side))
+    return World(name=f"open field of {side:.3g} m", map=field, walls=fence)
 
 
 def city_walls(side: float) -> Array:

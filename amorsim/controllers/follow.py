@@ -22,7 +22,7 @@ from amorsim.contracts import (
 from amorsim.controllers.driving import Course, abilities
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
-from amorsim.kernels.behaviours.pure_pursuit import follow_trail
+from amorsim.kernels.behaviours.pure_pursuit import Pace, follow_trail
 from amorsim.kernels.kinematics.poses import directions
 
 __all__ = ["Follow"]
@@ -117,10 +117,7 @@ class Follow(Controller):
             self.gap,
             self.gain,
             self.lookahead,
-            self.speed,
-            self.turn_rate,
-            state["limits"],
-            state["curvature"],
+            Pace(self.speed, self.turn_rate, state["limits"], state["curvature"]),
             self.patience,
             _SPACING,
             clock.dt,

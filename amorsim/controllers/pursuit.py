@@ -22,7 +22,7 @@ from amorsim.contracts import (
 from amorsim.controllers.driving import Course, abilities, at_rest, heading_poses
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
-from amorsim.kernels.behaviours.pure_pursuit import pursue
+from amorsim.kernels.behaviours import pure_pursuit
 
 __all__ = ["Pursuit"]
 
@@ -171,18 +171,12 @@ class Pursuit(Controller):
         """The command `(N, c)` of this step; at the end, to stand still."""
         course = Course.of(robot, readings, estimate)
         twist = np.empty((robot.rows, 3))
-        pursue(
+        pure_pursuit.pursue(
             course.poses,
-            state["path"],
-            state["along"],
-            state["stops"],
-            self.loop,
+            pure_pursuit.Course(state["path"], state["along"], state["stops"], self.loop),
             self.lookahead,
-            self.speed,
-            self.turn_rate,
             self.tolerance,
-            state["limits"],
-            state["curvature"],
+            pure_pursuit.Pace(self.speed, self.turn_rate, state["limits"], state["curvature"]),
             clock.dt,
             state["progress"],
             state["way"],

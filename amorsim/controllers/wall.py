@@ -23,6 +23,7 @@ from amorsim.contracts import (
 from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.controllers.driving import command_along, curvature_max, joints_of, twist_limits
 from amorsim.core.errors import ComponentError
+from amorsim.kernels.behaviours.free_space import Sight
 from amorsim.kernels.behaviours.wall_following import follow_wall
 
 __all__ = ["FollowWall"]
@@ -102,10 +103,12 @@ class FollowWall(Controller):
         is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
         twist = np.empty((robot.rows, 3))
         follow_wall(
-            readings[self.sensor].measured,
-            turned_beams(robot, state["beams"], joints),
-            state["half_angle"],
-            _ARC_SAMPLES if is_cone else 1,
+            Sight(
+                readings[self.sensor].measured,
+                turned_beams(robot, state["beams"], joints),
+                state["half_angle"],
+                _ARC_SAMPLES if is_cone else 1,
+            ),
             float(np.abs(robot.shape.outline[:, 1]).max()) + _MARGIN,
             1.0 if self.side == "left" else -1.0,
             self.distance,

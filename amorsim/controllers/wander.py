@@ -33,6 +33,7 @@ from amorsim.controllers.driving import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
 from amorsim.kernels.behaviours import wandering, wandering_car
+from amorsim.kernels.behaviours.free_space import Sight
 from amorsim.kernels.random.philox import fill_uniform
 
 __all__ = ["Wander"]
@@ -43,6 +44,7 @@ _PLACES = 32  # that the robot remembers, 0.7 m apart
 _SWAY_MAX = math.radians(2.0)
 _GAP_MAX = math.radians(30.0)  # a blind angle that a robot may have which sees all around
 _WORK = 40  # rays that deciding for a robot costs as much as
+_CAR_WORK = 400  # the same of a car
 _WAY = 256  # places on its way that a car remembers
 _SEEN = 512  # points that it keeps in mind
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
@@ -135,54 +137,47 @@ class Wander(Controller):
         joints = joints_of(robot, readings)
         is_cone = hasattr(robot.sensors[self.sensor].sensor, "half_angle")
         twist = np.empty((robot.rows, 3))
-        asked = (
+        sight = Sight(
             reading.measured,
-            reading.age,
-            heading_poses(robot, estimate.pose, joints),
             turned_beams(robot, state["beams"], joints),
             state["half_angle"],
             _ARC_SAMPLES if is_cone else 1,
-            state["body"],
-            self.speed,
-            self.turn_rate,
-            self.clearance,
-            *draws.reserve(2),
-            clock.dt,
-            state["memory"],
-            state["trail"],
         )
-        if state["way"].shape[1]:
-            wandering.wander(*asked, 0, robot.rows, twist)
-            twist = np.where(np.isinf(state["curvature"]), twist, self._as_cars(robot, asked, state))
-            return command_along(robot, twist, joints)
-        draws.share(_WORK, lambda first, end: wandering.wander(*asked, first, end, twist))
+        poses = heading_poses(robot, estimate.pose, joints)
+        wish = wandering.Wish(self.speed, self.turn_rate, self.clearance)
+        chance = wandering.Chance(*draws.reserve(2))
+        turns = np.isinf(state["curvature"])
+        if turns.any():
+            mine = reading.age, poses, state["body"], wish, chance, clock.dt, state["memory"], state["trail"]
+            draws.share(_WORK, lambda first, end: wandering.wander(sight, *mine, first, end, twist))
+        if not turns.all():
+            cars = self._as_cars(robot, sight, poses, wish, chance, clock.dt, state, draws)
+            twist = np.where(turns, twist, cars)
         return command_along(robot, twist, joints)
 
-    def _as_cars(self, robot: RobotModel, asked: Any, state: State) -> Array:
+    def _as_cars(
+        self,
+        robot: RobotModel,
+        sight: Sight,
+        poses: Array,
+        wish: wandering.Wish,
+        chance: wandering.Chance,
+        dt: float,
+        state: State,
+        draws: Draws,
+    ) -> Array:
         """The twists `(N, 3)` of robots that cannot turn in place."""
-        readings, _, poses, beams, half_angle, samples, body, speed, _, clearance, keys, counter, block, dt, *_ = asked
         outline, twist, uniform = robot.shape.outline, np.empty((robot.rows, 3)), np.empty((robot.rows, 2))
-        fill_uniform(keys, counter, block, uniform)
-        wandering_car.wander_car(
-            readings,
-            poses,
-            beams,
-            half_angle,
-            samples,
+        fill_uniform(*chance, uniform)
+        body = wandering_car.CarBody(
             float(outline[:, 0].max()),
             float(outline[:, 0].min()),
             float(np.abs(outline[:, 1]).max()),
-            speed,
-            clearance,
-            np.ascontiguousarray(body[:, 2:6]),
+            np.ascontiguousarray(state["body"][:, 2:6]),
             np.minimum(state["curvature"], 1e3),
-            uniform,
-            dt,
-            state["car"],
-            state["way"],
-            state["seen"],
-            twist,
         )
+        mine = poses, body, wish, uniform, dt, state["car"], state["way"], state["seen"]
+        draws.share(_CAR_WORK, lambda first, end: wandering_car.wander_car(sight, *mine, first, end, twist))
         return twist
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
-from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, social_forces
+from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, Passers, Walls, range_of, social_forces
 from amorsim.motions.ways import blocked_for, displacement, facing
 
 __all__ = ["Pedestrian"]
@@ -19,6 +19,7 @@ __all__ = ["Pedestrian"]
 Array = npt.NDArray[np.float64]
 
 _RAYS = 24
+_WORK = 60  # rays that the forces on a pedestrian cost as much as
 _BEARINGS: Array = np.array([2.0 * math.pi * ray / _RAYS for ray in range(_RAYS)])
 _TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
 
@@ -95,7 +96,7 @@ class Pedestrian(Motion):
         # His velocity in the middle of the step, by the force of the one before.
         target = free + self.relaxation * state["force"]
         middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation)
-        force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt)
+        force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt, draws)
         target = free + self.relaxation * force
         after, way = self._relaxed(velocity, target, dt, normal[:, 1:])
         most = 1.3 * state["speed"]
@@ -158,9 +159,8 @@ class Pedestrian(Motion):
         rows = np.arange(len(goals))[:, None]
         return goals[rows, goal, 0] - view.body_pose[:, :1], goals[rows, goal, 1] - view.body_pose[:, 1:2]
 
-    def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float) -> Array:
+    def _forces(self, view: View, velocity: Array, wanted: Array, ahead: float, draws: Draws) -> Array:
         """Accelerations by others and walls [m/s^2] `(N, 2)`, `ahead` [s] from now."""
-        bodies = view.bodies()
         level: Array = np.zeros((view.rows, 3))  # glances count from the world's x axis
         level[:, :2] = view.body_pose[:, :2]
         look: Array = np.empty((view.rows, 1))
@@ -168,27 +168,21 @@ class Pedestrian(Motion):
         push = np.maximum(self.wall_strength / self.wall_range / NEGLIGIBLE, 2.0)
         look[:] = self.wall_range * np.log(push) + 2.0 * ahead * self.speed
         walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)
-        heeded = np.ones((view.rows, len(bodies.reach)), dtype=bool)
-        if not self.avoid_robots:
-            heeded = heeded & ~bodies.is_robot
         half = np.cos(0.5 * self.sight)
-        others, wall = (self.strength, self.range, self.step), (self.wall_strength, self.wall_range)
-        relative = np.full((view.rows, 1), float(self.relative))
-        parts = (*others, *wall, half, self.behind, relative, np.full((view.rows, 1), ahead))
+        relative, later = np.full((view.rows, 1), float(self.relative)), np.full((view.rows, 1), ahead)
+        heeds_robots = np.full((view.rows, 1), float(self.avoid_robots))
+        strength, width, step = np.asarray(self.strength), np.asarray(self.range), np.asarray(self.step)
+        by_walls = (self.wall_strength, self.wall_range)
+        parts = (strength, width, step, *by_walls, half, self.behind, relative, later, heeds_robots)
         numbers = np.concatenate([np.asarray(part) for part in parts], axis=1)
+        pace = np.sqrt(velocity[:, :1] ** 2 + velocity[:, 1:] ** 2)
+        near = view.neighbours(range_of(strength, width, step, relative, later, pace), step + later)
+        passers = Passers(near.poses, near.twists, near.reach, near.is_robot)
+        mine = np.ascontiguousarray(velocity), np.ascontiguousarray(wanted), Walls(walls, _TABLE), numbers
         out = np.empty((view.rows, 2))
-        social_forces(
-            np.ascontiguousarray(bodies.poses),
-            np.ascontiguousarray(bodies.twists),
-            np.ascontiguousarray(bodies.reach),
-            heeded,
-            bodies.own,
-            np.ascontiguousarray(velocity),
-            np.ascontiguousarray(wanted),
-            walls,
-            _TABLE,
-            numbers,
-            out,
+        draws.share(
+            _WORK,
+            lambda begin, end: social_forces(passers, near.own, near.first, near.body, *mine, begin, end, out),
         )
         return out
 

@@ -40,7 +40,7 @@ class ObstacleGroup:
         self.row_clock = RowClock(replica, dt)
         self.whose = Whose("obstacle", self.names, self.row_clock)
         self.view = GroupView(world, bodies, dt)
-        self.streams = Streams(seed, [obstacle.name for obstacle in obstacles], self.row_clock.counter)
+        self.streams = Streams(seed, self.names, self.row_clock.counter, world.workers)
         self.draws = self.streams.draws("motion")
         self.state: State = {}
         motions = [obstacle.motion for obstacle in obstacles if obstacle.motion is not None]

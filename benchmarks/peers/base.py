@@ -6,12 +6,15 @@ import abc
 import importlib.metadata
 from typing import ClassVar
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.task import Task
+from benchmarks.contest import Clock, Seen, drive, strayed, track_conduct, watch
+from benchmarks.results import Ratio, Spread, compare
+from benchmarks.task import Task, Track
 
-__all__ = ["Peer"]
+__all__ = ["Contender", "Peer"]
 
 Array = npt.NDArray[np.float64]
 
@@ -19,7 +22,7 @@ Array = npt.NDArray[np.float64]
 class Peer(abc.ABC):
     """A peer that drives a task's robots.
 
-    Only `step` is timed; `ranges` and `poses` are asked between steps.
+    Only `step` is timed, step upon step; `ranges` and `poses` are asked when it is watched, before.
     """
 
     name: ClassVar[str]
@@ -69,3 +72,38 @@ class Peer(abc.ABC):
     @abc.abstractmethod
     def poses(self) -> Array:
         """The present poses `(N, 3)`."""
+
+
+@attrs.define(kw_only=True)
+class Contender:
+    """A peer in a contest: watched once, and timed over the same steps."""
+
+    peer: Peer
+    seen: Seen
+    why_not: str
+    """Why its ratio does not count, if so."""
+
+    @classmethod
+    def of(cls, peer: Peer, track: Track, steps: int, at_most: float) -> Contender:
+        """Watch it over up to `steps` steps, fewer if they take longer than `at_most` seconds."""
+        seen = watch(peer, steps, at_most)
+        assert seen.conduct.steps is not None
+        return cls(
+            peer=peer, seen=seen, why_not=compare(track_conduct(track, seen.conduct.steps, peer.lag), seen.conduct)
+        )
+
+    @property
+    def name(self) -> str:
+        """With the version."""
+        return f"{self.peer.name} {self.peer.version()}"
+
+    def seconds_a_step(self, at_least: float, clock: Clock) -> float:
+        """Drive it for `at_least` seconds."""
+        assert self.seen.conduct.steps is not None
+        made = drive(self.peer, self.seen.conduct.steps, at_least, clock)
+        self.why_not = self.why_not or strayed(self.peer, self.seen)
+        return made.seconds / made.steps
+
+    def ratio(self, spread: Spread) -> Ratio:
+        """The ratio, and whether it counts."""
+        return Ratio(spread=spread, counts=not self.why_not, why_not=self.why_not)

@@ -108,8 +108,8 @@ def test_a_drive_over_again_has_the_same_bits(driven: Any) -> None:
 
 def test_a_peer_that_follows_is_alike(driven: Any) -> None:
     _, task, track = driven
-    did, conduct = contest.followed(Follower(task), 12, 60.0, time.perf_counter)
-    assert did.steps == conduct.steps == 12
+    conduct = contest.watch(Follower(task), 12, 60.0).conduct
+    assert conduct.steps == 12
     assert conduct.distance is not None
     assert conduct.distance > 0.1
     assert compare(contest.track_conduct(track, 12), conduct) == ""
@@ -118,15 +118,48 @@ def test_a_peer_that_follows_is_alike(driven: Any) -> None:
 @pytest.mark.parametrize("trap", ["stands", "does not scan", "leaves out a beam"])
 def test_a_peer_in_a_trap_does_not_count(driven: Any, trap: str) -> None:
     _, task, track = driven
-    _, conduct = contest.followed(Follower(task, trap), 12, 60.0, time.perf_counter)
+    conduct = contest.watch(Follower(task, trap), 12, 60.0).conduct
     assert compare(contest.track_conduct(track, 12), conduct) != ""
 
 
 def test_a_slow_peer_makes_one_step_and_is_compared_on_it(driven: Any) -> None:
     _, task, track = driven
-    did, conduct = contest.followed(Follower(task), 12, 0.0, time.perf_counter)
-    assert did.steps == 1
+    conduct = contest.watch(Follower(task), 12, 0.0).conduct
+    assert conduct.steps == 1
     assert compare(contest.track_conduct(track, 1), conduct) == ""
+
+
+@pytest.mark.parametrize("trap", ["", "stands", "does not scan", "leaves out a beam"])
+def test_what_is_timed_must_be_what_was_watched(driven: Any, trap: str) -> None:
+    """A peer that leaves something out as soon as nobody looks."""
+    _, task, _ = driven
+    follower = Follower(task)
+    seen = contest.watch(follower, 12, 60.0)
+    follower.trap = trap
+    made = contest.drive(follower, 12, 0.0, time.perf_counter)
+    assert made.steps == 12
+    assert bool(contest.strayed(follower, seen)) == bool(trap)
+
+
+def test_a_peer_that_sees_nothing_need_not_see_anything_new() -> None:
+    class Blind:
+        def reset(self) -> None:
+            self.x = 0.0
+
+        def step(self, index: int) -> None:
+            self.x += 0.1
+
+        def ranges(self) -> Any:
+            return np.full((1, BEAMS), self.seen)
+
+        def poses(self) -> Any:
+            return np.array([[self.x, 0.0, 0.0]])
+
+    blind = Blind()
+    blind.seen = 8.0
+    assert contest.watch(blind, 3, 60.0).conduct.all_beams
+    blind.seen = 7.9
+    assert not contest.watch(blind, 3, 60.0).conduct.all_beams
 
 
 def test_amorsim_drives_the_same_way_every_time(driven: Any) -> None:

@@ -56,6 +56,15 @@ def test_the_furnished_office_has_all_of_the_bare_one_and_more() -> None:
     assert len(worlds.furnished_office().walls) > 4 * len(worlds.office().walls)
 
 
+def test_the_hall_is_free_and_the_rest_of_the_office_is_as_it_was() -> None:
+    bare, made = worlds.office().cells, worlds.office_with_hall().cells
+    x0, y0, x1, y1 = (round(value / 0.05) for value in worlds.HALL)
+    assert not made[y0 + 1 : y1, x0 + 1 : x1].any()
+    changed = np.argwhere(bare != made)
+    assert changed.min() > x0
+    assert changed.max() < x1
+
+
 def test_borders_of_a_bitmap_are_what_its_rays_meet() -> None:
     """Peers get the office as these segments: rays against them end where rays against the cells do."""
     office = worlds.office(20.0)

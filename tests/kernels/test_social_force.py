@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.kernels.behaviours.social_force import social_forces
+from amorsim.kernels.behaviours.social_force import Passers, Walls, range_of, social_forces
 
 NUMBERS = (2.1, 0.3, 2.0, 10.0, 0.2, math.cos(math.radians(100.0)), 0.5)
 
@@ -48,9 +48,18 @@ def twin(poses, twists, reach, heeded, own, wanted, walls, bearings, relative):
 
 def call(poses, twists, reach, heeded, own, wanted, walls, bearings, relative=False, ahead=0.0):
     out = np.empty((len(poses), 2))
-    numbers = np.tile((*NUMBERS, float(relative), ahead), (len(poses), 1))
-    velocity = np.array([over_ground(poses[n, own[n]], twists[n, own[n]]) for n in range(len(poses))])
-    social_forces(poses, twists, reach, heeded, own, velocity, wanted, walls, bearings, numbers, out)
+    rows, bodies = poses.shape[:2]
+    numbers = np.tile((*NUMBERS, float(relative), ahead, 1.0), (rows, 1))
+    velocity = np.array([over_ground(poses[n, own[n]], twists[n, own[n]]) for n in range(rows)])
+    # Each row's bodies are those of a world of its own.
+    passers = Passers(
+        poses.reshape(-1, 3), twists.reshape(-1, 3), np.tile(reach, rows), np.zeros(rows * bodies, dtype=bool)
+    )
+    looked_at = heeded & (np.arange(bodies) != own[:, None])
+    first = np.concatenate(([0], np.cumsum(looked_at.sum(axis=1))))
+    body = np.flatnonzero(looked_at)
+    mine = np.arange(rows) * bodies + own
+    social_forces(passers, mine, first, body, velocity, wanted, Walls(walls, bearings), numbers, 0, len(out), out)
     return out
 
 
@@ -136,3 +145,46 @@ def test_a_lone_one_feels_nothing_and_numbers_stay_finite_where_it_is_singular()
     out = call(*case, np.array([[1.0, 0.0]] * 2), walls, bearings)
     assert out[0] == pytest.approx([0.0, 0.0])
     assert np.isfinite(out).all()
+
+
+@pytest.mark.parametrize("relative", [False, True])
+@pytest.mark.parametrize("ahead", [0.0, 0.05, 0.5])
+def test_who_is_out_of_range_is_left_out_anyway(relative: bool, ahead: float) -> None:
+    """With others just beyond `range_of`, on the way that brings them nearest, he feels exactly nothing."""
+    random = np.random.default_rng(4)
+    felt = 0
+    for _ in range(200):
+        angle, speed, its_speed = random.uniform(-np.pi, np.pi), *random.uniform(0.0, 3.0, 2)
+        column = [np.array([[value]]) for value in (*NUMBERS[:3], float(relative), ahead, speed)]
+        limit = float(range_of(*column)[0, 0]) + 0.2 + its_speed * (NUMBERS[2] + ahead)
+        for share in (1.0 + 1e-12, 0.5):
+            there = share * limit * np.array([math.cos(angle), math.sin(angle)])
+            poses = np.array([[[0.0, 0.0, angle], [*there, angle + np.pi]]])
+            twists = np.array([[[speed, 0.0, 0.0], [its_speed, 0.0, 0.0]]])
+            rest = np.array([0.2, 0.2]), np.ones((1, 2), dtype=bool), np.zeros(1, dtype=np.int64), np.eye(2)[:1]
+            walls, bearings = np.full((1, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
+            found = call(poses, twists, *rest, walls, bearings, relative, ahead)
+            if share == 0.5:
+                felt += found.any()
+            else:
+                assert not found.any()
+    assert felt > 100
+
+
+def test_robots_count_if_they_are_heeded() -> None:
+    poses = np.array([[0.0, 0.0, 0.0], [1.0, 0.2, 0.0]])
+    walls, bearings = np.full((1, 4), np.inf), np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])
+    first, body, own = np.array([0, 1]), np.array([1]), np.zeros(1, dtype=np.int64)
+    forces = {}
+    for heeded in (0.0, 1.0):
+        for robot in (False, True):
+            passers = Passers(poses, np.zeros((2, 3)), np.array([0.2, 0.2]), np.array([False, robot]))
+            out = np.empty((1, 2))
+            numbers = np.array([[*NUMBERS, 0.0, 0.0, heeded]])
+            social_forces(
+                passers, own, first, body, np.zeros((1, 2)), np.eye(2)[:1], Walls(walls, bearings), numbers, 0, 1, out
+            )
+            forces[heeded, robot] = out
+    assert not forces[0.0, True].any()
+    assert forces[1.0, True].any()
+    np.testing.assert_array_equal(forces[0.0, False], forces[1.0, True])

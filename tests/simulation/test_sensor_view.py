@@ -49,6 +49,9 @@ def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
         (lambda view, aim: view.floor(np.zeros((1, 2))), r"view\.floor: places: .* array \(1, k, 2\) \[m\], got an"),
         (lambda view, aim: view.floor(view.pose[:, None]), r"got an array of shape \(1, 1, 3\)"),
         (lambda view, aim: view.cone((0.0, 0.0, 0.0), 0.1, FAR), r"view\.cone: origins: .* got \(0\.0, 0\.0, 0\.0\)"),
+        (lambda view, aim: view.neighbours([1.0, 2.0]), r"view\.neighbours: range_max: expected numbers >= 0, one or"),
+        (lambda view, aim: view.neighbours(FAR, -1.0), r"view\.neighbours: ahead: .* \(1, 1\), got -1\.0"),
+        (lambda view, aim: view.neighbours(np.array([[np.nan]])), r"range_max: .* got an array of shape \(1, 1\)"),
     ],
 )
 def test_a_wrong_question_is_told(ask: Callable[[Any, Any], Any], message: str) -> None:
@@ -61,3 +64,34 @@ def test_a_right_question_is_answered() -> None:
     assert 0.0 < sim.robot("rover").readings["asks"].true[0] < 50.0
     sim = look(lambda view, aim: view.cone(view.pose, 0.1, 50.0))
     assert 0.0 < sim.robot("rover").readings["asks"].true[0] < 50.0
+
+
+def test_neighbours_are_the_bodies_near_in_each_replica_by_itself() -> None:
+    """A trailer of one's own is none; a fast one is, when asked ahead, from farther away."""
+    asked: list[Any] = []
+
+    def ask(view: Any, aim: Any) -> Any:
+        asked.append((view.neighbours(FAR), view.neighbours(FAR, 10.0)))
+        return np.zeros((view.rows, 1))
+
+    sensors = {"encoder": building.encoder(), "asks": Asks(ask=ask)}
+    post = am.Obstacle(name="near", shape=am.Shape.circle(0.1), pose=am.Pose(x=3.0, y=1.0))
+    runs = am.Obstacle(
+        name="runs",
+        shape=am.Shape.circle(0.1),
+        pose=am.Pose(x=1.0, y=9.0),
+        motion=am.motions.Wander(speed=0.5, drift=0.0),
+    )
+    robot = building.robot(sensors=sensors, pose=am.Pose(x=1.0, y=1.0))
+    sim = am.Simulation(building.scenario(robot, map=building.room(10.0, 10.0), obstacles=[post, runs]), replicas=2)
+    sim.step()
+    near, ahead = asked[-1]
+    names = np.array([sim._fleet.world.name(body) for body in range(6)])
+    assert near.first.tolist() == [0, 1, 2]
+    assert near.row.tolist() == [0, 1]
+    assert near.body.tolist() == [1, 4]
+    assert names[near.body].tolist() == ["near"] * 2
+    np.testing.assert_array_equal(names[near.own], ["rover"] * 2)
+    np.testing.assert_array_equal(near.poses[near.body, :2], [[3.0, 1.0]] * 2)
+    assert names[ahead.body].tolist() == ["near", "runs"] * 2
+    assert ahead.body.tolist() == [1, 2, 4, 5]

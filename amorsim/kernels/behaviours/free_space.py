@@ -8,6 +8,7 @@ against every point seen.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from amorsim.kernels.compile import part
 
 __all__ = [
+    "Sight",
     "choose_direction",
     "directions_within",
     "find_opening",
@@ -37,6 +39,20 @@ _NARROW = 0.02  # [m] by which a direction is asked to be wider than the way tha
 _SPREAD = math.radians(2.0)  # between directions that are weighed
 _ABEAM_FIRST = math.radians(62.0)
 _ABEAM_COUNT = 8  # directions about abeam, twice that far between
+
+
+class Sight(NamedTuple):
+    """What the range finders of N robots see, and how they look."""
+
+    ranges: Floats
+    """(N, k) [m]"""
+    beams: Floats
+    """(N, 5, k) where each range is seen from and which way: poses in the robot's frame, cosine and sine of the
+    heading."""
+    half_angle: Floats
+    """(N, 1) half the angle of the cone about that [rad]."""
+    samples: int
+    """How many points stand for a return: 1 of a beam, more on the arc of a cone."""
 
 
 @part

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.kernels.behaviours.go_to_pose import approach
 from amorsim.kernels.compile import kernel
 
-__all__ = ["follow_trail", "pursue"]
+__all__ = ["Course", "Pace", "follow_trail", "pursue"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -20,6 +20,33 @@ Column = Any
 
 _BEHIND = 1.0  # [rad] farther off its heading a robot that can turns in place
 _SETTLED = 0.05  # [rad] until it is right by this much
+
+
+class Course(NamedTuple):
+    """The paths of N robots."""
+
+    path: Floats
+    """Points of each, (N, p, 2) [m]; no two in turn are the same."""
+    along: Floats
+    """How far along it they lie, (N, p) [m]."""
+    stops: Ints
+    """The point at which a robot on each leg stops next, (N, p - 1): it turns about there, or the path ends; -1 for
+    none."""
+    loops: bool
+    """Whether the last point leads on to the second."""
+
+
+class Pace(NamedTuple):
+    """How fast N robots drive and turn at most, as they are asked to and as their drives can."""
+
+    speed: Column
+    """(N, 1) [m/s]"""
+    turn_rate: Column
+    """(N, 1) [rad/s]"""
+    limits: Floats
+    """Of the drive, (N, 4)."""
+    curvature_max: Floats
+    """(N, 1) [1/m]; inf for one that turns in place."""
 
 
 @kernel
@@ -157,16 +184,10 @@ def _steer(
 @kernel
 def pursue(
     pose: Floats,
-    path: Floats,
-    along: Floats,
-    stops: Ints,
-    loops: bool,
+    course: Course,
     lookahead: Column,
-    speed: Column,
-    turn_rate: Column,
     tolerance: Column,
-    limits: Floats,
-    curvature_max: Floats,
+    pace: Pace,
     dt: float,
     progress: Floats,
     way: Floats,
@@ -179,23 +200,19 @@ def pursue(
     ----------
     pose
         Where the robots believe to be, (N, 3).
-    path, along
-        Points of each path, (N, p, 2) [m], and how far along it they lie, (N, p) [m]; no two in turn are the same.
-    stops
-        The point at which a robot on each leg stops next, (N, p - 1): it turns about there, or the path ends; -1 for
-        none.
-    loops
-        Whether the last point leads on to the second.
+    course
+        The paths.
     lookahead
         How far ahead on the path the place lies that is steered for, (N, 1) [m].
-    speed, turn_rate, tolerance
-        Fastest [m/s, rad/s], and how near to a stop it stops [m], each (N, 1).
-    limits, curvature_max
-        Of the drive, (N, 4) and (N, 1).
+    tolerance
+        How near to a stop it stops [m], (N, 1).
+    pace
+        How fast.
     progress, way, moving
         How far they have come, (N, 1), whether they drive on (1) or back (-1), (N, 1), and what they do, (N, 2);
         changed.
     """
+    path, along, stops, loops = course.path, course.along, course.stops, course.loops
     for i in range(pose.shape[0]):
         last = along.shape[1] - 1
         s = progress[i, 0]
@@ -226,10 +243,10 @@ def pursue(
             y,
             way[i, 0],
             left,
-            speed[i, 0],
-            turn_rate[i, 0],
-            limits[i],
-            curvature_max[i, 0],
+            pace.speed[i, 0],
+            pace.turn_rate[i, 0],
+            pace.limits[i],
+            pace.curvature_max[i, 0],
             dt,
             moving[i],
             out[i],
@@ -243,10 +260,7 @@ def follow_trail(
     gap: Column,
     gain: Column,
     lookahead: Column,
-    speed: Column,
-    turn_rate: Column,
-    limits: Floats,
-    curvature_max: Floats,
+    pace: Pace,
     patience: Column,
     spacing: float,
     dt: float,
@@ -265,7 +279,7 @@ def follow_trail(
         Where they see the leader, in their own world, (N, 2) [m]; nan where they do not.
     gap, gain
         How far behind it they keep [m], and how much faster [m/s] they go for each metre more [1/s], each (N, 1).
-    lookahead, speed, turn_rate, limits, curvature_max
+    lookahead, pace
         As in `pursue`.
     patience
         How long they go on without seeing it [s], (N, 1).
@@ -317,9 +331,9 @@ def follow_trail(
             leader_y = seen[i, 1]
             keep = gap[i, 0]
         behind = math.sqrt((leader_x - pose[i, 0]) ** 2 + (leader_y - pose[i, 1]) ** 2) - keep
-        wanted = min(max(gain[i, 0] * behind, 0.0), speed[i, 0])
+        wanted = min(max(gain[i, 0] * behind, 0.0), pace.speed[i, 0])
         if wanted == 0.0:
-            moving[i, 0] = max(moving[i, 0] - limits[i, 2] * dt, 0.0)
+            moving[i, 0] = max(moving[i, 0] - pace.limits[i, 2] * dt, 0.0)
             continue
         _steer(
             pose[i],
@@ -328,9 +342,9 @@ def follow_trail(
             1.0,
             behind,
             wanted,
-            turn_rate[i, 0],
-            limits[i],
-            curvature_max[i, 0],
+            pace.turn_rate[i, 0],
+            pace.limits[i],
+            pace.curvature_max[i, 0],
             dt,
             moving[i],
             out[i],

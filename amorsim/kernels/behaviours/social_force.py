@@ -3,33 +3,68 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["NEGLIGIBLE", "social_forces"]
+__all__ = ["NEGLIGIBLE", "Passers", "Walls", "range_of", "social_forces"]
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 NEGLIGIBLE = 1e-7
 """Forces [m/s^2] from about here on down count as none."""
 LEAST = 1e-6  # [m] to which semi-axes and distances are rounded up
+SLACK = 1e-6  # [m] more than any rounding of a distance
+
+
+def range_of(strength: Floats, width: Floats, ahead: Floats, relative: Floats, later: Floats, pace: Floats) -> Floats:
+    """How far [m] pedestrians must look, so that all whose forces are not negligible are seen; elementwise.
+
+    With `ahead` + `later` [s] as the time in which others come nearer: `social_forces` leaves out who is farther away.
+    `pace` [m/s] is how fast he goes; the rest are columns of `social_forces`' `numbers`.
+    """
+    push = width * np.log(np.maximum(strength / width / NEGLIGIBLE, 1.0))
+    return np.asarray(push + pace * (later + ahead * relative) + SLACK)
+
+
+class Passers(NamedTuple):
+    """The bodies that the pedestrians may meet; of all replicas, T of them."""
+
+    poses: Floats
+    """(T, 3) x, y [m], heading [rad]."""
+    twists: Floats
+    """(T, 3) [m/s, m/s, rad/s], each in its body's frame."""
+    reach: Floats
+    """(T,) radius [m] of each body's circle."""
+    is_robot: NDArray[np.bool_]
+    """(T,)"""
+
+
+class Walls(NamedTuple):
+    """The walls around each pedestrian."""
+
+    distances: Floats
+    """(N, k) [m], inf for none; those that are least among their neighbours count."""
+    bearings: Floats
+    """(k, 2) cosine and sine of the direction of each, evenly around."""
 
 
 @kernel
 def social_forces(
-    poses: Floats,
-    twists: Floats,
-    reach: Floats,
-    heeded: NDArray[np.bool_],
-    own: NDArray[np.int64],
+    passers: Passers,
+    own: Ints,
+    first: Ints,
+    body: Ints,
     velocity: Floats,
     wanted: Floats,
-    walls: Floats,
-    bearings: Floats,
+    walls: Walls,
     numbers: Floats,
+    begin: int,
+    end: int,
     out: Floats,
 ) -> None:
     """Accelerations [m/s^2] by which others and walls repel pedestrians, some time ahead, as all go on as they do.
@@ -39,55 +74,66 @@ def social_forces(
 
     Parameters
     ----------
-    poses, twists
-        (N, B, 3) of all bodies around each: x, y [m], heading [rad], and velocities [m/s, m/s, rad/s] in their frames.
-    reach
-        (B,) radius [m] of each body's circle.
-    heeded
-        (N, B) whether a pedestrian minds it.
+    passers
+        All bodies.
     own
         (N,) which of the bodies is the pedestrian.
+    first, body
+        The bodies that pedestrian n looks at are ``body[first[n]:first[n + 1]]``. It must be in order, without his own,
+        and with all that are within `range_of` of him and its time ahead.
     velocity
         (N, 2) of the pedestrians over the ground [m/s].
     wanted
         (N, 2) unit vector to where he wants to go.
     walls
-        (N, k) distances [m] to walls, inf for none; those that are least among their neighbours count.
-    bearings
-        (k, 2) cosine and sine of the direction of each, evenly around.
+        The walls around.
     numbers
-        (N, 9) strength [m^2/s^2] and range [m] of the repulsion by others, how far ahead [s] their steps are seen,
+        (N, 10) strength [m^2/s^2] and range [m] of the repulsion by others, how far ahead [s] their steps are seen,
         strength and range of that by walls, cosine of half the angle of sight, weight of what is out of it, how
-        much of his own step is taken from theirs (0 or 1), and how far ahead [s] the forces are asked for.
+        much of his own step is taken from theirs (0 or 1), how far ahead [s] the forces are asked for, and whether
+        robots count (0 or 1).
+    begin, end
+        The pedestrians that are worked on.
     out
         (N, 2) the sums, in order of body, then of bearing.
     """
-    rays = walls.shape[1]
-    for n in range(poses.shape[0]):
+    poses, twists, reach = passers.poses, passers.twists, passers.reach
+    bearings = walls.bearings
+    rays = bearings.shape[0]
+    # Velocities over the ground and speeds, each worked out when it is first needed.
+    over_ground = np.empty((reach.shape[0], 3))
+    known = np.zeros(reach.shape[0], dtype=np.bool_)
+    for n in range(begin, end):
         strength, width, ahead = numbers[n, 0], numbers[n, 1], numbers[n, 2]
         wall_strength, wall_width = numbers[n, 3], numbers[n, 4]
         later = numbers[n, 8]
         vx, vy = velocity[n, 0], velocity[n, 1]
-        x, y = poses[n, own[n], 0] + vx * later, poses[n, own[n], 1] + vy * later
+        now_x, now_y = poses[own[n], 0], poses[own[n], 1]
+        x, y = now_x + vx * later, now_y + vy * later
         my_x, my_y = vx * ahead * numbers[n, 7], vy * ahead * numbers[n, 7]
         pace = math.sqrt(vx * vx + vy * vy)
         relevant = width * math.log(max(strength / width / NEGLIGIBLE, 1.0))
         relevant *= relevant
         sum_x, sum_y = 0.0, 0.0
-        for b in range(poses.shape[1]):
-            if b == own[n] or not heeded[n, b]:
+        for k in range(first[n], first[n + 1]):
+            b = body[k]
+            if passers.is_robot[b] and numbers[n, 9] == 0.0:
                 continue
+            if not known[b]:
+                known[b] = True
+                c, s = math.cos(poses[b, 2]), math.sin(poses[b, 2])
+                over_ground[b, 0] = c * twists[b, 0] - s * twists[b, 1]
+                over_ground[b, 1] = s * twists[b, 0] + c * twists[b, 1]
+                over_ground[b, 2] = math.sqrt(twists[b, 0] * twists[b, 0] + twists[b, 1] * twists[b, 1])
+            its_x, its_y, fast = over_ground[b, 0], over_ground[b, 1], over_ground[b, 2]
             # Now, and if both went for each other.
-            rx, ry = poses[n, own[n], 0] - poses[n, b, 0], poses[n, own[n], 1] - poses[n, b, 1]
-            fast = math.sqrt(twists[n, b, 0] * twists[n, b, 0] + twists[n, b, 1] * twists[n, b, 1])
+            rx, ry = now_x - poses[b, 0], now_y - poses[b, 1]
             gap = math.sqrt(rx * rx + ry * ry) - reach[b] - (fast + pace) * later
             beyond = gap - (fast + pace * numbers[n, 7]) * ahead
             if beyond > 0.0 and gap * beyond > relevant:
                 continue
-            c, s = math.cos(poses[n, b, 2]), math.sin(poses[n, b, 2])
-            its_x, its_y = c * twists[n, b, 0] - s * twists[n, b, 1], s * twists[n, b, 0] + c * twists[n, b, 1]
             step_x, step_y = its_x * ahead - my_x, its_y * ahead - my_y
-            rx, ry = x - (poses[n, b, 0] + its_x * later), y - (poses[n, b, 1] + its_y * later)
+            rx, ry = x - (poses[b, 0] + its_x * later), y - (poses[b, 1] + its_y * later)
             distance = math.sqrt(rx * rx + ry * ry)
             gap = distance - reach[b]
             # From his middle to the other's outline.
@@ -106,8 +152,8 @@ def social_forces(
             sum_x += weight * fx
             sum_y += weight * fy
         for k in range(rays):
-            near = walls[n, k]
-            if near < math.inf and near <= walls[n, k - 1] and near < walls[n, (k + 1) % rays]:
+            near = walls.distances[n, k]
+            if near < math.inf and near <= walls.distances[n, k - 1] and near < walls.distances[n, (k + 1) % rays]:
                 near = max(near - (vx * bearings[k, 0] + vy * bearings[k, 1]) * later, 0.0)
                 size = wall_strength / wall_width * math.exp(-near / wall_width)
                 sum_x -= size * bearings[k, 0]

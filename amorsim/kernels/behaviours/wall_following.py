@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.behaviours.free_space import free_way, see_points
+from amorsim.kernels.behaviours.free_space import Sight, free_way, see_points
 from amorsim.kernels.compile import kernel
 
 __all__ = ["follow_wall"]
@@ -26,10 +26,7 @@ _SHUT = 0.6  # of the distance to keep: with less room ahead it turns away in pl
 
 @kernel
 def follow_wall(
-    ranges: Floats,
-    beams: Floats,
-    half_angle: Floats,
-    samples: int,
+    sight: Sight,
     half_width: float,
     side: float,
     distance: Column,
@@ -46,9 +43,9 @@ def follow_wall(
     curvature is the error of distance over the square of half the distance to keep, and twice the wall's error of
     bearing over that half: critically damped, within about that length.
     """
-    points = np.empty((3, ranges.shape[1] * samples))
-    for i in range(ranges.shape[0]):
-        see_points(ranges[i], beams[i], half_angle[i, 0], points)
+    points = np.empty((3, sight.ranges.shape[1] * sight.samples))
+    for i in range(sight.ranges.shape[0]):
+        see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], points)
         keep = distance[i, 0]
         nearest = math.inf
         bearing = 0.0

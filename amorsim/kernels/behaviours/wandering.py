@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.behaviours.free_space import (
+    Sight,
     choose_direction,
     directions_within,
     find_opening,
@@ -20,7 +21,7 @@ from amorsim.kernels.behaviours.free_space import (
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.random.philox import pairs
 
-__all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "wander"]
+__all__ = ["BODY_COLUMNS", "MEMORY_COLUMNS", "Chance", "Wish", "wander"]
 
 Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
@@ -251,21 +252,33 @@ def _wander_row(
     out[2] = w
 
 
+class Wish(NamedTuple):
+    """How N robots are asked to drive, each (N, 1)."""
+
+    speed: Column
+    """[m/s]"""
+    turn_rate: Column
+    """[rad/s]"""
+    clearance: Column
+    """What they keep free around them [m]."""
+
+
+class Chance(NamedTuple):
+    """What random numbers are drawn by, as `philox.pairs` takes it: (N,), (N, 3), and the block."""
+
+    keys: npt.NDArray[np.uint64]
+    counter: npt.NDArray[np.uint32]
+    block: int
+
+
 @kernel
 def wander(
-    ranges: Floats,
+    sight: Sight,
     age: Floats,
     pose: Floats,
-    beams: Floats,
-    half_angle: Column,
-    samples: int,
     body: Floats,
-    speed: Column,
-    turn_rate: Column,
-    clearance: Column,
-    keys: npt.NDArray[np.uint64],
-    counter: npt.NDArray[np.uint32],
-    block: int,
+    wish: Wish,
+    chance: Chance,
     dt: float,
     memory: Floats,
     trail: Floats,
@@ -277,26 +290,22 @@ def wander(
 
     Parameters
     ----------
-    ranges, age
-        What was seen [m] (N, k), and how old it is [s] (N, 1).
+    sight, age
+        What was seen, and how old it is [s] (N, 1).
     pose
         Where the robots believe to be, (N, 3); for the trail of places only.
-    beams, half_angle, samples
-        Where each range is seen from and which way, poses in the robot's frame, cosine and sine of their headings
-        (N, 5, k); half the angle of the cone about that [rad] (N, 1); and how many points stand for a return: 1 of a
-        beam, more on the arc of a cone.
     body
         What the robot knows of its own body, (N, BODY_COLUMNS).
-    speed, turn_rate, clearance
-        How fast it drives [m/s] and turns [rad/s], and what it keeps free around it [m], each (N, 1).
-    keys, counter, block
-        What two uniform random numbers of each row are drawn by, as `philox.pairs` takes them: (N,), (N, 3).
+    wish
+        How it is asked to drive.
+    chance
+        What two uniform random numbers of each row are drawn by.
     memory, trail
         What it remembers, (N, MEMORY_COLUMNS), and places where it was, (N, places, 2) [m]; changed.
     first, end
         The rows that are worked on.
     """
-    points = np.empty((3, ranges.shape[1] * samples))
+    points = np.empty((3, sight.ranges.shape[1] * sight.samples))
     most = 1
     for i in range(first, end):
         most = max(most, directions_within(body[i, _VIEW:]))
@@ -305,17 +314,17 @@ def wander(
     one = drawn[:1]
     other = drawn[1:]
     for i in range(first, end):
-        pairs(keys[i], counter, i, block, one, other)
-        see_points(ranges[i], beams[i], half_angle[i, 0], points)
+        pairs(chance.keys[i], chance.counter, i, chance.block, one, other)
+        see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], points)
         _wander_row(
             points,
             weights,
             age[i, 0],
             pose[i],
             body[i],
-            speed[i, 0],
-            turn_rate[i, 0],
-            clearance[i, 0],
+            wish.speed[i, 0],
+            wish.turn_rate[i, 0],
+            wish.clearance[i, 0],
             drawn,
             dt,
             memory[i],

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.behaviours.free_space import see_points
+from amorsim.kernels.behaviours.free_space import Sight, see_points
+from amorsim.kernels.behaviours.wandering import Wish
 from amorsim.kernels.compile import kernel
 
-__all__ = ["CAR_COLUMNS", "wander_car"]
+__all__ = ["CAR_COLUMNS", "CarBody", "wander_car"]
 
 Floats = npt.NDArray[np.float64]
-# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
-Column = Any
 
 # Columns of the memory of a row.
 _BACKING = 0  # [m] still to go back, 0 where it drives ahead
@@ -35,12 +34,67 @@ _SHORT = 0.25  # part of its length: with less room on all arcs it goes back
 _BACK = 1.5  # times its length that it goes back
 _KEPT = 24  # beams of a scan, about, whose points it keeps in mind: what it passes it sees no more
 _NEAR = 1.5  # times its length, as far as they matter
+_MARGIN = 1e-3  # [m] by which more than the swept ring is looked at: more than any rounding
 _RESTLESS = 4.0  # times its length after which it likes another curve
 
 
+class CarBody(NamedTuple):
+    """What N cars know of themselves."""
+
+    front: float
+    """The footprint reaches so far ahead of the base point [m],"""
+    rear: float
+    """so far behind it, a negative number,"""
+    half_width: float
+    """and so far to either side."""
+    limits: Floats
+    """Of the drive, (N, 4)."""
+    curvature_max: Floats
+    """(N, 1) [1/m]"""
+
+
 @kernel
-def _room(points: Floats, bend: float, front: float, rear: float, half_width: float, horizon: float) -> float:
-    """How far [m] the footprint goes along an arc of curvature `bend`, ahead, before a point is in it."""
+def _on_the_way(
+    points: Floats, near: Floats, bend: float, front: float, rear: float, half_width: float, horizon: float
+) -> int:
+    """How many of `points` (2, p) the footprint may meet along an arc of curvature `bend`; they come into `near`.
+
+    It turns about the middle of the arc, so it sweeps a ring, or a strip where it goes straight on.
+    """
+    tip = max(abs(front), abs(rear))
+    farthest = horizon + tip + half_width + _MARGIN
+    is_straight = abs(bend) * farthest < 1e-3
+    radius = 0.0 if is_straight else 1.0 / bend
+    aside = half_width + abs(bend) * farthest * farthest + _MARGIN
+    inner = max(abs(radius) - half_width - _MARGIN, 0.0)
+    outer = math.sqrt(tip * tip + (abs(radius) + half_width) ** 2) + _MARGIN
+    count = 0
+    for n in range(points.shape[1]):
+        x = points[0, n]
+        y = points[1, n]
+        if not x * x + y * y < farthest * farthest:
+            continue
+        if is_straight:
+            may_meet = abs(y) < aside
+        else:
+            square = x * x + (y - radius) * (y - radius)
+            may_meet = inner * inner <= square <= outer * outer
+        if may_meet:
+            near[0, count] = x
+            near[1, count] = y
+            count += 1
+    return count
+
+
+@kernel
+def _room(
+    points: Floats, near: Floats, bend: float, front: float, rear: float, half_width: float, horizon: float
+) -> float:
+    """How far [m] the footprint goes along an arc of curvature `bend`, ahead, before one of `points` (2, p) is in it.
+
+    `near` (2, p) is room to work in.
+    """
+    count = _on_the_way(points, near, bend, front, rear, half_width, horizon)
     step = horizon / _STEPS
     for k in range(1, _STEPS + 1):
         way = step * k
@@ -53,87 +107,113 @@ def _room(points: Floats, bend: float, front: float, rear: float, half_width: fl
             y = (1.0 - math.cos(angle)) / bend
         c = math.cos(angle)
         s = math.sin(angle)
-        for n in range(points.shape[0]):
-            dx = points[n, 0] - x
-            dy = points[n, 1] - y
+        meets = False
+        for n in range(count):
+            dx = near[0, n] - x
+            dy = near[1, n] - y
             along = c * dx + s * dy
-            if rear < along < front and abs(c * dy - s * dx) < half_width:
-                return way - step
+            meets |= (rear < along) & (along < front) & (abs(c * dy - s * dx) < half_width)
+        if meets:
+            return way - step
     return horizon
 
 
 @kernel
+def _best_arc(
+    points: Floats, near: Floats, lean: float, sharpest: float, body: CarBody, keep: float
+) -> tuple[float, float]:
+    """The room [m] on the best arc, and its curvature: the one with most room, less what it is off the liked one.
+
+    Of arcs equally good it is the rightmost. They are tried from the liked one on, so that those which could not be
+    better with all the room there is need no trying.
+    """
+    length = body.front - body.rear
+    horizon = _HORIZON * length
+    best = -math.inf
+    best_arc = 2 * _ARCS + 1
+    room = 0.0
+    middle = math.floor(lean * _ARCS + 0.5) + _ARCS
+    for m in range(4 * _ARCS + 1):
+        arc = middle + (m + 1) // 2 * (1 if m % 2 else -1)
+        if not 0 <= arc <= 2 * _ARCS:
+            continue
+        share = (arc - _ARCS) / _ARCS
+        less = 0.2 * length * abs(share - lean)
+        if horizon - less < best or (horizon - less == best and arc > best_arc):
+            continue
+        front, half_width = body.front + keep, body.half_width + keep
+        free = _room(points, near, share * sharpest, front, body.rear, half_width, horizon)
+        worth = free - less
+        if worth > best or (worth == best and arc < best_arc):
+            best = worth
+            best_arc = arc
+            room = free
+    return room, (best_arc - _ARCS) / _ARCS * sharpest
+
+
+@kernel
 def wander_car(
-    ranges: Floats,
+    sight: Sight,
     pose: Floats,
-    beams: Floats,
-    half_angle: Floats,
-    samples: int,
-    front: float,
-    rear: float,
-    half_width: float,
-    speed: Column,
-    clearance: Column,
-    limits: Floats,
-    curvature_max: Floats,
+    body: CarBody,
+    wish: Wish,
     draws: Floats,
     dt: float,
     memory: Floats,
     trail: Floats,
     seen: Floats,
+    first: int,
+    end: int,
     out: Floats,
 ) -> None:
     """Twists of wandering cars, into `out` (N, 3).
 
     Parameters
     ----------
-    ranges, pose, beams, half_angle, samples
+    sight, pose, wish
         As in `amorsim.kernels.behaviours.wandering.wander`.
-    front, rear, half_width
-        The footprint about the base point [m]; `rear` is negative.
-    speed, clearance
-        Fastest [m/s], and what is kept free beside and before it [m], each (N, 1).
-    limits, curvature_max
-        Of the drive, (N, 4) and (N, 1).
+    body
+        What the cars know of themselves.
     draws
         Uniform random numbers, (N, 2).
     memory, trail, seen
         What it remembers, (N, CAR_COLUMNS), the places where its base point was, (N, m, 2), and where it saw
         something, (N, p, 2), by its estimate; changed.
+    first, end
+        The rows that are worked on.
     """
-    count = ranges.shape[1] * samples
+    count = sight.ranges.shape[1] * sight.samples
     now = np.empty((3, count))
-    points = np.empty((count + seen.shape[1], 2))
-    length = front - rear
+    points = np.empty((2, count + seen.shape[1]))
+    near = np.empty(points.shape)
+    length = body.front - body.rear
     places = trail.shape[1]
-    for i in range(ranges.shape[0]):
-        see_points(ranges[i], beams[i], half_angle[i, 0], now)
-        for n in range(count):
-            points[n, 0] = now[0, n]
-            points[n, 1] = now[1, n]
+    for i in range(first, end):
+        see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], now)
+        points[:, :count] = now[:2]
         own = memory[i]
         c = math.cos(pose[i, 2])
         s = math.sin(pose[i, 2])
         kept = int(own[_SEEN])
         for n in range(seen.shape[1]):
-            points[count + n, 0] = math.inf
-            points[count + n, 1] = math.inf
+            points[0, count + n] = math.inf
+            points[1, count + n] = math.inf
             if n < kept:
                 dx = seen[i, n, 0] - pose[i, 0]
                 dy = seen[i, n, 1] - pose[i, 1]
-                points[count + n, 0] = c * dx + s * dy
-                points[count + n, 1] = c * dy - s * dx
+                points[0, count + n] = c * dx + s * dy
+                points[1, count + n] = c * dy - s * dx
         for n in range(0, count, max(count // _KEPT, 1)):
-            x = points[n, 0]
-            y = points[n, 1]
+            x = points[0, n]
+            y = points[1, n]
             if math.isfinite(x) and x * x + y * y < (_NEAR * length) ** 2:
                 seen[i, kept % seen.shape[1], 0] = pose[i, 0] + c * x - s * y
                 seen[i, kept % seen.shape[1], 1] = pose[i, 1] + s * x + c * y
                 kept += 1
         own[_SEEN] = kept
-        fastest = min(speed[i, 0], limits[i, 0])
-        braking = limits[i, 2]
-        sharpest = curvature_max[i, 0]
+        fastest = min(wish.speed[i, 0], body.limits[i, 0])
+        braking = body.limits[i, 2]
+        sharpest = body.curvature_max[i, 0]
         v = 0.0
         bend = 0.0
         if own[_BACKING] > 0.0:
@@ -171,17 +251,8 @@ def wander_car(
             if own[_SINCE] > _RESTLESS * length:
                 own[_LEAN] = 2.0 * draws[i, 0] - 1.0
                 own[_SINCE] = 0.0
-            keep = max(clearance[i, 0], 0.25 * half_width)
-            best = -math.inf
-            room = 0.0
-            for k in range(2 * _ARCS + 1):
-                part = (k - _ARCS) / _ARCS
-                free = _room(points, part * sharpest, front + keep, rear, half_width + keep, _HORIZON * length)
-                worth = free - 0.2 * length * abs(part - own[_LEAN])
-                if worth > best:
-                    best = worth
-                    room = free
-                    bend = part * sharpest
+            keep = max(wish.clearance[i, 0], 0.25 * body.half_width)
+            room, bend = _best_arc(points, near, own[_LEAN], sharpest, body, keep)
             if room < _SHORT * length:
                 if own[_SPEED] == 0.0:
                     own[_BACKING] = _BACK * length

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Sightings
+from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Neighbours, Sightings
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
@@ -19,6 +19,7 @@ from amorsim.kernels.kinematics import poses
 from amorsim.kernels.raycast import bresenham, cones, scans
 from amorsim.simulation.world.bumper_contacts import find_touched
 from amorsim.simulation.world.in_sight import find_landmarks, look_about, normals_at
+from amorsim.simulation.world.neighbourhood import neighbours_of
 
 if TYPE_CHECKING:
     from amorsim.simulation.world.world import World
@@ -137,6 +138,20 @@ class GroupView:
             is_robot=world.is_robot,
             owner=world.owner[: world.count],
         )
+
+    def neighbours(self, range_max: Array, ahead: Array | float = 0.0) -> Neighbours:
+        """The bodies near each row; see `amorsim.contracts.View.neighbours`."""
+        limits = self._at_least_zero("range_max", range_max), self._at_least_zero("ahead", ahead)
+        return neighbours_of(self._world, self._bodies, *limits)
+
+    def _at_least_zero(self, name: str, values: Any) -> Array:
+        """One number >= 0 a row `(N,)`, of `(N, 1)` or one for all."""
+        array = np.asarray(values, dtype=np.float64)
+        if array.shape not in ((), (1, 1), (self.rows, 1)) or not (array >= 0.0).all():
+            raise ComponentError(
+                f"view.neighbours: {name}: expected numbers >= 0, one or ({self.rows}, 1), got {_told(values)}"
+            )
+        return self._per_row(array)
 
     def landmarks(self, slots: int, range_max: Array, half_angle: Array) -> Sightings:
         """The nearest marks in sight; see `amorsim.contracts.View.landmarks`."""

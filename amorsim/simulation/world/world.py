@@ -19,7 +19,7 @@ from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.raycast import body_rays
 from amorsim.simulation.world.surroundings import Surroundings
 
-__all__ = ["Emitted", "World"]
+__all__ = ["Emitted", "World", "empty_hash"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -167,7 +167,7 @@ class World:
         """The bodies at `poses` `(T, 3)`, found by where they are; made once for arrays that are replaced."""
         if self._hash is None or poses is not self._hashed:
             if self._hash is None:
-                self._hash = _table(self.count, self.replicas, 2.0 * self._widest)
+                self._hash = empty_hash(self.count, self.replicas, 2.0 * self._widest)
             body_hash.hash_bodies(poses, self.bodies.reach, self.owner, self.first, self._hash)
             self._hashed = poses
         return self._hash
@@ -241,7 +241,7 @@ class World:
 _NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit
 
 
-def _table(count: int, replicas: int, side: float) -> BodyHash:
+def empty_hash(count: int, replicas: int, side: float) -> BodyHash:
     """An empty hash for `count` bodies in each replica; four buckets and more a body, or one where there are few."""
     bits = 0 if count <= FEW else (4 * count - 1).bit_length()
     rows, cols = 1 << bits // 2, 1 << (bits + 1) // 2
