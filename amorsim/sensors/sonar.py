@@ -115,12 +115,12 @@ class Sonar(Sensor):
 
     def emit(self, view: View, state: State) -> Emission | None:
         """All elements, each in its turn."""
-        k = self.bearings().shape[1]
+        time = self._turns(view.rows)
         return Emission(
-            poses=ring_poses(view, self.elements, Aim()).reshape(view.rows, k, 3),
-            half_angle=np.array(np.broadcast_to(self.half_angle, (view.rows, k))),
-            fired=np.ones((view.rows, k), dtype=bool),
-            time=self._turns(view.rows),
+            poses=ring_poses(view, self.elements, Aim()).reshape(*time.shape, 3),
+            half_angle=np.repeat(self.half_angle, time.shape[1], axis=1),
+            fired=np.ones(time.shape, dtype=bool),
+            time=time,
         )
 
     def _turns(self, rows: int) -> Array:
