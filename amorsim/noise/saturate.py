@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,10 +12,13 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["Saturate"]
 
 Array = npt.NDArray[np.float64]
+_NO_LEAST, _NO_MOST = np.full((1, 1), -math.inf), np.full((1, 1), math.inf)
+_NO_LEAST.flags.writeable = _NO_MOST.flags.writeable = False
 
 
 @attrs.frozen(kw_only=True)
@@ -37,9 +41,8 @@ class Saturate(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)`, none beyond the ends."""
-        held = values
-        if self.minimum is not None:
-            held = np.where(held < self.minimum, self.minimum, held)
-        if self.maximum is not None:
-            held = np.where((held > self.maximum) & (held < math.inf), self.maximum, held)
+        least: Any = _NO_LEAST if self.minimum is None else self.minimum
+        most: Any = _NO_MOST if self.maximum is None else self.maximum
+        held = np.empty(values.shape)
+        noise_elements.hold_within(values, least, most, held)
         return held
