@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Sequence
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.contracts import Noise, NoiseStep, parameter
 from amorsim.core.parameters import ParameterError
-from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["Saturate"]
-
-Array = npt.NDArray[np.float64]
-_NO_LEAST, _NO_MOST = np.full((1, 1), -math.inf), np.full((1, 1), math.inf)
-_NO_LEAST.flags.writeable = _NO_MOST.flags.writeable = False
 
 
 @attrs.frozen(kw_only=True)
@@ -39,10 +31,8 @@ class Saturate(Noise):
         if low is not None and high is not None and low > high:
             raise ParameterError("minimum", f"expected no more than maximum {high!r}, got {low!r}")
 
-    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)`, none beyond the ends."""
-        least: Any = _NO_LEAST if self.minimum is None else self.minimum
-        most: Any = _NO_MOST if self.maximum is None else self.maximum
-        held = np.empty(values.shape)
-        noise_elements.hold_within(values, least, most, held)
-        return held
+    def steps(self) -> Sequence[NoiseStep]:
+        """Cut off at the ends."""
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        return [NoiseStep.clip(low, high)]

@@ -72,18 +72,6 @@ def test_a_compass_deviates(rng, values):
     np.testing.assert_array_equal(out, values - (0.0 - (a + once + twice)))
 
 
-@pytest.mark.parametrize(
-    "ends", [(column(-2.0, -1.0, 1), column(1.0, 2.0, 2)), (np.full((1, 1), -np.inf), column(0, 1, 3))]
-)
-def test_values_are_held_within_a_range(values, ends):
-    least, most = ends
-    held = np.where(values < least, least, values)
-    held = np.where((held > most) & (held < np.inf), most, held)
-    out = np.empty(values.shape)
-    noise_elements.hold_within(values, least, most, out)
-    assert out.tobytes() == held.tobytes()
-
-
 def test_wheels_slip_for_the_part_of_a_step_that_it_lasts(rng, elapsed):
     travels, steps = rng.normal(size=(ROWS, SIZE)), rng.integers(0, 9, (ROWS, 1))
     at, duration, factor = column(0.0, 1.0, 1), column(0.0, 1.0, 2), column(0.0, 1.5, 3)

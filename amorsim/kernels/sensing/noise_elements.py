@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["deviate", "diffuse", "hold_within", "slip", "spread", "wander"]
+__all__ = ["deviate", "diffuse", "slip", "spread", "wander"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -80,24 +80,6 @@ def deviate(headings: Floats, a: Column, b: Column, c: Column, d: Column, e: Col
             once = b[i, 0] * math.sin(heading) + c[i, 0] * math.cos(heading)
             twice = d[i, 0] * math.sin(2.0 * heading) + e[i, 0] * math.cos(2.0 * heading)
             out[i, j] = headings[i, j] - (0.0 - (a[i, 0] + once + twice))
-
-
-@kernel
-def hold_within(values: Floats, least: Floats, most: Floats, out: Floats) -> None:
-    """Values, and in place of those beyond an end of the range the end, into `out`; inf stays inf.
-
-    `least` and `most` are (1 or N, 1).
-    """
-    for i in range(values.shape[0]):
-        low = least[min(i, least.shape[0] - 1), 0]
-        high = most[min(i, most.shape[0] - 1), 0]
-        for j in range(values.shape[1]):
-            value = values[i, j]
-            if value < low:
-                value = low
-            if high < value < math.inf:
-                value = high
-            out[i, j] = value
 
 
 @kernel
