@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import View
+from amorsim.contracts import Emissions, View
 from amorsim.kernels.sensing import acoustics, earshot
 
 __all__ = ["SOUND", "hear"]
@@ -31,7 +31,7 @@ _AHEAD = np.zeros((1, 1))
 
 def hear(
     view: View,
-    medium: str,
+    said: Emissions,
     receivers: Array,
     half_angle: Array,
     listens: Array,
@@ -48,6 +48,8 @@ def hear(
 
     Parameters
     ----------
+    said
+        What everyone fires into the medium, as the view tells the sensor that listens.
     receivers
         World poses `(N * k, 3)` of the elements.
     half_angle, range_min, range_max
@@ -58,7 +60,7 @@ def hear(
     heard = np.full(listens.shape, np.inf)
     cones = np.concatenate((half_angle, range_min, range_max), axis=1)
     listeners = acoustics.Listeners(receivers, np.ascontiguousarray(listens), cones)
-    emitters = acoustics.Emitters(*map(np.ascontiguousarray, view.emissions(medium)))
+    emitters = acoustics.Emitters(*map(np.ascontiguousarray, said))
     facing = _room(*listens.shape, emitters.time.shape[1])
     looks = earshot.face(listeners, emitters, _FAN, SOUND, _TOGETHER, facing)
     if facing.is_done.all():
