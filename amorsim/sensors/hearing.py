@@ -107,7 +107,7 @@ def _room(rows: int, k: int, emitters: int) -> acoustics.Facing:
     return acoustics.Facing(
         axes=np.empty((rows * k, 3)),
         emitter_axes=np.empty((rows, emitters, 4)),
-        itself=np.empty(rows * k, dtype=np.int64),
+        hears=np.empty((rows * k, emitters), dtype=np.bool_),
         limit=np.empty((rows, 1)),
         rays=np.empty((rows * k, len(_FAN)), dtype=np.int64),
         is_done=np.empty(rows * k, dtype=np.bool_),

@@ -76,8 +76,8 @@ class Facing(NamedTuple):
     """(M, 3): cosine and sine of where a listener looks, and the cosine of half its cone's angle."""
     emitter_axes: Floats
     """(N, e, 4): the same of the emitters, and the sine of half the angle."""
-    itself: Ints
-    """(M,): which emitter a listener is itself, -1 for none."""
+    hears: Bools
+    """(M, e): which emitters a listener may hear."""
     limit: Floats
     """(N, 1): how far [m] surfaces can be that a row hears anything from."""
     rays: Ints
@@ -206,7 +206,7 @@ def first_sounds(
             x, y, heading = listeners.poses[m, 0], listeners.poses[m, 1], listeners.poses[m, 2]
             ear = facing.axes[m]
             for i in range(emitters.poses.shape[1]):
-                if not emitters.fired[n, i] or i == facing.itself[m]:
+                if not facing.hears[m, i]:
                     continue
                 ex, ey = emitters.poses[n, i, 0], emitters.poses[n, i, 1]
                 axis = facing.emitter_axes[n, i]

@@ -20,6 +20,11 @@ __all__ = ["face", "lay_rays"]
 
 Floats = npt.NDArray[np.float64]
 
+# What is held of an emitter that a listener may hear: where it is from there, how far off [m], the ways by which it can
+# be heard [m], and of both edges of its cone the direction, x and y, and how far the listener is inside of it.
+_X, _Y, _ACROSS, _SHORTEST, _LONGEST, _EDGES = range(6)
+_COLUMNS = _EDGES + 6
+
 
 @part
 def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Floats) -> bool:
@@ -55,38 +60,51 @@ def _set_edges(cos: float, sin: float, cos_half: float, sin_half: float, edges: 
 
 
 @part
-def _crosses(
-    dx: float, dy: float, x: float, y: float, shortest: float, longest: float, limit: float, emitter: Floats
-) -> bool:
-    """Whether a ray of direction (dx, dy) has points in the cone of an emitter (x, y) from its start, so far off.
+def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: float, axis: Floats, to: Floats) -> None:
+    """Write what `_crosses` asks of an emitter (x, y) from a listener, whose way must be from `shortest` to `longest`.
 
-    The way by the point, along the ray and on to the emitter, is from `shortest` to `longest`; and the point no farther
-    along the ray than `limit`. Where that is in doubt, it has.
+    `limit` [m] is how far the listener's rays go, `axis` of `Facing.emitter_axes`.
     """
     across = math.sqrt(x * x + y * y)
+    doubt = SLACK * (1.0 + across + limit)
+    for side in range(2):
+        # An edge of the cone, right and left, turned so that its inside is on the left; and how far inside we are.
+        sign = 2.0 * side - 1.0
+        edge_x = sign * (axis[0] * axis[2] - sign * axis[1] * axis[3])
+        edge_y = sign * (axis[1] * axis[2] + sign * axis[0] * axis[3])
+        to[_EDGES + 3 * side] = edge_x
+        to[_EDGES + 3 * side + 1] = edge_y
+        # All is within a cone of more than half a turn, as far as is looked at here.
+        to[_EDGES + 3 * side + 2] = edge_x * y - edge_y * x + doubt if axis[2] >= 0.0 else math.inf
+    to[_X], to[_Y], to[_ACROSS] = x, y, across
+    to[_SHORTEST], to[_LONGEST] = shortest, max(longest, across * (1.0 + 1e-12))
+
+
+@part
+def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
+    """Whether a listener's ray of direction (dx, dy) has points in an emitter's cone, by a way that could count.
+
+    Points that are no farther along the ray than `limit` [m]. Where that is in doubt, it has.
+    """
     low, high = 0.0, limit
-    if emitter[2] >= 0.0:
-        doubt = SLACK * (1.0 + across + limit)
-        for side in (-1.0, 1.0):
-            # An edge of the cone, and how far inside of it the ray's points are: start + speed * r.
-            edge_x = emitter[0] * emitter[2] - side * emitter[1] * emitter[3]
-            edge_y = emitter[1] * emitter[2] + side * emitter[0] * emitter[3]
-            start = side * (edge_x * y - edge_y * x) + doubt
-            speed = side * (edge_y * dx - edge_x * dy)
-            if start < 0.0 and speed <= 0.0:
-                return False
-            if speed > 0.0:
-                low = max(low, -start / speed)
-            elif speed < 0.0:
-                high = min(high, -start / speed)
+    for at in range(_EDGES, _EDGES + 6, 3):
+        # How far inside of an edge the ray's points are: start + speed * r.
+        start = of[at + 2]
+        speed = of[at + 1] * dx - of[at] * dy
+        if start < 0.0 and speed <= 0.0:
+            return False
+        if speed > 0.0:
+            low = max(low, -start / speed)
+        elif speed < 0.0:
+            high = min(high, -start / speed)
     if low > high:
         return False
     # The way grows with the point's distance r along the ray: r + sqrt(across^2 - 2 r along + r^2) is the way.
-    along = dx * x + dy * y
+    along = dx * of[_X] + dy * of[_Y]
+    across, shortest, longest = of[_ACROSS], of[_SHORTEST], of[_LONGEST]
     if shortest > across:
         least = (shortest - across) * (shortest + across) / (2.0 * (shortest - along))
         low = max(low, least * (1.0 - SLACK) - SLACK)
-    longest = max(longest, across * (1.0 + 1e-12))
     if longest > along:
         most = (longest - across) * (longest + across) / (2.0 * (longest - along))
         high = min(high, most * (1.0 + SLACK) + SLACK)
@@ -95,7 +113,7 @@ def _crosses(
 
 @kernel
 def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, together: int, facing: Facing) -> int:
-    """Say which rays of listeners may carry a sound to them, and to whom none can come.
+    """Say whom listeners may hear, which of their rays may carry a sound to them, and to whom none can come.
 
     A ray is left out only where no sound by way of its end could count. `fan` (f,) tells a cone's rays by parts of half
     its angle, `speed` is that of sound [m/s]. Returns how many looks of so many rays `together` any row takes at most.
@@ -103,9 +121,9 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
     rows, k = listeners.listens.shape
     count = emitters.poses.shape[1]
     most_looks = 0
-    near = np.empty(count, dtype=np.int64)
-    spans = np.empty((count, 2))
+    near = np.empty((count, _COLUMNS))
     edges = np.empty((3, 2))
+    itself = np.empty(k, dtype=np.int64)  # which emitter each listener of a row is
     cosines, sines, told = np.empty(fan.shape[0]), np.empty(fan.shape[0]), math.nan
     for n in range(rows):
         half, least, most = listeners.cones[n, 0], listeners.cones[n, 1], listeners.cones[n, 2]
@@ -118,7 +136,7 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
         own = 0
         for j in range(k):
             last = max(last, listeners.listens[n, j])
-            facing.itself[n * k + j] = -1
+            itself[j] = -1
         for i in range(count):
             # Of the emitter that fires first, sound has come farthest.
             first = min(first, emitters.time[n, i])
@@ -126,7 +144,7 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
             axis[0], axis[1] = math.cos(emitters.poses[n, i, 2]), math.sin(emitters.poses[n, i, 2])
             axis[2], axis[3] = math.cos(emitters.half_angle[n, i]), math.sin(emitters.half_angle[n, i])
             if emitters.own[n, i] and own < k:
-                facing.itself[n * k + own] = i
+                itself[own] = i
                 own += 1
         limit = 2.0 * most + speed * max(last - first, 0.0)
         facing.limit[n, 0] = limit
@@ -139,7 +157,8 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
             _set_edges(axes[0], axes[1], cos_half, sin_half, edges)
             candidates = 0
             for i in range(count):
-                if not emitters.fired[n, i] or i == facing.itself[m]:
+                facing.hears[m, i] = False
+                if not emitters.fired[n, i] or i == itself[j]:
                     continue
                 ahead = speed * (emitters.time[n, i] - listeners.listens[n, j])
                 slack = SLACK * (1.0 + abs(ahead) + most)
@@ -153,18 +172,16 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
                     continue
                 if _are_apart(edges, x, y, facing.emitter_axes[n, i]):
                     continue
-                near[candidates] = i
-                spans[candidates, 0], spans[candidates, 1] = 2.0 * least - ahead - slack, longest
+                shortest = 2.0 * least - ahead - slack
+                _set_candidate(x, y, shortest, longest, limit, facing.emitter_axes[n, i], near[candidates])
+                facing.hears[m, i] = True
                 candidates += 1
             facing.is_done[m] = candidates == 0
             rays = 0
             for f in range(fan.shape[0] if candidates else 0):
                 dx, dy = direction(axes[0], axes[1], cosines[f], sines[f])
                 for c in range(candidates):
-                    i = near[c]
-                    x = emitters.poses[n, i, 0] - listeners.poses[m, 0]
-                    y = emitters.poses[n, i, 1] - listeners.poses[m, 1]
-                    if _crosses(dx, dy, x, y, spans[c, 0], spans[c, 1], limit, facing.emitter_axes[n, i]):
+                    if _crosses(dx, dy, limit, near[c]):
                         facing.rays[m, rays] = f
                         rays += 1
                         break
