@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +23,8 @@ SOUND = 343.0
 # not depend on other rows. In a cone of 30 degrees they are half a degree apart.
 _FAN = np.linspace(-1.0, 1.0, 61)
 
-_FIRST, _NEXT = 1, 8  # sounds of each listener whose lines are looked at together, at first and then
+# Sounds of each listener whose lines are looked along together: at first one, which mostly is free.
+_BATCHES = (1, 8, 64)
 
 _TOGETHER = 12  # rays of a listener that are cast as one look
 _OFF = 0.01  # [m] before a surface from where the way on is looked at: within an occupied cell nothing is seen
@@ -60,15 +62,17 @@ def hear(
     heard = np.full(listens.shape, np.inf)
     cones = np.concatenate((half_angle, range_min, range_max), axis=1)
     listeners = acoustics.Listeners(receivers, np.ascontiguousarray(listens), cones)
-    emitters = acoustics.Emitters(*map(np.ascontiguousarray, said))
-    facing = _room(*listens.shape, emitters.time.shape[1])
+    arrays: Any = map(np.ascontiguousarray, said)
+    emitters = acoustics.Emitters(*arrays)
+    rows, k = listens.shape
+    facing = _room(rows, k, emitters.time.shape[1])
     looks = earshot.face(listeners, emitters, _FAN, SOUND, _TOGETHER, facing)
     if facing.is_done.all():
         return heard
     surfaces = _surfaces(view, listeners, facing, len(listens) * looks)
     after, after_number = np.full(len(receivers), -np.inf), np.full(len(receivers), -1, dtype=np.int64)
     # Sounds in the order in which they come, until for each listener one is found that nothing keeps off.
-    for batch in itertools.chain((_FIRST,), itertools.repeat(_NEXT)):
+    for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
         sounds = _silence(len(receivers), batch)
         found = acoustics.first_sounds(listeners, emitters, facing, surfaces, SOUND, after, after_number, sounds)
         if not found:

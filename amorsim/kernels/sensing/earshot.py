@@ -33,7 +33,7 @@ def _is_beyond(nx: float, ny: float, x: float, y: float, emitter: Floats) -> boo
         return False
     ahead = nx * emitter[0] + ny * emitter[1]
     aside = abs(ny * emitter[0] - nx * emitter[1])
-    return min(ahead, ahead * emitter[2] - aside * emitter[3]) > SLACK
+    return bool(min(ahead, ahead * emitter[2] - aside * emitter[3]) > SLACK)
 
 
 @part
