@@ -31,6 +31,7 @@ class AimGaussian(Noise):
 
     def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
         """The aim with the angles [rad] of this sample `(N, k)` added."""
-        bend = draws.normal(state["bend"].shape[1]) * self.std
+        bend = draws.normal(state["bend"].shape[1])
+        bend *= self.std
         state["bend"] = bend
         return aim._replace(bearing=bend if aim.bearing is None else aim.bearing + bend)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["AngleRandomWalk"]
 
@@ -34,7 +35,6 @@ class AngleRandomWalk(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` with noise on them."""
-        counts = elapsed > 0.0
-        std = np.where(counts, self.density / np.sqrt(np.where(counts, elapsed, 1.0)), 0.0)
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
-        return values - (0.0 - draws.normal(values.shape[1]) * std)
+        noise = draws.normal(values.shape[1])
+        noise_elements.spread(values, self.density, elapsed, noise)
+        return noise

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["BiasInstability"]
 
@@ -42,11 +43,10 @@ class BiasInstability(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` and the bias of now."""
-        ratio = elapsed / self.correlation_time
-        # Over a time without end at the first sample: what is remembered is nothing.
-        remembered = np.where(elapsed > 0.0, np.exp(-ratio), 0.0)
-        fresh = np.where(elapsed > 0.0, np.sqrt(-np.expm1(-2.0 * ratio)), 1.0)
-        process = state["process"] * remembered + draws.normal(values.shape[1]) * fresh
+        ratio = -elapsed / self.correlation_time
+        process, out = draws.normal(values.shape[1]), np.empty(values.shape)
+        noise_elements.wander(
+            values, state["process"], elapsed, np.exp(ratio), np.expm1(2.0 * ratio), self.std, process, out
+        )
         state["process"] = process
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
-        return values - (0.0 - process * self.std)
+        return out

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["CompassDeviation"]
 
@@ -43,8 +44,6 @@ class CompassDeviation(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The headings `(N, k)` [rad] with the deviation that each has; what is no heading (inf) stays."""
-        heading = np.where(np.isfinite(values), values, 0.0)
-        once = self.b * np.sin(heading) + self.c * np.cos(heading)
-        twice = self.d * np.sin(2.0 * heading) + self.e * np.cos(2.0 * heading)
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
-        return values - (0.0 - (self.a + once + twice))
+        out = np.empty(values.shape)
+        noise_elements.deviate(values, self.a, self.b, self.c, self.d, self.e, out)
+        return out

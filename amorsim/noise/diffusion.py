@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.kernels.sensing import noise_elements
 
 __all__ = ["Diffusion"]
 
@@ -36,9 +37,6 @@ class Diffusion(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The travels `(N, r)` [m] over the ground."""
-        size = np.abs(values)
-        size *= self.variance_per_length
-        std = np.sqrt(size, out=size)
-        std *= draws.normal(values.shape[1])
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
-        return values - (0.0 - std)
+        noise = draws.normal(values.shape[1])
+        noise_elements.diffuse(values, self.variance_per_length, noise)
+        return noise

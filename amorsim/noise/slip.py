@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.kernels.sensing import noise_elements
 from amorsim.noise.joints import chosen
 
 __all__ = ["Slip"]
@@ -51,10 +52,7 @@ class Slip(Noise):
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The travels `(N, r)` [m] over the ground."""
-        # By multiplication, never by adding up: a billion steps later the time is still right.
-        begin = state["steps"] * elapsed
+        out = np.empty(values.shape)
+        noise_elements.slip(values, state["steps"], elapsed, self.at, self.duration, self.factor, state["slips"], out)
         state["steps"] = state["steps"] + 1
-        covered = np.minimum(begin + elapsed, self.at + self.duration) - np.maximum(begin, self.at)
-        part = np.where(elapsed > 0.0, covered / np.where(elapsed > 0.0, elapsed, 1.0), 0.0)
-        part = np.minimum(np.maximum(part, 0.0), 1.0)
-        return values * (1.0 - (1.0 - self.factor) * part * state["slips"])
+        return out

@@ -1,4 +1,4 @@
-"""At what angle a beam meets a surface: a body's shape, or a wall, which is felt closely beside the beam."""
+"""At what angle a beam meets a surface: a body's shape, or a wall, which is probed close to the beam."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import View
 from amorsim.core.poses import wrap_angle
+from amorsim.kernels.sensing import slopes
 
 __all__ = ["PATCH", "incidence", "nearest_incidence"]
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 PATCH = 0.05
 """[m] to either side of a beam at which a wall is probed.
@@ -46,6 +48,8 @@ def incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_
     """
     _, body = view.look(origins, bearings, range_max, landmarks=False)
     of_walls = _wall_incidence(view, origins, bearings, ranges, range_max)
+    if (body < 0).all():
+        return of_walls
     of_bodies = _body_incidence(view, origins, bearings, body)
     return np.where(np.isfinite(ranges) & (body >= 0), of_bodies, of_walls)
 
@@ -56,28 +60,70 @@ def nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: 
     `origins` are world poses `(N * m, 3)` of cones, `half_angle` [rad] and `range_max` [m] `(N, 1)`.
     """
     per_row = len(origins) // view.rows
-    half = np.repeat(np.broadcast_to(half_angle, (view.rows, 1)), per_row, axis=0)
-    bearing, nearest = _nearest(half * _WALL_FAN, view.cast(origins, half * _WALL_FAN, range_max, bodies=False))
+    fan = _spread(half_angle, per_row, _WALL_FAN)
+    bearing, nearest = _nearest(fan, view.cast(origins, fan, range_max, bodies=False))
     found = _wall_incidence(view, origins, bearing, nearest, range_max)
-    if len(view.bodies().reach) > 1:
-        # The ray that meets a body nearest; then, as a thin post's normal turns much from ray to ray, closer about it.
-        aside = np.zeros((len(origins), 1))
-        for width, fan in ((half, _BODY_FAN), (half * _BODY_STEP, _WALL_FAN)):
-            rays = aside + width * fan
-            ranges, body = view.look(origins, rays, range_max, landmarks=False)
-            aside, reach = _nearest(rays, np.where(body >= 0, ranges, np.inf))
-        _, body = view.look(origins, aside, range_max, landmarks=False)
-        found = np.where(reach < nearest, _body_incidence(view, origins, aside, body), found)
+    which = _near_bodies(view, origins, half_angle, range_max, nearest)
+    if which is not None:
+        of_bodies, reach = _nearest_bodies(view, origins[which], half_angle, range_max)
+        found[which] = np.where(reach < nearest[which], of_bodies, found[which])
     return found.reshape(view.rows, per_row)
+
+
+def _near_bodies(view: View, origins: Array, half_angle: Array, range_max: Array, nearest: Array) -> Ints | None:
+    """Which cones `(N * p,)`, p of each row in turn, may meet a body nearer than walls; None for none.
+
+    Rows with fewer of them get others of theirs besides.
+    """
+    bodies = view.bodies()
+    if len(bodies.reach) < 2:
+        return None
+    might = np.empty(len(origins), dtype=np.bool_)
+    wider = half_angle * (1.0 + _BODY_STEP)  # the last rays that are cast go beyond the edge by as much
+    slopes.bodies_in_cones(
+        origins, wider, nearest, range_max, bodies.poses, bodies.reach, bodies.owner, bodies.own, might
+    )
+    by_row = might.reshape(view.rows, -1)
+    most = int(by_row.sum(axis=1).max())
+    if not most:
+        return None
+    order = np.argsort(~by_row, axis=1, kind="stable")[:, :most]
+    return np.asarray(order + by_row.shape[1] * np.arange(view.rows)[:, None]).reshape(-1)
+
+
+def _nearest_bodies(view: View, origins: Array, half_angle: Array, range_max: Array) -> tuple[Array, Array]:
+    """Angles of incidence [rad] `(M, 1)` on the bodies that cones meet nearest, and how far off [m], inf for none."""
+    per_row = len(origins) // view.rows
+    half = np.repeat(half_angle, per_row, axis=0)
+    # The ray that meets a body nearest; then, as a thin post's normal turns much from ray to ray, closer about it.
+    rays = _spread(half_angle, per_row, _BODY_FAN)
+    aside, _ = _nearest_body(view, origins, rays, range_max)
+    aside, reach = _nearest_body(view, origins, aside + half * _BODY_STEP * _WALL_FAN, range_max)
+    _, body = view.look(origins, aside, range_max, landmarks=False)
+    return _body_incidence(view, origins, aside, body), reach
+
+
+def _nearest_body(view: View, origins: Array, rays: Array, range_max: Array) -> tuple[Array, Array]:
+    """The bearing and the range `(M, 1)` at which a body is met nearest by one of the rays `(1 or M, k)`."""
+    ranges, body = view.look(origins, rays, range_max, landmarks=False)
+    return _nearest(rays, np.where(body >= 0, ranges, np.inf))
+
+
+def _spread(half_angle: Array, per_row: int, fan: Array) -> Array:
+    """Bearings of a fan's rays `(N * m, k)`; `(1, k)` where all rows have the same."""
+    if (half_angle == half_angle[0]).all():
+        return half_angle[:1] * fan
+    return np.repeat(half_angle, per_row, axis=0) * fan
 
 
 def _nearest(bearings: Array, ranges: Array) -> tuple[Array, Array]:
     """The bearing and the range `(M, 1)` of the nearest of each row's rays `(M, k)`."""
-    which = np.argmin(ranges, axis=1)[:, None]
-    return np.take_along_axis(bearings, which, axis=1), np.take_along_axis(ranges, which, axis=1)
+    bearing, nearest = np.empty((len(ranges), 1)), np.empty((len(ranges), 1))
+    slopes.nearest_rays(bearings, ranges, bearing, nearest)
+    return bearing, nearest
 
 
-def _body_incidence(view: View, origins: Array, bearings: Array, body: npt.NDArray[np.int64]) -> Array:
+def _body_incidence(view: View, origins: Array, bearings: Array, body: Ints) -> Array:
     """Angles [rad] `(M, k)` between beams and the normals of the bodies that they enter; 0 where there is none."""
     normal = view.normals(origins, bearings, body)
     between = np.abs(wrap_angle(normal - (origins[:, 2:] + bearings) - np.pi))
@@ -87,31 +133,14 @@ def _body_incidence(view: View, origins: Array, bearings: Array, body: npt.NDArr
 def _wall_incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Array:
     """Angles [rad] `(M, k)` between beams and the walls that they meet, as `incidence` gives them.
 
-    Two more beams are cast beside each, so as to meet the wall `PATCH` away, and a line laid through what they find;
+    Two more beams are cast close to each, so as to meet the wall `PATCH` away, and a line laid through what they find;
     through the nearer one and the beam's own end where the other looks past an edge. Bodies do not keep them off.
     """
-    met = np.isfinite(ranges)
-    ahead = np.where(met, ranges, 1.0)
-    spread = np.arctan2(PATCH, ahead)
+    turn = np.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
     # A probe may go farther than the beam: a slanting wall goes on beyond what is seen.
-    limit = 2.0 * np.asarray(range_max)
-    left_x, left_y, left_gap = _probe(view, origins, bearings, spread, ahead, limit)
-    right_x, right_y, right_gap = _probe(view, origins, bearings, -spread, ahead, limit)
-    both = np.maximum(left_gap, right_gap) <= _EVEN * np.minimum(left_gap, right_gap)
-    nearer_left = left_gap <= right_gap
-    along = np.where(both, left_x - right_x, np.where(nearer_left, left_x, right_x) - ahead)
-    across = np.where(both, left_y - right_y, np.where(nearer_left, left_y, right_y))
-    found = met & np.isfinite(np.minimum(left_gap, right_gap))
-    return np.where(found, np.arctan2(np.abs(along), np.abs(across)), 0.0)
-
-
-def _probe(
-    view: View, origins: Array, bearings: Array, turn: Array, ahead: Array, limit: Array
-) -> tuple[Array, Array, Array]:
-    """Where a beam turned aside ends, along and across the first one, and how far [m] from its end; inf for nowhere."""
-    reach = view.cast(origins, np.ascontiguousarray(bearings + turn), limit, bodies=False)
-    known = np.isfinite(reach)
-    reach = np.where(known, reach, 0.0)
-    x, y = reach * np.cos(turn), reach * np.sin(turn)
-    gap = np.where(known, np.sqrt((x - ahead) ** 2 + y**2), np.inf)
-    return x, y, gap
+    probes = view.cast(
+        origins, np.concatenate((bearings + turn, bearings - turn), axis=1), 2.0 * range_max, bodies=False
+    )
+    along, across = np.empty(ranges.shape), np.empty(ranges.shape)
+    slopes.along_walls(ranges, turn, probes, _EVEN, along, across)
+    return np.arctan2(np.abs(along), np.abs(across))

@@ -110,17 +110,18 @@ class Sonar(Sensor):
         if self.medium:
             near: Any = self.range_min
             turns = self._turns(view.rows)
-            makers["heard"] = lambda: hear(view, self.medium, origins, half_angle, turns, near, range_max)
+            said = view.emissions(self.medium)  # now, while the view is this sensor's
+            makers["heard"] = lambda: hear(view, said, origins, half_angle, turns, near, range_max)
         return np.maximum(ranges, self.range_min), Side(**makers)
 
     def emit(self, view: View, state: State) -> Emission | None:
         """All elements, each in its turn."""
-        k = self.bearings().shape[1]
+        time = self._turns(view.rows)
         return Emission(
-            poses=ring_poses(view, self.elements, Aim()).reshape(view.rows, k, 3),
-            half_angle=np.array(np.broadcast_to(self.half_angle, (view.rows, k))),
-            fired=np.ones((view.rows, k), dtype=bool),
-            time=self._turns(view.rows),
+            poses=ring_poses(view, self.elements, Aim()).reshape(*time.shape, 3),
+            half_angle=np.repeat(self.half_angle, time.shape[1], axis=1),
+            fired=np.ones(time.shape, dtype=bool),
+            time=time,
         )
 
     def _turns(self, rows: int) -> Array:

@@ -215,6 +215,24 @@ def test_a_ring_hears_its_own_elements_by_a_wall_in_their_turns():
     assert -1.5e-3 <= measured[1] - 0.5 * (way - 0.002 * SOUND) <= allowed(2.0, 0.1)
 
 
+def test_nothing_hears_its_own_echo_whatever_sensors_come_after_it():
+    """A wall met askew sends the own pulse away, which is no sound of others."""
+    noise = (SpecularLoss(critical=0.1), CrossTalk())
+    unit = am.MountedSensor(sensor=sonar(), mount=am.Mount(x=0.1), noise=noise)
+    tail = {"tail": am.MountedSensor(sensor=Laser(beams=3), mount=am.Mount(x=-0.1))}
+    for more in ({}, tail):
+        rover = building.robot(
+            shape=Shape.circle(0.1),
+            sensors={"sonar": unit} | more,
+            estimators={},
+            pose=am.Pose(x=9.9, y=5.0, heading=math.radians(35.0)),
+        )
+        sim = am.Simulation(building.scenario(rover, map=building.room(12.0, 10.0)))
+        reading = sim.robot("rover").readings["sonar"]
+        assert np.isfinite(reading.true).all()
+        assert np.isinf(reading.measured).all()
+
+
 def test_elements_that_fire_together_hear_their_own_echo_first():
     """At one distance from a flat wall, no way to a neighbour is shorter than to oneself."""
     ring = tuple(am.Mount(y=0.05 * i) for i in range(7))

@@ -53,6 +53,8 @@ def collect(groups: list[Group], world: World) -> None:
 
 def _joined(parts: list[Emitted]) -> Emitted:
     """All emitters in order of body, then of the sensor's name, however the robots are grouped."""
+    if len(parts) == 1:
+        return parts[0]  # of one sensor of a group, whose robots are in order
     body = np.concatenate([part.body for part in parts], axis=1)
     sensor = np.concatenate([part.sensor for part in parts])
     order = np.lexsort((sensor, body[0]))

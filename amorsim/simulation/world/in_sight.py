@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Sightings
 from amorsim.kernels.kinematics import poses
-from amorsim.kernels.raycast import body_normals, scans
+from amorsim.kernels.raycast import body_normals, rays, scans
 from amorsim.kernels.raycast import visibility as sight
 from amorsim.simulation.world.world import World
 
@@ -16,6 +16,7 @@ __all__ = ["find_landmarks", "look_about", "normals_at"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+_FEW = 32  # beams with directions of their own, below which it takes longer to sort them than sorting saves
 _SPARE = 4  # marks that are looked for beyond the slots there are, for some are hidden
 
 
@@ -132,7 +133,7 @@ def look_about(
     cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
     poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
     ranges, met = look_along(world, own, origins, cos_b, sin_b, range_max)
-    things = np.where(met >= 0, met % world.count, -1)
+    things = np.where(met >= 0, met % world.count, -1) if world.has_company else met
     if not landmarks:
         return ranges, things
     around = world.surroundings
@@ -182,7 +183,11 @@ def look_along(
 
     def part(a: int, b: int) -> None:
         mine = slice(a, b) if len(cos_b) > 1 else slice(None)
-        scans.cast_scans(grid, segments, *origin, lines[a:b], cos_b[mine], sin_b[mine], range_max[a:b], ranges[a:b])
+        beams = lines[a:b], cos_b[mine], sin_b[mine], range_max[a:b], ranges[a:b]
+        if len(cos_b) > 1 and cos_b.shape[1] < _FEW:
+            rays.cast(grid, *origin, *beams)
+        else:
+            scans.cast_scans(grid, segments, *origin, *beams)
 
     world.workers.share(len(lines), ranges.shape[1], part)
     if world.has_company:
