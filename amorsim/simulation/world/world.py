@@ -15,6 +15,7 @@ from amorsim.kernels.collision import body_hash
 from amorsim.kernels.collision import clearance as contact_kernels
 from amorsim.kernels.collision import footprints as body_kernels
 from amorsim.kernels.collision.body_hash import BodyHash
+from amorsim.kernels.collision.broad_phase import Clearance
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.raycast import body_rays
 from amorsim.simulation.world.surroundings import Surroundings
@@ -54,8 +55,10 @@ class World:
     poses, twists
         `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
         replaced, never changed.
-    room, room_at
-        How far [m] each body can go and meet no wall `(T,)`, 0 where that is not known, and the poses it is said of.
+    clearance
+        How far each body is from walls and from other bodies; kept from step to step by contact.
+    widest
+        The largest reach of a body [m].
     surroundings
         Marks, lamps, and how bodies look.
     emissions
@@ -73,7 +76,9 @@ class World:
     named
         How many of a replica's bodies are robots and obstacles; the others are parts.
     owner
-        `(T,)` whose each body is: of a part the body of its robot, of all others themselves.
+        `(T,)` the owner of each body: of a part the body of its robot, of all others themselves.
+    same_owner
+        `(T,)` the next body with the same owner, round in a ring.
     parts
         `(R * P,)` the bodies that are parts.
     """
@@ -103,7 +108,7 @@ class World:
         self.has_parts = len(owners) > 0
         self.bodies = pack(list(shapes) * replicas)
         self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
-        self._widest = max((shape.reach for shape in shapes), default=1.0)
+        self.widest = max((shape.reach for shape in shapes), default=1.0)
         self._hash: BodyHash | None = None
         self._hashed: Array | None = None  # the poses of which `_hash` is
         self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
@@ -112,10 +117,11 @@ class World:
         whose = np.concatenate((np.arange(self.named, dtype=np.int64), np.array(owners, dtype=np.int64)))
         self.owner: Ints = (self.first[:-1, None] + whose).reshape(-1)
         self.parts: Ints = np.flatnonzero(self.owner != self.everyone)
+        self.same_owner = _rings(self.owner)
         self.poses: Array = np.zeros((replicas * self.count, 3))
         self.twists: Array = np.zeros((replicas * self.count, 3))
-        self.room: Array = np.zeros(replicas * self.count)
-        self.room_at: Array | None = None
+        nothing = np.zeros(replicas * self.count)
+        self.clearance = Clearance(np.full_like(self.poses, np.nan), nothing, nothing.copy())
         self.emissions: dict[str, Emitted] = {}
         self.marks_near = 0  # about how many marks were near those who looked last, for the room to tell them in
 
@@ -167,28 +173,30 @@ class World:
         """The bodies at `poses` `(T, 3)`, found by where they are; made once for arrays that are replaced."""
         if self._hash is None or poses is not self._hashed:
             if self._hash is None:
-                self._hash = _table(self.count, self.replicas, 2.0 * self._widest)
+                self._hash = _table(self.count, self.replicas, 2.0 * self.widest)
             body_hash.hash_bodies(poses, self.bodies.reach, self.owner, self.first, self._hash)
             self._hashed = poses
         return self._hash
 
-    def pairs_within(self, poses: Array, margin: Array, which: Ints | None = None) -> tuple[Ints, Ints]:
+    def pairs_within(
+        self, poses: Array, margin: Array, looks: npt.NDArray[np.bool_] | None = None
+    ) -> tuple[Ints, Ints]:
         """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
 
-        Bodies of one owner are no pair. Of two the one with the wider circle looks for the other, if it is among
-        `which` `(Q,)`; without that all look.
+        Bodies of one owner are no pair. At least one of two is among those that look `(T,)`, or else all look.
         """
         if not self.has_company:
             none = np.empty(0, dtype=np.int64)
             return none, none
         radius = self.bodies.reach + margin
         table = self.by_place(poses)
-        looking = self.everyone if which is None else which
-        found = np.empty(4 * len(looking) + 64, dtype=np.int64)
-        count = body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
+        if looks is None:
+            looks = np.ones(len(poses), dtype=np.bool_)
+        found = np.empty(4 * int(np.count_nonzero(looks)) + 64, dtype=np.int64)
+        count = body_hash.pairs_within(table, self.replica_index, looks, poses, radius, found)
         if count > len(found):
             found = np.empty(count, dtype=np.int64)
-            body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
+            body_hash.pairs_within(table, self.replica_index, looks, poses, radius, found)
         a, b = np.divmod(np.sort(found[:count]), len(poses))
         if self.has_parts:
             apart = self.owner[a] != self.owner[b]
@@ -235,10 +243,21 @@ class World:
 
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
         """The bodies where they are, as `body_rays.cast_bodies` takes them."""
-        return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self._widest
+        return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self.widest
 
 
 _NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit
+
+
+def _rings(owner: Ints) -> Ints:
+    """For each body `(T,)` the next one with the same owner, and after the last the first."""
+    order = np.argsort(owner, kind="stable")
+    owners = owner[order]
+    first, last = np.searchsorted(owners, owners), np.searchsorted(owners, owners, side="right")
+    after = np.arange(1, len(owner) + 1)
+    ring = np.empty_like(owner)
+    ring[order] = order[np.where(after < last, after, first)]
+    return ring
 
 
 def _table(count: int, replicas: int, side: float) -> BodyHash:
