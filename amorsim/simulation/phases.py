@@ -59,16 +59,9 @@ def _actuate(fleet: Fleet) -> None:
 
 
 def _move(fleet: Fleet) -> None:
-    movers = fleet.movement.movers
     poses, stop, contacts = fleet.movement.make()
     _meet(fleet, poses, contacts)
-    if len(movers) == 1 and len(movers[0].bodies) == len(poses):
-        movers[0].arrive(poses, stop)
-    else:
-        for mover in movers:
-            mover.arrive(poses[mover.bodies], stop[mover.bodies])
-    if fleet.world.has_company or fleet.parts:
-        fleet.place()
+    fleet.movement.arrive(poses, stop)
     fleet.advance()
 
 

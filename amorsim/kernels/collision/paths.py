@@ -1,4 +1,4 @@
-"""The paths of bodies through a step: where each is at a fraction of it, and how far it can have come.
+"""The paths of bodies through a step: the pose at a fraction of it, and a bound of the distance travelled.
 
 Most paths are arcs, the exponential of a constant twist, or straight lines along which the heading turns evenly. The
 arithmetic of a pose is that of `amorsim.kernels.kinematics.poses`, so a path followed here and one composed there give
@@ -104,7 +104,7 @@ def pose_at(paths: Paths, body: int, fraction: float, out: Floats) -> None:
 
 @kernel
 def poses_at(paths: Paths, bodies: Ints, fraction: Floats, out: Floats) -> None:
-    """Write the poses (Q, 3) of bodies (Q,) at fractions (Q,) of the step, as `pose_at` does."""
+    """Write the poses (Q, 3) of bodies (Q,) at fractions (Q,) of the step; see `pose_at`."""
     for q in range(out.shape[0]):
         pose_at(paths, bodies[q], fraction[q], out[q])
 

@@ -41,7 +41,7 @@ _SLOPE = 3  # find how fast the gap closes
 _PROBE = 4  # narrow the bracket: free or not?
 _END = 5
 
-# Entries of `Search.count`.
+# Entries of `Search.used`.
 WAITING = 0
 MET = 1
 
@@ -90,8 +90,8 @@ class Search(NamedTuple):
     """The pairs that met, in order of time, (Q,)."""
     when: Floats
     """The fractions at which they did, (Q,)."""
-    count: Ints
-    """The entries used of `todo` and of `met`."""
+    used: Ints
+    """Number of entries used of `todo` and of `met`, (2,)."""
 
 
 @part
@@ -147,7 +147,7 @@ def _look(scene: Scene, s: Search, q: int, edges: Floats, nearest: Floats) -> fl
             edges[0],
             nearest,
         )
-        look = nearest[0]
+        look = float(nearest[0])
     else:
         look = body_gap(scene.bodies, a, poses[0], s.b[q], poses[1], cap, edges[0], edges[1])
     if s.stage[q] != _SLOPE:
@@ -280,8 +280,8 @@ def _search_again(paths: Paths, same_owner: Ints, s: Search, body: int, fraction
                     _enter(s.tree, s.time, q)
                 else:
                     s.stage[q] = _BEGIN
-                    s.todo[s.count[WAITING]] = q
-                    s.count[WAITING] += 1
+                    s.todo[s.used[WAITING]] = q
+                    s.used[WAITING] += 1
         member = same_owner[member]
         if member == body:
             return
@@ -312,7 +312,7 @@ def resolve(scene: Scene, same_owner: Ints, s: Search, shortest: float, most_loo
     nearest = np.empty(3)
     while True:
         waiting = 0
-        for k in range(s.count[WAITING]):
+        for k in range(s.used[WAITING]):
             q = s.todo[k]
             if not _search(scene, s, q, shortest, most_looks, edges, nearest):
                 s.todo[waiting] = q
@@ -322,16 +322,16 @@ def resolve(scene: Scene, same_owner: Ints, s: Search, shortest: float, most_loo
                 return -1
             else:
                 _enter(s.tree, s.time, q)
-        s.count[WAITING] = waiting
+        s.used[WAITING] = waiting
         if waiting > 0:
             return waiting
         lead = s.tree[1]
         now = s.time[lead]
         if not now <= 1.0:
             return 0
-        s.met[s.count[MET]] = lead
-        s.when[s.count[MET]] = now
-        s.count[MET] += 1
+        s.met[s.used[MET]] = lead
+        s.when[s.used[MET]] = now
+        s.used[MET] += 1
         _stop(paths, same_owner, s.a[lead], now)
         if s.b[lead] != WALL:
             _stop(paths, same_owner, s.b[lead], now)

@@ -48,6 +48,10 @@ class Mover(Protocol):
 
     bodies: Ints  # (M,) which bodies of the world they are
 
+    @property
+    def true_twist(self) -> Array:
+        """Velocities `(M, 3)` [m/s, m/s, rad/s] over the last step in the bodies' frames."""
+
     def path(self) -> tuple[int, Array]:
         """The form of the paths (`amorsim.kernels.collision.paths`), and what they are made of `(M, 3)`.
 
@@ -120,6 +124,14 @@ class Movement:
         world.clearance.at[:] = end
         return end, paths.stop, contacts
 
+    def arrive(self, poses: Array, stop: Array) -> None:
+        """Let the movers take what `make` gave, and the world the velocities that follow."""
+        twists = self._world.twists.copy()
+        for mover, rows in zip(self.movers, self._rows, strict=True):
+            mover.arrive(np.ascontiguousarray(poses[rows]), np.ascontiguousarray(stop[rows]))
+            twists[rows] = mover.true_twist
+        self._world.twists = twists
+
     def _set_out(self) -> Paths:
         """The paths of all bodies; `stop` and, but for form `OTHER`, `bound` are still to be written."""
         for mover, rows in zip(self.movers, self._rows, strict=True):
@@ -182,7 +194,7 @@ class Movement:
             search.poses[pairs, 0] = self._at(paths, a[pairs], search.fraction[pairs])
             search.poses[two, 1] = self._at(paths, b[two], search.fraction[two])
             search.answered[pairs] = True
-        met = search.met[: search.count[MET]]
+        met = search.met[: search.used[MET]]
         a, b, when = a[met], b[met], search.when[: len(met)]
         poses, others = self._at(paths, a, when), self._at(paths, np.where(b == WALL, a, b), when)
         point = _points(world, a, poses, b, others)
@@ -229,12 +241,12 @@ def _search_of(a: Ints, b: Ints, asks: npt.NDArray[np.bool_], bodies: int) -> Se
         todo=np.arange(count),
         met=np.empty(count, dtype=np.int64),
         when=np.empty(count),
-        count=np.array([count, 0]),
+        used=np.array([count, 0]),
     )
 
 
 def _too_many_looks(world: World, paths: Paths, a: int, b: int) -> ContactError:
-    """What is wrong with a step in which two are looked at without end."""
+    """The error for a step in which the search of a pair does not end."""
     fast = a if b == WALL or paths.bound[a] >= paths.bound[b] else b
     other = "the walls" if b == WALL else repr(world.name(b if fast == a else a))
     return ContactError(
