@@ -26,7 +26,7 @@ Ints = NDArray[np.int64]
 NEAR_WALL = 1
 NEAR_BODY = 2
 
-# A body that looks around looks so many steps ahead.
+# Number of steps ahead that a body looks around, at most.
 AHEAD = 32.0
 
 
@@ -189,9 +189,12 @@ def look_around(
                 near[k] |= NEAR_WALL
         clearance.walls[i] -= own
         if not both < clearance.others[i]:
-            # In a crowd the nearest is near, and it does not pay to look much farther.
-            within = both + min((AHEAD - 1.0) * both, by_place.side)
+            # In a crowd the nearest body is near, so the first look does not go far.
+            within = 2.0 * both
             gap = _gap_to_others(start, reach, by_place, replica[i], owner[i], widest, within)
+            while gap == within and within < AHEAD * both:
+                within *= 4.0
+                gap = _gap_to_others(start, reach, by_place, replica[i], owner[i], widest, within)
             clearance.others[i] = gap
             if gap < both:
                 near[k] |= NEAR_BODY

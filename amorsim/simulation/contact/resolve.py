@@ -88,7 +88,7 @@ class Movement:
         count = len(world.poses)
         self.movers = tuple(movers)
         self._world = world
-        self._rows = [_rows_of(mover.bodies) for mover in movers]
+        self._rows = [(mover, _rows_of(mover.bodies)) for mover in movers]
         self._form = np.full(count, STANDS, dtype=np.uint8)
         self._motion = np.zeros((count, 3))
         self._bound = np.empty(count)
@@ -127,14 +127,14 @@ class Movement:
     def arrive(self, poses: Array, stop: Array) -> None:
         """Let the movers take what `make` gave, and the world the velocities that follow."""
         twists = self._world.twists.copy()
-        for mover, rows in zip(self.movers, self._rows, strict=True):
+        for mover, rows in self._rows:
             mover.arrive(np.ascontiguousarray(poses[rows]), np.ascontiguousarray(stop[rows]))
             twists[rows] = mover.true_twist
         self._world.twists = twists
 
     def _set_out(self) -> Paths:
         """The paths of all bodies; `stop` and, but for form `OTHER`, `bound` are still to be written."""
-        for mover, rows in zip(self.movers, self._rows, strict=True):
+        for mover, rows in self._rows:
             form, motion = mover.path()
             self._form[rows] = form
             self._motion[rows] = motion
