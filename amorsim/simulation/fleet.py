@@ -16,7 +16,7 @@ from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 from amorsim.simulation.alike import group_key
-from amorsim.simulation.contact.resolve import WALL
+from amorsim.simulation.contact.resolve import WALL, Movement
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
@@ -45,6 +45,8 @@ class Fleet:
         `(R,)` of each replica.
     events
         What happened, in order.
+    movement
+        What moves all bodies through a step.
     only
         The group of robots, where there are no others, no obstacles and no parts.
     touching
@@ -97,6 +99,8 @@ class Fleet:
         ]
         self.everything: list[Group | ObstacleGroup] = [*self.groups, *self.obstacles]
         self.parts = [group.parts for group in self.groups if group.parts is not None]
+        moved = [group for group in self.obstacles if group.motion is not None]
+        self.movement = Movement(self.world, [*self.groups, *self.parts, *moved])
         self.has_emitters = any(unit.sensor.medium for group in self.groups for unit in group.sensors.values())
         self.touching: frozenset[tuple[int, int]] = frozenset()
         self.contacts: frozenset[tuple[int, int]] = frozenset()

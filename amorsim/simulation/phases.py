@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.core.errors import AmorsimError
 from amorsim.simulation.blame import is_finite
 from amorsim.simulation.contact.contact_ends import still_near
-from amorsim.simulation.contact.resolve import WALL, Contact, Mover, move
+from amorsim.simulation.contact.resolve import WALL, Contact
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
@@ -59,16 +59,9 @@ def _actuate(fleet: Fleet) -> None:
 
 
 def _move(fleet: Fleet) -> None:
-    movers: list[Mover] = [*fleet.groups, *fleet.parts, *(o for o in fleet.obstacles if o.motion is not None)]
-    poses, stop, contacts = move(fleet.world, movers)
+    poses, stop, contacts = fleet.movement.make()
     _meet(fleet, poses, contacts)
-    if len(movers) == 1 and len(movers[0].bodies) == len(poses):
-        movers[0].arrive(poses, stop)
-    else:
-        for mover in movers:
-            mover.arrive(poses[mover.bodies], stop[mover.bodies])
-    if fleet.world.has_company or fleet.parts:
-        fleet.place()
+    fleet.movement.arrive(poses, stop)
     fleet.advance()
 
 

@@ -30,9 +30,10 @@ def replicas_of(first):
     return np.repeat(np.arange(len(first) - 1), np.diff(first))
 
 
-def pairs_of(table, first, poses, radius, room=10_000):
+def pairs_of(table, first, poses, radius, looks=None, room=10_000):
     out = np.empty(room, dtype=np.int64)
-    count = pairs_within(table, replicas_of(first), np.arange(len(poses)), poses, radius, out)
+    looks = np.ones(len(poses), dtype=bool) if looks is None else looks
+    count = pairs_within(table, replicas_of(first), looks, poses, radius, out)
     assert count <= room
     found = sorted(divmod(key, len(poses)) for key in out[:count].tolist())
     assert len(set(found)) == len(found)
@@ -72,7 +73,10 @@ def test_pairs_are_those_of_looking_at_all(seed, count, spread, centre, buckets,
     first = np.array([0, count // 3, count // 3, count], dtype=np.int64)
     radius = reach + margin * rng.uniform(0, 1, count) ** 8
     table = table_of(poses, reach, first, buckets, side=1.0)
-    assert pairs_of(table, first, poses, radius) == expected_pairs(first, poses, radius)
+    expected = expected_pairs(first, poses, radius)
+    assert pairs_of(table, first, poses, radius) == expected
+    looks = rng.random(count) < 0.5
+    assert pairs_of(table, first, poses, radius, looks) == [(a, b) for a, b in expected if looks[a] or looks[b]]
 
 
 def test_bodies_on_the_borders_of_cells_are_found():
@@ -103,7 +107,7 @@ def test_pairs_beyond_the_room_for_them_are_counted_and_not_written():
     first = np.array([0, 10], dtype=np.int64)
     table = table_of(poses, radius, first, (2, 2), 1.0)
     out = np.full(20, -1, dtype=np.int64)
-    assert pairs_within(table, replicas_of(first), np.arange(10), poses, radius, out[:7]) == 45
+    assert pairs_within(table, replicas_of(first), np.ones(10, dtype=bool), poses, radius, out[:7]) == 45
     assert (out[:7] >= 0).all()
     assert (out[7:] == -1).all()
 

@@ -17,7 +17,7 @@ from amorsim.contracts import Draws, Drive, Motion, State, View
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.simulation.contact import resolve as contact
-from amorsim.simulation.world.world import World
+from amorsim.simulation.group import Group
 from tests import building
 
 
@@ -176,7 +176,7 @@ def test_set_pose_refuses_walls_and_others_and_does_not_tell_the_robot() -> None
     assert sim.events[-1].kind == "pose_set"
 
 
-# Two roads to the same bits: a kernel for arcs and lines, and NumPy for paths that only their drives know.
+# Poses on arcs and lines are worked out by the kernel that finds contacts; others are asked of their drives.
 
 
 @attrs.frozen(kw_only=True)
@@ -238,23 +238,21 @@ def crowd(seed: int, others: frozenset[int], *, resolution: float = 0.001, repli
 @pytest.mark.parametrize("resolution", [0.001, 0.05])
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("others", [frozenset(range(16)), frozenset({0, 5})], ids=["all", "some"])
-def test_both_roads_give_the_same_bits(
+def test_poses_asked_of_drives_give_the_bits_of_those_worked_out_by_the_kernel(
     seed: int, resolution: float, others: frozenset[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     slow = crowd(seed, others, resolution=resolution, replicas=2)
     fast = crowd(seed, frozenset(), resolution=resolution, replicas=2)
-    entered = []
-    resolve = contact.resolve
-    monkeypatch.setattr(contact, "resolve", lambda *given: entered.append(1) or resolve(*given))
+    asked = []
+    poses_at = Group.poses_at
+    monkeypatch.setattr(Group, "poses_at", lambda self, *given: asked.append(self.world) or poses_at(self, *given))
     for _ in range(40):
         slow.step()
-        slowly = len(entered)
         fast.step()
-        assert len(entered) > slowly or not fast._fleet.touching
-        entered.clear()
         assert np.array_equal(fast._fleet.world.poses, slow._fleet.world.poses)
         assert fast._fleet.touching == slow._fleet.touching
     assert fast.events == slow.events
+    assert set(asked) == {slow._fleet.world}
     met = {event.other for event in fast.events if event.kind == "collision"}
     assert "wall" in met
     assert met & {"o0", "o1", "o2"}
@@ -277,10 +275,10 @@ def test_a_crowd_in_one_replica_is_a_crowd_alone() -> None:
 
 
 def test_a_robot_in_the_open_that_looks_at_no_wall_still_meets_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Walls are looked at again before what is known of the room around has been used up, and after a jump."""
+    """Walls are looked at again before the clearance has been used up, and after a jump."""
     looks = []
-    gaps = World.wall_gaps
-    monkeypatch.setattr(World, "wall_gaps", lambda *given: looks.append(1) or gaps(*given))
+    look_around = contact.look_around
+    monkeypatch.setattr(contact, "look_around", lambda *given: looks.append(1) or look_around(*given))
     sim = am.Simulation(building.scenario(building.robot(pose=am.Pose(x=1.0, y=2.5), on_collision="continue"), dt=0.02))
     sim.robot("rover").drive(forward=0.5)
     sim.run(8.0)

@@ -13,7 +13,6 @@ from amorsim.core.errors import ComponentError, ControllerError
 from amorsim.core.shapes import Shape
 from amorsim.core.trouble import explain
 from amorsim.drives.differential import Differential
-from amorsim.kernels.collision.paths import ARC, go_free
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle
 from tests import building
 
@@ -375,13 +374,3 @@ def test_a_path_that_is_not_finite_ends_the_run():
         r"drive \(BadDrive\) of robot 'rover' at tick 0 \(0 s\): expected finite numbers for the displacement",
         str(error_of(building.robot(estimators={}, drive=drive))),
     )
-
-
-def test_what_is_nan_has_no_room():
-    """So the shortest way through a step makes no pose of it."""
-    start, end, stop = np.zeros((1, 3)), np.empty((1, 3)), np.empty(1)
-    room = np.array([5.0])
-    given = np.array([0.3]), room, end, stop
-    assert go_free(start, np.array([[1.0, 0.0, 0.1]]), ARC, *given)
-    for bad in (np.nan, np.inf):
-        assert not go_free(start, np.array([[1.0, 0.0, bad]]), ARC, *given)

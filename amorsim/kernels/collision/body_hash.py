@@ -1,10 +1,10 @@
-"""Bodies found by where they are: a uniform hash of the plane, made anew when they have moved.
+"""A spatial hash: finds bodies by their place.
 
 The plane is cut into square cells as large as the largest body. A replica has `rows` times `cols` buckets, powers of
-two, and the cell in row i and column j belongs to bucket (i mod rows, j mod cols): bodies far apart may share one,
-which costs a look and changes nothing. The buckets of a row lie side by side, so those of a window of cells are a few
-runs of bodies, and what is in a window is found in time that does not grow with the number of bodies elsewhere. Few
-bodies have one bucket, which is to look at them all.
+two, and the cell in row i and column j belongs to bucket (i mod rows, j mod cols). Bodies far apart may share a bucket;
+that costs a comparison and changes no result. The buckets of a row lie side by side, so a window of cells is a few runs
+of bodies, and the time to search it does not grow with the number of bodies elsewhere. A few bodies share one bucket:
+then all are compared.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ __all__ = ["BodyHash", "hash_bodies", "pairs_within", "run_of_bodies", "window"]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Beyond so many cells from the world's origin all are one.
+# All cells farther than this from the world's origin are one [cells].
 FARTHEST = 2.0**50
 
 
@@ -31,22 +31,22 @@ class BodyHash(NamedTuple):
     """The bodies of all replicas, sorted by bucket; made by `hash_bodies`."""
 
     side: float
-    """Of a cell [m]."""
+    """Of a cell [m]; at least the diameter of the largest body."""
     rows: int
     cols: int
     first: Ints
-    """Bodies of bucket k, counted over the rows of all replicas, are ``first[k]:first[k + 1]``, of the sorted ones."""
+    """Bucket k, counted over the rows of all replicas, holds entries ``first[k]:first[k + 1]``."""
     body: Ints
-    """Which body a sorted one is, (T,); in order within a bucket."""
+    """The body of each entry, (T,); in order within a bucket."""
     owner: Ints
-    """Whose a sorted one is, (T,): its own, or that of the body that it is a part of."""
+    """The body that it is a part of, or itself, (T,)."""
     disc: Floats
-    """Of the sorted ones, the circle that holds the body: x, y, radius [m], (T, 3)."""
+    """The circle that holds it: x, y, radius [m], (T, 3)."""
 
 
 @part
 def _cell(place: float, side: float) -> int:
-    """Row or column of the cell that holds `place` [m]; never decreases as `place` grows."""
+    """Row or column of the cell that holds `place` [m]; it never decreases as `place` grows."""
     if place != place:
         return 0
     return math.floor(min(max(place / side, -FARTHEST), FARTHEST))
@@ -54,9 +54,9 @@ def _cell(place: float, side: float) -> int:
 
 @part
 def window(place: float, half: float, side: float, lines: int) -> tuple[int, int]:
-    """First of `lines` rows or columns of buckets, and how many from there on, that hold all within `half` [m]."""
+    """First row (or column) of buckets that hold all within `half` [m] of `place`, and their number, of `lines`."""
     half = half * (1.0 + 1e-8) + rounding_slack(abs(place) + half)
-    # Whoever is out of this world, or no number, looks at all.
+    # A place that is nan, or beyond `FARTHEST`, gets all buckets.
     if not abs(place) + half < FARTHEST * side:
         return 0, lines
     low = math.floor((place - half) / side)
@@ -68,9 +68,9 @@ def window(place: float, half: float, side: float, lines: int) -> tuple[int, int
 def run_of_bodies(
     table: BodyHash, replica: int, row0: int, rows: int, col0: int, cols: int, run: int
 ) -> tuple[int, int]:
-    """Where a run of bodies in a window of a replica's buckets begins and ends among the sorted ones.
+    """First entry and end of a run of bodies in a window of a replica's buckets.
 
-    There are `rows` runs, and as many again where the columns pass the last one and go on from the first.
+    There are `rows` runs, and as many again where the columns wrap round from the last one to the first.
     """
     wraps = run >= rows
     row = (row0 + (run - rows if wraps else run)) & (table.rows - 1)
@@ -82,7 +82,7 @@ def run_of_bodies(
 
 @kernel
 def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, table: BodyHash) -> None:
-    """Write `first`, `body`, `owner` and `disc` of `table` for bodies at `poses` (T, 3) that reach so far [m] (T,).
+    """Write `first`, `body`, `owner` and `disc` of `table` for bodies at `poses` (T, 3) with this `reach` [m] (T,).
 
     `owner` (T,) is the body that each is a part of, or itself. Bodies of replica r are
     ``replica_first[r]:replica_first[r + 1]``, int64 (R + 1,).
@@ -111,10 +111,13 @@ def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, 
 
 
 @kernel
-def pairs_within(table: BodyHash, replica: Ints, which: Ints, poses: Floats, radius: Floats, out: Ints) -> int:
-    """How many pairs of bodies of one replica have circles that meet, in no particular order.
+def pairs_within(
+    table: BodyHash, replica: Ints, looks: NDArray[np.bool_], poses: Floats, radius: Floats, out: Ints
+) -> int:
+    """Number of pairs of bodies of one replica whose circles meet, at least one of which looks; in no particular order.
 
-    Of two the wider one looks, so one that moves far makes nobody else look far; of two that are equal, the first.
+    If both look, the wider one finds the other, or the first of two that are equally wide. So a body that moves far
+    does not make the others look far.
 
     Parameters
     ----------
@@ -122,25 +125,32 @@ def pairs_within(table: BodyHash, replica: Ints, which: Ints, poses: Floats, rad
         The bodies at `poses` (T, 3).
     replica
         Which each is of, (T,).
-    which
-        Those who look, (Q,).
+    looks
+        Which bodies look, (T,).
     radius
         Of each body's circle around its pose [m], (T,).
     out
         Gets ``a * T + b`` of the pairs of bodies a < b, as far as there is room for them, int64 (P,).
     """
     count = poses.shape[0]
+    widest = 0.0  # of those that do not look
+    for i in range(count):
+        if not looks[i] and radius[i] > widest:
+            widest = radius[i]
     found = 0
-    for i in which:
+    for i in range(count):
+        if not looks[i]:
+            continue
         x = poses[i, 0]
         y = poses[i, 1]
-        row0, rows = window(y, 2.0 * radius[i], table.side, table.rows)
-        col0, cols = window(x, 2.0 * radius[i], table.side, table.cols)
+        half = radius[i] + max(radius[i], widest)
+        row0, rows = window(y, half, table.side, table.rows)
+        col0, cols = window(x, half, table.side, table.cols)
         for run in range(2 * rows if col0 + cols > table.cols else rows):
             start, stop = run_of_bodies(table, replica[i], row0, rows, col0, cols, run)
             for place in range(start, stop):
                 j = table.body[place]
-                if radius[j] > radius[i] or (radius[j] == radius[i] and j <= i):
+                if j == i or (looks[j] and (radius[j] > radius[i] or (radius[j] == radius[i] and j < i))):
                     continue
                 dx = x - table.disc[place, 0]
                 dy = y - table.disc[place, 1]

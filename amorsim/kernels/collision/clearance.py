@@ -296,8 +296,8 @@ def map_gap(
     sin = math.sin(yaw)
     dx = pose[0] - origin_x
     dy = pose[1] - origin_y
-    # Twice, as who moves by the gap asks again; and the pose itself is rounded where it is far from the
-    # world's origin.
+    # Twice, as a body that moves by the gap asks again; and the pose itself is rounded far from the world's
+    # origin.
     slack = rounding_slack(2.0 * (abs(dx) + abs(dy) + reach) + 0.5 * (abs(pose[0]) + abs(pose[1])))
     x = cos * dx + sin * dy
     y = cos * dy - sin * dx
@@ -384,11 +384,11 @@ def map_gaps(
     bodies
         The footprints.
     body
-        Which body each query is about, int64 (Q,).
+        The body of each query, int64 (Q,).
     poses
-        Where it is: x [m], y [m], heading [rad] in the world, (Q, 3).
+        Its pose: x [m], y [m], heading [rad] in the world, (Q, 3).
     cap
-        Beyond which gap nobody cares [m], 0 or more, may be inf, (Q,).
+        Larger gaps are not told apart [m], 0 or more, may be inf, (Q,).
     out
         The gaps [m], (Q,).
     where

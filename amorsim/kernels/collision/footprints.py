@@ -2,9 +2,8 @@
 
 A body is a union of convex parts, each rounded by the body's radius (its Minkowski sum with a disc). Two
 parts are apart if an edge of either has all vertices of the other on its outer side; else their interiors
-overlap. That test, evaluated in double precision as written here, is what overlap *means*; the distance is
-worked out beside it and never contradicts it, because it is never taken below the separation along an edge's
-normal.
+overlap. That test, evaluated in double precision as written here, is what overlap *means*. The distance never
+contradicts it: it is never taken below the separation along an edge's normal.
 """
 
 from __future__ import annotations
@@ -157,7 +156,7 @@ def body_gap(
     base_a = bodies.vertex_first[bodies.part_first[a]]
     base_b = bodies.vertex_first[bodies.part_first[b]]
     radius = bodies.radius[a] + bodies.radius[b]
-    # No order of parts can be seen in the result: a pair is left out only if it could not lower the minimum.
+    # The order of the parts does not change the result: a pair is left out only if it cannot lower the minimum.
     limit = cap + slack
     gap = limit
     for part_a in range(bodies.part_first[a], bodies.part_first[a + 1]):
@@ -171,7 +170,7 @@ def body_gap(
                 _separation(edges_b, first_b, last_b, edges_a, first_a, last_a),
             )
             if last_a - first_a == 1 and last_b - first_b == 1:
-                apart = 0.0  # two points have no edge that could part them, and no interior to overlap
+                apart = 0.0  # two points: no edge that separates them, no interiors that overlap
             if apart - radius >= gap:
                 continue
             if apart >= 0.0:
@@ -198,9 +197,9 @@ def body_gaps(bodies: Bodies, a: Ints, poses_a: Floats, b: Ints, poses_b: Floats
     a, b
         Which bodies, int64 (Q,).
     poses_a, poses_b
-        Where they are: x [m], y [m], heading [rad], (Q, 3), both in one frame.
+        Their poses: x [m], y [m], heading [rad], (Q, 3), both in one frame.
     cap
-        Beyond which gap nobody cares [m], 0 or more, (Q,).
+        Larger gaps are not told apart [m], 0 or more, (Q,).
     out
         The gaps [m], (Q,).
     """

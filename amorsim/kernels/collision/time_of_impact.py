@@ -1,8 +1,12 @@
-"""When bodies on their paths first meet walls and one another, and who stops where.
+"""The narrow phase: when bodies on their paths first meet walls and one another, and where each stops.
 
-A contact is found by conservative advancement: no point of a body travels farther in a part of the step than that part
-of its path's bound, so a gap cannot close sooner. `amorsim.simulation.contact.resolve` does the same in NumPy,
-operation for operation, for paths of other forms, and both give the same bits.
+A contact is found by conservative advancement (B. Mirtich, "Impulse-based dynamic simulation", 1996): a part of the
+step takes no point of a body farther than that part of its path's bound, so a gap cannot close sooner. The search of a
+pair is a state machine: `_look` finds the gap at a fraction of the step, `_next` takes it in and chooses the fraction
+to look at next.
+
+Poses on arcs and lines are worked out here. Only its mover knows a path of form `OTHER`: the search of such a pair
+waits until the caller has written its poses, and goes on when `resolve` is called again.
 """
 
 from __future__ import annotations
@@ -15,10 +19,10 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.collision.clearance import map_gap
 from amorsim.kernels.collision.footprints import body_gap
-from amorsim.kernels.collision.paths import SLACK, Scene, pose_at
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.collision.paths import SLACK, Paths, Scene, pose_at
+from amorsim.kernels.compile import kernel, part
 
-__all__ = ["FINEST", "MOST_LOOKS", "ROUNDING", "TOUCH", "WALL", "resolve"]
+__all__ = ["FINEST", "MET", "ROUNDING", "WAITING", "WALL", "Search", "resolve"]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -28,173 +32,220 @@ WALL = -1
 ROUNDING = 4e-15  # [m]
 # Fractions that differ by less travel than this lead to the same pose: no coordinate within a world changes by it.
 FINEST = 1e-18  # [m]
-# A wall that a body stopped at is nearer than this.
-TOUCH = 0.01  # [m]
-# So often a pair is looked at in one step: enough for a hundred metres along a wall, touching it, in cells of 1 mm.
-MOST_LOOKS = 400_000
+
+# The stages of a pair's search.
+_BEGIN = 0
+_GAP = 1  # find the gap where the pair is known to be free
+_AHEAD = 2  # go ahead as far as the gap is safe
+_SLOPE = 3  # find how fast the gap closes
+_PROBE = 4  # narrow the bracket: free or not?
+_END = 5
+
+# Entries of `Search.used`.
+WAITING = 0
+MET = 1
 
 
-# What a look at a pair is for.
-_FIRST = 0  # how far they are apart at first
-_AHEAD = 1  # whether they are free where they cannot have met before
-_GAP = 2  # how far they are apart where they are last known to be free
-_SLOPE = 3  # how fast that gap closes
-_PROBE = 4  # whether they are free between there and where they overlap
-_POINT = 5  # where they touch
+class Search(NamedTuple):
+    """The pairs that might meet, each with the state of its search, and the contacts found."""
 
-
-class Scratch(NamedTuple):
-    """Room for one query."""
-
-    pose_a: Floats
-    pose_b: Floats
-    nearest: Floats
-    edges_a: Floats
-    edges_b: Floats
+    a: Ints
+    """Bodies, in order, (Q,)."""
+    b: Ints
+    """The other body, or `WALL`, (Q,)."""
+    asks: NDArray[np.bool_]
+    """Whether the caller has to write poses, as a path is of form `OTHER`, (Q,)."""
+    answered: NDArray[np.bool_]
+    """Whether it has, (Q,)."""
+    stage: Ints
+    """What is looked for at `fraction`: 0 to begin with, (Q,)."""
+    fraction: Floats
+    """Where to look at the pair, (Q,)."""
+    poses: Floats
+    """Poses of both there, (Q, 2, 3)."""
     known: Floats
-    """Poses of a pair that are known to be free, then such that overlap: x, y, heading of both, (2, 6)."""
+    """Poses of both at which they are known to be free, and such at which they overlap, nan if none, (Q, 2, 2, 3)."""
+    speed: Floats
+    """The gap closes by no more than this [m] in a whole step, (Q,)."""
+    free: Floats
+    """The last fraction known to be free, (Q,)."""
+    hit: Floats
+    """The first one known to overlap; inf until there is one, (Q,)."""
+    gap: Floats
+    """At `free` [m]; nan if not known, (Q,)."""
+    guess: Floats
+    """The fraction at which the gap would be 0, by its slope, (Q,)."""
+    looks: Ints
+    """Looks ahead so far, and steps of narrowing, (Q, 2)."""
+    time: Floats
+    """What was found: the last free fraction before the pair first overlaps, inf if it never does, (Q,)."""
+    first: Ints
+    """The pairs of body i are entries ``first[i]:first[i + 1]`` of `of_body`, (T + 1,)."""
+    of_body: Ints
+    tree: Ints
+    """A tournament of the pairs for the earliest time: the winner is entry 1, the leaves are the second half."""
+    todo: Ints
+    """The pairs to search, all at first, (Q,); after a call those that wait."""
+    met: Ints
+    """The pairs that met, in order of time, (Q,)."""
+    when: Floats
+    """The fractions at which they did, (Q,)."""
+    used: Ints
+    """Number of entries used of `todo` and of `met`, (2,)."""
 
 
-@kernel
-def _meet(scene: Scene, scratch: Scratch, a: int, b: int, since: float, shortest: float, point: Floats) -> float:
-    """The last free fraction before two first overlap, from `since` on, inf if never; writes the point [m] (2,).
+@part
+def _begin(paths: Paths, s: Search, q: int) -> None:
+    """Begin the search of pair q where one of the two stopped, or at the start of the step."""
+    since = paths.stop[s.a[q]]
+    s.speed[q] = 0.0
+    if s.b[q] != WALL:
+        since = min(since, paths.stop[s.b[q]])
+    if since == 1.0:
+        since = 0.0
+    if since < paths.stop[s.a[q]]:
+        s.speed[q] = paths.bound[s.a[q]]
+    if s.b[q] != WALL and since < paths.stop[s.b[q]]:
+        s.speed[q] += paths.bound[s.b[q]]
+    s.fraction[q] = since
+    s.free[q] = since
+    s.hit[q] = math.inf
+    s.time[q] = math.inf
+    s.looks[q, 0] = 0
+    s.looks[q, 1] = 0
+    s.stage[q] = _GAP if s.speed[q] > 0.0 else _END
 
-    It is nan where that takes more than `MOST_LOOKS`.
 
-    One loop of looks, as the code for a look is long: first ahead as far as the gap is safe. Then the bracket is
-    squeezed, three times, to about a width on either side of where the gap's slope puts the contact: the gap closes
-    nearly evenly so close to it, and halving alone, which comes last, takes many more looks. Close to a contact many
-    fractions lead to the same poses, and the answers of two sets of poses are remembered.
+@part
+def _look(scene: Scene, s: Search, q: int, edges: Floats, nearest: Floats) -> float:
+    """The gap [m] of pair q at its poses; for a probe only its sign counts.
+
+    Close to a contact many fractions lead to the same poses, so the answers for two sets of poses are kept.
     """
-    bodies = scene.bodies
-    paths = scene.paths
-    pose_a = scratch.pose_a
-    pose_b = scratch.pose_b
-    known = scratch.known
-    speed = paths.bound[a] if since < paths.stop[a] else 0.0
-    if b != WALL and since < paths.stop[b]:
-        speed += paths.bound[b]
-    if not speed > 0.0:
-        return math.inf
-    free = since
-    hit = math.inf
-    gap = 0.0
-    gap_is_of = since
-    guess = since
-    width = 0.0
-    margin = 0.0
-    step = 0
-    looks = 0
-    fraction = since
-    purpose = _FIRST
-    while True:
-        pose_at(paths, a, fraction, pose_a)
-        if b != WALL:
-            pose_at(paths, b, fraction, pose_b)
-        look = math.nan
-        if purpose == _PROBE:
-            for row in range(2):
-                same = True
-                for k in range(3):
-                    if known[row, k] != pose_a[k] or (b != WALL and known[row, 3 + k] != pose_b[k]):
-                        same = False
-                if same:
-                    look = -1.0 if row == 1 else 0.0
-                    break
-        if look != look:
-            cap = 0.0 if purpose == _PROBE else (TOUCH if purpose == _POINT else speed + SLACK)
-            if b == WALL:
-                map_gap(
-                    scene.grid,
-                    scene.origin_x,
-                    scene.origin_y,
-                    scene.yaw,
-                    bodies,
-                    a,
-                    pose_a,
-                    cap,
-                    scratch.edges_a,
-                    scratch.nearest,
-                )
-                look = scratch.nearest[0]
-            else:
-                look = body_gap(bodies, a, pose_a, b, pose_b, cap, scratch.edges_a, scratch.edges_b)
-            if purpose == _PROBE or (purpose != _POINT and (look < 0.0 or purpose != _SLOPE)):
-                row = 1 if look < 0.0 else 0
-                for k in range(3):
-                    known[row, k] = pose_a[k]
-                    known[row, 3 + k] = pose_b[k]
+    poses = s.poses[q]
+    known = s.known[q]
+    if s.stage[q] == _PROBE:
+        for k in range(2):
+            same = True
+            for i in range(2):
+                for j in range(3):
+                    same = same and known[k, i, j] == poses[i, j]
+            if same:
+                return 0.0 if k == 0 else -1.0
+    cap = 0.0 if s.stage[q] == _PROBE else s.speed[q] + SLACK
+    a = s.a[q]
+    if s.b[q] == WALL:
+        map_gap(
+            scene.grid,
+            scene.origin_x,
+            scene.origin_y,
+            scene.yaw,
+            scene.bodies,
+            a,
+            poses[0],
+            cap,
+            edges[0],
+            nearest,
+        )
+        look = float(nearest[0])
+    else:
+        look = body_gap(scene.bodies, a, poses[0], s.b[q], poses[1], cap, edges[0], edges[1])
+    if s.stage[q] != _SLOPE:
+        k = 1 if look < 0.0 else 0
+        for i in range(2):
+            for j in range(3):
+                known[k, i, j] = poses[i, j]
+    return look
 
-        if purpose == _POINT:
-            point[0] = scratch.nearest[1]
-            point[1] = scratch.nearest[2]
-            return free
-        if purpose == _FIRST:
-            gap = look
-            known[1 if look >= 0.0 else 0] = math.nan
-        elif purpose == _GAP:
-            gap = look
-            gap_is_of = free
-        elif purpose == _SLOPE:
-            slope = (gap - look) / (fraction - free)
-            guess = free + gap / slope if slope > 0.0 else free
-            margin = width / speed + 4.0 * np.spacing(guess)
-            step += 1
-        elif look < 0.0:
-            hit = fraction
+
+@part
+def _next(s: Search, q: int, look: float, shortest: float) -> None:
+    """Take in the gap [m] found at `fraction`, and choose the stage and the fraction that follow.
+
+    As long as the pair is free it goes ahead, as far as the gap is safe. Then the contact lies between `free` and
+    `hit`. This bracket is narrowed three times to about `width` on either side of where the gap's slope puts the
+    contact: the gap closes nearly evenly so close to it. Halving, which comes last, alone would take many more looks.
+    """
+    speed = s.speed[q]
+    at = s.fraction[q]
+    stage = s.stage[q]
+    if stage == _GAP:
+        s.gap[q] = look
+    elif stage == _SLOPE:
+        slope = (s.gap[q] - look) / (at - s.free[q])
+        s.guess[q] = s.free[q] + s.gap[q] / slope if slope > 0.0 else s.free[q]
+        s.looks[q, 1] += 1
+    elif look < 0.0:
+        s.hit[q] = at
+    else:
+        s.free[q] = at
+        s.gap[q] = look if stage == _AHEAD else math.nan
+    free = s.free[q]
+    hit = s.hit[q]
+    gap = s.gap[q]
+
+    if hit == math.inf:
+        if not (gap < speed * (1.0 - free) + SLACK and free < 1.0):
+            s.stage[q] = _END
+            return
+        s.looks[q, 0] += 1
+        s.stage[q] = _AHEAD
+        s.fraction[q] = min(free + max(gap * (1.0 - 1e-9) - SLACK, shortest) / speed, 1.0)
+        return
+
+    while s.looks[q, 1] < 9:  # three times: the slope, a probe below the guess, and one above it
+        step = s.looks[q, 1]
+        width = 16.0 * ROUNDING if step >= 6 else ROUNDING
+        if step % 3 == 0:
+            s.fraction[q] = free
+            s.stage[q] = _GAP
+            if math.isnan(gap) and stage != _GAP:
+                return
+            s.fraction[q] = free + 0.5 * max(gap, 0.0) / speed
+            s.stage[q] = _SLOPE
+            if gap > width and s.fraction[q] > free:
+                return
+            s.guess[q] = free
+            s.looks[q, 1] += 1
         else:
-            free = fraction
-            if purpose == _AHEAD:
-                gap = look
-                gap_is_of = free
-
-        if hit == math.inf:
-            if not (gap < speed * (1.0 - free) + SLACK and free < 1.0):
-                return math.inf
-            looks += 1
-            if looks > MOST_LOOKS:
-                return math.nan
-            ahead = max(gap * (1.0 - 1e-9) - SLACK, shortest) / speed
-            fraction = min(free + ahead, 1.0)
-            purpose = _AHEAD
-            continue
-        while True:
-            if step >= 9:
-                purpose = _PROBE if np.nextafter(free, hit) < hit and (hit - free) * speed > FINEST else _POINT
-                fraction = 0.5 * (free + hit) if purpose == _PROBE else free
-                break
-            if step % 3 > 0:
-                fraction = guess - margin if step % 3 == 1 else guess + margin
-                step += 1
-                if free < fraction < hit:
-                    purpose = _PROBE
-                    break
-                continue
-            if gap_is_of != free:
-                fraction = free
-                purpose = _GAP
-                break
-            width = 16.0 * ROUNDING if step == 6 else ROUNDING
-            fraction = free + 0.5 * max(gap, 0.0) / speed
-            if gap > width and fraction > free:
-                purpose = _SLOPE
-                break
-            guess = free
-            margin = width / speed + 4.0 * np.spacing(guess)
-            step += 1
-        if purpose == _POINT and b != WALL:
-            # Between the two, where their circles are equally near: the shapes touch close to it.
-            pose_at(paths, a, free, pose_a)
-            pose_at(paths, b, free, pose_b)
-            share = bodies.reach[a] / (bodies.reach[a] + bodies.reach[b])
-            for k in range(2):
-                point[k] = pose_a[k] + share * (pose_b[k] - pose_a[k])
-            return free
+            margin = width / speed + 4.0 * np.spacing(s.guess[q])
+            s.fraction[q] = s.guess[q] - margin if step % 3 == 1 else s.guess[q] + margin
+            s.stage[q] = _PROBE
+            s.looks[q, 1] += 1
+            if free < s.fraction[q] < hit:
+                return
+    s.fraction[q] = 0.5 * (free + hit)
+    s.stage[q] = _PROBE
+    if not (np.nextafter(free, hit) < hit and (hit - free) * speed > FINEST):
+        s.time[q] = free
+        s.stage[q] = _END
 
 
-@kernel
+@part
+def _search(scene: Scene, s: Search, q: int, shortest: float, most_looks: int, edges: Floats, nearest: Floats) -> bool:
+    """Search pair q until its time is found, nan after too many looks; False if it waits for poses."""
+    paths = scene.paths
+    if s.stage[q] == _BEGIN:
+        _begin(paths, s, q)
+    while s.stage[q] != _END:
+        if s.looks[q, 0] > most_looks:
+            s.time[q] = math.nan
+            return True
+        if s.asks[q] and s.fraction[q] > 0.0:
+            if not s.answered[q]:
+                return False
+            s.answered[q] = False
+        else:
+            pose_at(paths, s.a[q], s.fraction[q], s.poses[q, 0])
+            if s.b[q] != WALL:
+                pose_at(paths, s.b[q], s.fraction[q], s.poses[q, 1])
+        _next(s, q, _look(scene, s, q, edges, nearest), shortest)
+    return True
+
+
+@part
 def _enter(tree: Ints, time: Floats, leaf: int) -> None:
-    """Play a tournament's matches anew from one leaf up: the earlier wins, the lower index where none is."""
+    """Replay a tournament's matches from one leaf up: the earlier wins, the lower index if they are equal."""
     half = tree.shape[0] // 2
     node = (half + leaf) // 2
     while node > 0:
@@ -204,104 +255,86 @@ def _enter(tree: Ints, time: Floats, leaf: int) -> None:
         node //= 2
 
 
-@kernel
-def resolve(
-    scene: Scene, a: Ints, b: Ints, shortest: float, which: Ints, when: Floats, point: Floats, end: Floats
-) -> int:
-    """How many contacts there are in the step, taking the earliest first; those in it stop there.
+@part
+def _stop(paths: Paths, same_owner: Ints, body: int, fraction: float) -> None:
+    """Let a body stop, and all bodies of its owner with it."""
+    member = body
+    while True:
+        if paths.stop[member] == 1.0:
+            paths.stop[member] = fraction
+        member = same_owner[member]
+        if member == body:
+            return
 
-    It is -1 where a pair takes more than `MOST_LOOKS`, whose number is the first of `which` then.
+
+@part
+def _search_again(paths: Paths, same_owner: Ints, s: Search, body: int, fraction: float) -> None:
+    """Put what the bodies of one owner, which stopped at a fraction, might still meet among the pairs to search."""
+    member = body
+    while True:
+        if paths.stop[member] == fraction:
+            for entry in range(s.first[member], s.first[member + 1]):
+                q = s.of_body[entry]
+                if paths.stop[s.a[q]] < 1.0 and (s.b[q] == WALL or paths.stop[s.b[q]] < 1.0):
+                    s.time[q] = math.inf  # both are at rest
+                    _enter(s.tree, s.time, q)
+                else:
+                    s.stage[q] = _BEGIN
+                    s.todo[s.used[WAITING]] = q
+                    s.used[WAITING] += 1
+        member = same_owner[member]
+        if member == body:
+            return
+
+
+@kernel
+def resolve(scene: Scene, same_owner: Ints, s: Search, shortest: float, most_looks: int) -> int:
+    """Take the contacts of the step, the earliest first; the bodies in it stop there.
+
+    Returns the number of pairs that wait for poses, the first entries of `s.todo`, 0 at the end. It is -1 if a pair,
+    the first of `s.todo`, takes too many looks.
 
     Parameters
     ----------
     scene
-        Its `stop` gets the fractions at which bodies stopped. No path may be of another form.
-    a, b
-        The pairs that might meet, each in order and all in order, int64 (Q,); `b` is `WALL` for a wall.
+        `stop` of its paths gets the fractions at which bodies stopped.
+    same_owner
+        The next body with the same owner, round in a ring, (T,).
+    s
+        The pairs that might meet.
     shortest
-        Those that touch and slide are looked at no farther apart than this [m].
-    which
-        Gets the pairs that met, in order of time, then of their index, in its first entries, int64 (Q,).
-    when
-        Gets the fractions of the step at which they did, (Q,).
-    point
-        Gets where [m] they did, (Q, 2).
-    end
-        Gets the poses (T, 3) of those that stopped; the others' are left alone.
+        Bodies that touch and slide are looked at no farther apart than this [m].
+    most_looks
+        Number of looks ahead at a pair after which the search is given up.
     """
-    pairs = a.shape[0]
-    if pairs == 0:
-        return 0
     paths = scene.paths
-    count = paths.stop.shape[0]
-    scratch = Scratch(
-        np.empty(3),
-        np.empty(3),
-        np.empty(3),
-        np.empty((scene.edge_rows, 5)),
-        np.empty((scene.edge_rows, 5)),
-        np.empty((2, 6)),
-    )
-    # The pairs of each body.
-    first = np.zeros(count + 1, dtype=np.int64)
-    for q in range(pairs):
-        first[a[q]] += 1
-        if b[q] != WALL:
-            first[b[q]] += 1
-    total = 0
-    for i in range(count + 1):
-        total += first[i]
-        first[i] = total
-    of_body = np.empty(total, dtype=np.int64)
-    for q in range(pairs):
-        first[a[q]] -= 1
-        of_body[first[a[q]]] = q
-        if b[q] != WALL:
-            first[b[q]] -= 1
-            of_body[first[b[q]]] = q
-
-    time = np.empty(pairs)
-    half = 1
-    while half < pairs:
-        half *= 2
-    tree = np.full(2 * half, -1, dtype=np.int64)
-    where = np.empty((pairs, 2))
-    todo = np.empty(2 * pairs, dtype=np.int64)
-    for q in range(pairs):
-        tree[half + q] = q
-        todo[q] = q
-    waiting = pairs
-    met = 0
+    edges = np.empty((2, scene.edge_rows, 5))
+    nearest = np.empty(3)
     while True:
-        for k in range(waiting):
-            q = todo[k]
-            a_stop = paths.stop[a[q]]
-            b_stop = paths.stop[b[q]] if b[q] != WALL else 0.0
-            # Whoever stopped meets nothing any more; whoever was to meet him may do so at another time now.
-            if a_stop < 1.0 and b_stop < 1.0:
-                time[q] = math.inf
-            else:
-                since = 0.0 if met == 0 else min(a_stop, b_stop)
-                time[q] = _meet(scene, scratch, a[q], b[q], since, shortest, where[q])
-                if math.isnan(time[q]):
-                    which[0] = q
-                    return -1
-            _enter(tree, time, q)
-        lead = tree[1]
-        now = time[lead]
-        if not now <= 1.0:
-            return met
-        which[met] = lead
-        when[met] = now
-        for k in range(2):
-            point[met, k] = where[lead, k]
-        met += 1
         waiting = 0
-        for k in range(2):
-            body = a[lead] if k == 0 else b[lead]
-            if body != WALL and paths.stop[body] == 1.0:
-                paths.stop[body] = now
-                pose_at(paths, body, now, end[body])
-                for entry in range(first[body], first[body + 1]):
-                    todo[waiting] = of_body[entry]
-                    waiting += 1
+        for k in range(s.used[WAITING]):
+            q = s.todo[k]
+            if not _search(scene, s, q, shortest, most_looks, edges, nearest):
+                s.todo[waiting] = q
+                waiting += 1
+            elif math.isnan(s.time[q]):
+                s.todo[0] = q
+                return -1
+            else:
+                _enter(s.tree, s.time, q)
+        s.used[WAITING] = waiting
+        if waiting > 0:
+            return waiting
+        lead = s.tree[1]
+        now = s.time[lead]
+        if not now <= 1.0:
+            return 0
+        s.met[s.used[MET]] = lead
+        s.when[s.used[MET]] = now
+        s.used[MET] += 1
+        _stop(paths, same_owner, s.a[lead], now)
+        if s.b[lead] != WALL:
+            _stop(paths, same_owner, s.b[lead], now)
+        _search_again(paths, same_owner, s, s.a[lead], now)
+        if s.b[lead] != WALL:
+            _search_again(paths, same_owner, s, s.b[lead], now)

@@ -1,1 +1,1 @@
-"""Who meets whom on the way, and where each stops."""
+"""Contact: which bodies meet in a step, and where each stops."""

@@ -1,4 +1,4 @@
-"""When a contact is over: which of those that there were go on from step to step."""
+"""When a contact is over: which contacts go on from step to step."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ __all__ = ["PARTED", "still_near"]
 
 Array = npt.NDArray[np.float64]
 
-# Those farther apart than this have parted. Who slides along a wall leaves it by parts of a millimetre between two
-# touches, and no wall is known better than to a cell, which is a millimetre and up.
+# Two that are farther apart than this have parted. A body that slides along a wall leaves it by fractions of a
+# millimetre between two touches, and no wall is known better than to a cell, which is 1 mm and up.
 PARTED = 1e-3  # [m]
 
 
 def still_near(world: World, pairs: frozenset[tuple[int, int]], before: Array) -> frozenset[tuple[int, int]]:
-    """Those of the pairs of bodies (`WALL` for a wall) that have not parted.
+    """The pairs of bodies (`WALL` for a wall) that have not parted.
 
-    All bodies have come from their poses `before` `(T, 3)`, at which they had not, to where they are in their world.
+    They had not at the poses `before` `(T, 3)`; since then all bodies have moved to their poses in the world.
     """
     poses = world.poses
     if not pairs or poses is before:
@@ -30,7 +30,7 @@ def still_near(world: World, pairs: frozenset[tuple[int, int]], before: Array) -
     if not moved:
         return pairs
     near = set(pairs.difference(moved))
-    # By the gaps that contact itself goes by: these have the same bits for any number of rows.
+    # Contact uses the same gaps; their bits do not depend on the number of rows.
     walls = [pair for pair in moved if pair[1] == WALL]
     if walls:
         a = np.array([pair[0] for pair in walls], dtype=np.int64)

@@ -1,7 +1,7 @@
-"""Parts of robots: rigid bodies beside a robot's own, which its drive moves (`amorsim.contracts.Drive.parts`).
+"""Parts of robots: rigid bodies in addition to a robot's own, which its drive moves (`amorsim.contracts.Drive.parts`).
 
-A part goes where the joints take it, and the joints of a stop are known for every fraction of a step: so a part has a
-path of its own, and contact sweeps it as any body. Whatever of a robot meets something, all of it stops.
+A part goes where the joints take it. The drive knows the joints at every fraction of a step, so a part has a path of
+its own, and contact sweeps it as any body. Where any part of a robot meets something, the whole robot stops.
 """
 
 from __future__ import annotations
@@ -31,14 +31,13 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
-_LOOK = 1e-4  # of a step, to either side: from so near by, a velocity is told by two places
+_LOOK = 1e-4  # of a step, to either side: so close together, two places give a velocity
 
 
 class Parts:
     """The parts of all robots of a group, a mover of its own (`Mover` of `resolve`): N rows of p parts.
 
-    Their poses are kept beside the joints that they follow from, so that where contact found them free is where they
-    are, to the bit.
+    Their poses follow from the joints, but are kept as well: so they are, to the bit, where contact found them free.
     """
 
     def __init__(self, group: Group, world: World) -> None:
@@ -56,23 +55,28 @@ class Parts:
         self.twists = np.zeros_like(self.poses)
 
     def of_row(self, row: int, pose: Array) -> Array:
-        """Where those of one robot `(p, 3)` are with it at `pose` `(3,)` and its joints as they are."""
+        """Poses of the parts of one robot `(p, 3)` if it stood at `pose` `(3,)`, with its joints as they are."""
         group = self._group
         which = np.array([row], dtype=np.intp)
         inside = take(group.drive, which).part_poses(group.joints[which])[0]
         return compose(np.repeat(pose[None, :], self._each, axis=0), np.ascontiguousarray(inside))
 
     @property
+    def true_twist(self) -> Array:
+        """Velocities `(N * p, 3)` over the last step in the parts' frames."""
+        return self.twists
+
+    @property
     def per_robot(self) -> Array:
-        """Where they are `(N, p, 3)`."""
+        """Poses `(N, p, 3)`."""
         return self.poses.reshape(-1, self._each, 3)
 
     def of(self, row: int) -> Array:
-        """Where those of one robot are `(p, 3)`."""
+        """Poses of the parts of one robot `(p, 3)`."""
         return self.poses[row * self._each : (row + 1) * self._each]
 
     def put(self, row: int, poses: Array) -> None:
-        """Put those of one robot elsewhere `(p, 3)`, at rest."""
+        """Put the parts of one robot at `poses` `(p, 3)`, at rest."""
         mine = slice(row * self._each, (row + 1) * self._each)
         self.poses, self.twists = self.poses.copy(), self.twists.copy()
         self.poses[mine], self.twists[mine] = poses, 0.0
@@ -82,17 +86,17 @@ class Parts:
         return np.ascontiguousarray(self._group.part_travel()).reshape(-1, 2)
 
     def path(self) -> tuple[int, Array]:
-        """The form of the paths, which no kernel knows; so where they end has to be asked of `poses_at`."""
+        """The form of the paths: no kernel knows it, so `poses_at` is asked also where they end."""
         return OTHER, np.zeros((len(self.bodies), 3))
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
-        """Where some of them are `(Q, 3)` at fractions `(Q,)` of the step."""
+        """Poses `(Q, 3)` of parts number `which` `(Q,)` at fractions `(Q,)` of the step."""
         row, part = np.divmod(which, self._each)
         poses, inside = self._group.parts_at(row, fraction[:, None])
         return compose(poses, np.ascontiguousarray(inside[np.arange(len(row)), part]))
 
     def speed_at(self, body: int, point: tuple[float, float], fraction: float) -> float:
-        """How fast [m/s] the point of a part goes that is at a place in the world at a fraction of the step."""
+        """Speed [m/s] of the point of a part that is at `point` in the world at a fraction of the step."""
         which = np.full(3, np.searchsorted(self.bodies, body))
         early, late = max(0.0, fraction - _LOOK), min(1.0, fraction + _LOOK)
         now, before, after = self.poses_at(which, np.array([fraction, early, late]))[:, None]
@@ -112,13 +116,13 @@ class Parts:
         return {name: getattr(self, name) for name in self._ARRAYS}
 
     def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Put back what `arrays` gave."""
+        """Restore what `arrays` gave."""
         for name in self._ARRAYS:
             setattr(self, name, arrays[name])
 
 
 def with_parts(world: World, bodies: Sequence[Robot | Obstacle], replicas: Sequence[int], seed: int) -> Array:
-    """Where all bodies `(T, 3)` are at the start in the frames of their owners: parts by true parameters."""
+    """Poses `(T, 3)` of all bodies at the start in the frames of their owners, with the true parameters."""
     inside = np.zeros((len(world.everyone), 3))
     if not world.has_parts:
         return inside

@@ -27,10 +27,10 @@ def arcs(drive: Drive, before: Array, after: Array, slide: Array | None) -> Arra
 
 
 def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fraction: Array) -> Array:
-    """The displacements `(N, 3)` of bodies at fractions `(N, 1)` of the step, with what they slide `(N, 3)`.
+    """The displacements `(N, 3)` of bodies at fractions `(N, 1)` of the step that slide by `slide` `(N, 3)`.
 
-    On an arc both add up to one twist. On other paths half of the slide comes before what the wheels make and half
-    after it: right to the second order of the step.
+    On an arc, rolling and sliding add up to one twist. On other paths half of the slide comes before the rolling and
+    half after it: right to the second order of the step.
     """
     if slide is None:
         return drive.displacement(before, after, fraction)
@@ -55,7 +55,7 @@ def bounds(travel: Array, slide: Array | None) -> Array:
 
 
 def part_bounds(travel: Array, slide: Array | None) -> Array:
-    """Bounds on the paths of parts `(N, p, 2)`: a body with parts slides aside only, and its parts with it."""
+    """Bounds on the paths of parts `(N, p, 2)`: a body with parts slides without turning, and its parts with it."""
     if slide is None:
         return travel
     more = np.zeros_like(travel)

@@ -31,25 +31,22 @@ class SensorSuite:
 
     def read(self, view: GroupView, row_clock: RowClock) -> None:
         """Read where a reading is due, take delivery of what arrives, and hold the rest."""
-        samples: list[Sample | None] = []
+        samples: list[tuple[SensorUnit, slice, Sample]] = []
         values = np.zeros(self._values)  # of all devices; those that are not due leave zeros
         for unit, place in zip(self._units, self._places, strict=True):
             due, count = unit.due(row_clock)
             if count == 0:
-                samples.append(None)
+                unit.wait(row_clock)
                 continue
             sample = unit.look(view, row_clock, due, count)
-            values[place] = sample.values.ravel()
-            samples.append(sample)
-        if has_nan(values):
-            for unit, suspect in zip(self._units, samples, strict=True):
-                if suspect is not None:
-                    unit.check(suspect.values)
-        measured = self._noise.apply(values)
-        for unit, place, taken in zip(self._units, self._places, samples, strict=True):
-            if taken is None:
-                unit.wait(row_clock)
-            elif unit.chain.steps is None:
-                unit.take(taken, None, row_clock)
+            if unit.chain.steps is None:  # at once, for its elements may ask what the view still knows
+                unit.take(sample, unit.corrupted(sample), row_clock)
             else:
-                unit.take(taken, measured[place].reshape(taken.values.shape), row_clock)
+                values[place] = sample.values.ravel()
+                samples.append((unit, place, sample))
+        if has_nan(values):
+            for unit, _, sample in samples:
+                unit.check(sample.values, "sense()")
+        measured = self._noise.apply(values)
+        for unit, place, sample in samples:
+            unit.take(sample, measured[place].reshape(sample.values.shape), row_clock)

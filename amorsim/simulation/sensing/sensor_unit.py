@@ -145,7 +145,7 @@ class SensorUnit:
                 self.state.update(before)
                 self.draws.rewind()
                 values, side = self.sensor.sense(view, self.chain.aim(elapsed), self.state, self.draws)
-                self._check(true, "sense()")
+                self.check(true, "sense()")
             else:
                 values, side = self.sensor.sense(view, _AHEAD, self.state, self.draws)
                 true = values
@@ -155,11 +155,15 @@ class SensorUnit:
             raise self.whose.wrong(self._what, self.sensor, problem)
         return Sample(due, true, values, side, elapsed, last, kept)
 
-    def take(self, sample: Sample, measured: Array | None, row_clock: RowClock) -> None:
-        """Take a sample on its way to the robot; `measured` is what its chain made of it, unless that is yet to do."""
-        if measured is None:
-            measured = self.chain.corrupt(sample.values, sample.side, sample.elapsed)
-            self._check(measured, f"its chain of noise ({', '.join(self.chain.names)})")
+    def corrupted(self, sample: Sample) -> Array:
+        """What the chain makes of a sample."""
+        self.check(sample.values, "sense()")
+        measured = self.chain.corrupt(sample.values, sample.side, sample.elapsed)
+        self.check(measured, f"its chain of noise ({', '.join(self.chain.names)})")
+        return measured
+
+    def take(self, sample: Sample, measured: Array, row_clock: RowClock) -> None:
+        """Take a sample, and what its noise made of it, on its way to the robot."""
         if self.chain.delays:
             self._late = self.chain.delay(sample.elapsed)
         if sample.kept:
@@ -168,11 +172,7 @@ class SensorUnit:
                     state[key] = _choose(sample.due, state[key], before)
         self.deliver(sample.due, sample.true, measured, sample.last, row_clock)
 
-    def check(self, values: Array) -> None:
-        """Raise if there is nan among what the device sensed."""
-        self._check(values, "sense()")
-
-    def _check(self, values: Any, by: str) -> None:
+    def check(self, values: Any, by: str) -> None:
         """Raise what is wrong with values that were to be `(N, k)` numbers, or inf where nothing returned."""
         if problem := array_problem(values, "values", self._shape, by):
             raise self.whose.wrong(self._what, self.sensor, problem)

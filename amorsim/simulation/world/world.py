@@ -1,4 +1,4 @@
-"""The bodies of all replicas in their world: where they stand, what shapes they have, who can meet whom."""
+"""The bodies of all replicas in their world: their poses and shapes, and the gaps between them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from amorsim.kernels.collision import body_hash
 from amorsim.kernels.collision import clearance as contact_kernels
 from amorsim.kernels.collision import footprints as body_kernels
 from amorsim.kernels.collision.body_hash import BodyHash
+from amorsim.kernels.collision.broad_phase import Clearance
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.raycast import body_rays
 from amorsim.simulation.world.surroundings import Surroundings
@@ -24,10 +25,10 @@ __all__ = ["Emitted", "World", "empty_hash"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_GAP_WORK = 8  # rays that the gap to the walls costs as much as
+_GAP_WORK = 8  # number of rays that take as long as one gap to the walls
 
 FEW = 16
-"""So many bodies in a replica are looked at one by one."""
+"""Up to this number of bodies, a replica needs no hash: all are compared."""
 
 
 class Emitted(NamedTuple):
@@ -44,8 +45,8 @@ class Emitted(NamedTuple):
 class World:
     """One map, and in every replica the same bodies, in order of replica, then of the order given.
 
-    A robot of several parts has several bodies: its own, and one for each part, which come after those of all robots
-    and obstacles. What they have in common is their owner; bodies of one owner do not meet, nor see, one another.
+    A robot of several parts has several bodies: its own, and one for each part. The parts come after all robots and
+    obstacles. All bodies of a robot have the same owner; bodies of one owner neither meet nor see one another.
 
     Attributes
     ----------
@@ -54,12 +55,14 @@ class World:
     poses, twists
         `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
         replaced, never changed.
-    room, room_at
-        How far [m] each body can go and meet no wall `(T,)`, 0 where that is not known, and the poses it is said of.
+    clearance
+        How far each body is from walls and from other bodies; kept from step to step by contact.
+    widest
+        The largest reach of a body [m].
     surroundings
         Marks, lamps, and how bodies look.
     emissions
-        What fires at this tick, by medium; see `amorsim.simulation.world.emissions`.
+        The emitters that fire at this tick, by medium; see `amorsim.simulation.world.emissions`.
     first
         `(R + 1,)` the first body of each replica.
     everyone
@@ -67,13 +70,15 @@ class World:
     edge_rows
         Vertices of the largest body: the rows that scratch arrays of kernels need.
     replica_index
-        `(T,)` which replica a body is of, counted from 0.
+        `(T,)` the replica of each body, counted from 0.
     is_robot
-        `(B,)` of a replica's bodies, which are robots, the first `robots` of those given, or all; or parts of robots.
+        `(B,)` which bodies of a replica are robots or parts of robots: the first `robots` of those given, or all.
     named
-        How many of a replica's bodies are robots and obstacles; the others are parts.
+        Number of robots and obstacles in a replica; its other bodies are parts.
     owner
-        `(T,)` whose each body is: of a part the body of its robot, of all others themselves.
+        `(T,)` the owner of each body: of a part the body of its robot, of all others themselves.
+    same_owner
+        `(T,)` the next body with the same owner, round in a ring.
     parts
         `(R * P,)` the bodies that are parts.
     """
@@ -103,7 +108,7 @@ class World:
         self.has_parts = len(owners) > 0
         self.bodies = pack(list(shapes) * replicas)
         self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
-        self._widest = max((shape.reach for shape in shapes), default=1.0)
+        self.widest = max((shape.reach for shape in shapes), default=1.0)
         self._hash: BodyHash | None = None
         self._hashed: Array | None = None  # the poses of which `_hash` is
         self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
@@ -112,25 +117,26 @@ class World:
         whose = np.concatenate((np.arange(self.named, dtype=np.int64), np.array(owners, dtype=np.int64)))
         self.owner: Ints = (self.first[:-1, None] + whose).reshape(-1)
         self.parts: Ints = np.flatnonzero(self.owner != self.everyone)
+        self.same_owner = _rings(self.owner)
         self.poses: Array = np.zeros((replicas * self.count, 3))
         self.twists: Array = np.zeros((replicas * self.count, 3))
-        self.room: Array = np.zeros(replicas * self.count)
-        self.room_at: Array | None = None
+        nothing = np.zeros(replicas * self.count)
+        self.clearance = Clearance(np.full_like(self.poses, np.nan), nothing, nothing.copy())
         self.emissions: dict[str, Emitted] = {}
-        self.marks_near = 0  # about how many marks were near those who looked last, for the room to tell them in
+        self.marks_near = 0  # how many marks the last look found, about: the size of the next one's buffers
 
     def name(self, body: int) -> str:
         """The name of a body, the same in every replica."""
         return self.names[body % self.count]
 
     def whose(self, body: int) -> tuple[str, str]:
-        """The name of the robot or obstacle that a body is of, and of which part of it, or nothing for itself."""
+        """The name of the robot or obstacle that a body belongs to, and of the part; "" for its own body."""
         name = self.name(body)
         owner = self.name(int(self.owner[body]))
         return owner, name[len(owner) + 1 :]
 
     def parts_of(self, bodies: Ints) -> Ints:
-        """The parts `(N, p)` of robots' bodies `(N,)`, each of which has as many, in order."""
+        """The parts `(N, p)` of robots' bodies `(N,)`, in order; all have the same number."""
         if not self.has_parts:
             return np.empty((len(bodies), 0), dtype=np.int64)
         # Parts are in order of their owners, so those of one lie side by side.
@@ -158,37 +164,39 @@ class World:
     def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
         """Signed gaps [m] `(Q,)` between pairs of bodies, at most `cap`; below zero where they overlap."""
         out = np.empty(len(a))
-        if not len(a):  # a lone robot never loads, nor compiles, what it takes to meet others
+        if not len(a):  # a lone robot neither loads nor compiles this kernel
             return out
         body_kernels.body_gaps(self.bodies, a, poses_a, b, poses_b, cap, out)
         return out
 
     def by_place(self, poses: Array) -> BodyHash:
-        """The bodies at `poses` `(T, 3)`, found by where they are; made once for arrays that are replaced."""
+        """The spatial hash of the bodies at `poses` `(T, 3)`; made once for an array, which must not change."""
         if self._hash is None or poses is not self._hashed:
             if self._hash is None:
-                self._hash = empty_hash(self.count, self.replicas, 2.0 * self._widest)
+                self._hash = empty_hash(self.count, self.replicas, 2.0 * self.widest)
             body_hash.hash_bodies(poses, self.bodies.reach, self.owner, self.first, self._hash)
             self._hashed = poses
         return self._hash
 
-    def pairs_within(self, poses: Array, margin: Array, which: Ints | None = None) -> tuple[Ints, Ints]:
+    def pairs_within(
+        self, poses: Array, margin: Array, looks: npt.NDArray[np.bool_] | None = None
+    ) -> tuple[Ints, Ints]:
         """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
 
-        Bodies of one owner are no pair. Of two the one with the wider circle looks for the other, if it is among
-        `which` `(Q,)`; without that all look.
+        Bodies of one owner are no pair. At least one of two is among those that look `(T,)`, or else all look.
         """
         if not self.has_company:
             none = np.empty(0, dtype=np.int64)
             return none, none
         radius = self.bodies.reach + margin
         table = self.by_place(poses)
-        looking = self.everyone if which is None else which
-        found = np.empty(4 * len(looking) + 64, dtype=np.int64)
-        count = body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
+        if looks is None:
+            looks = np.ones(len(poses), dtype=np.bool_)
+        found = np.empty(4 * int(np.count_nonzero(looks)) + 64, dtype=np.int64)
+        count = body_hash.pairs_within(table, self.replica_index, looks, poses, radius, found)
         if count > len(found):
             found = np.empty(count, dtype=np.int64)
-            body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
+            body_hash.pairs_within(table, self.replica_index, looks, poses, radius, found)
         a, b = np.divmod(np.sort(found[:count]), len(poses))
         if self.has_parts:
             apart = self.owner[a] != self.owner[b]
@@ -208,8 +216,9 @@ class World:
     ) -> None:
         """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
 
-        Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, as `out` and -1, gets
-        the body that was met, where somebody asks. `own` `(N,)` is a robot, which does not see itself nor its parts.
+        With `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, if given, is like
+        `out`, -1 to begin with, and gets the body that a beam met. A robot `own` `(N,)` sees neither itself nor its
+        parts.
         """
         bodies, poses, edge_rows, table, widest = self.met()
 
@@ -235,14 +244,25 @@ class World:
 
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
         """The bodies where they are, as `body_rays.cast_bodies` takes them."""
-        return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self._widest
+        return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self.widest
 
 
 _NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit
 
 
+def _rings(owner: Ints) -> Ints:
+    """For each body `(T,)` the next one with the same owner, and after the last the first."""
+    order = np.argsort(owner, kind="stable")
+    owners = owner[order]
+    first, last = np.searchsorted(owners, owners), np.searchsorted(owners, owners, side="right")
+    after = np.arange(1, len(owner) + 1)
+    ring = np.empty_like(owner)
+    ring[order] = order[np.where(after < last, after, first)]
+    return ring
+
+
 def empty_hash(count: int, replicas: int, side: float) -> BodyHash:
-    """An empty hash for `count` bodies in each replica; four buckets and more a body, or one where there are few."""
+    """An empty hash for `count` bodies in each replica: at least four buckets a body, or one for a few bodies."""
     bits = 0 if count <= FEW else (4 * count - 1).bit_length()
     rows, cols = 1 << bits // 2, 1 << (bits + 1) // 2
     bodies = count * replicas
