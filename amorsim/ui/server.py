@@ -1,4 +1,4 @@
-"""The window's server: NiceGUI's page, our scripts, and one WebSocket a window, all behind the guard."""
+"""The window's server: a page, its scripts, and one WebSocket a window, all behind the guard."""
 
 from __future__ import annotations
 
@@ -7,23 +7,24 @@ import socket
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
-import nicegui
 import uvicorn
-from fastapi import FastAPI, Request, WebSocket
+from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
-from starlette.requests import ClientDisconnect
-from starlette.responses import PlainTextResponse, Response
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.film import FilmError, gif_of, read_film
 from amorsim.ui.lobby import Lobby
 from amorsim.ui.messages import LONGEST_MESSAGE
-from amorsim.ui.page import WEB, WEB_PATH
 from amorsim.ui.security import App, Door, Guard
 from amorsim.ui.talk import Simulated, Talk
 
@@ -32,17 +33,16 @@ __all__ = ["build", "listen", "serve"]
 LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
 LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
 MOST_WINDOWS = 32
+WEB = Path(__file__).parent / "web"
 
 
 def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: None) -> App:
     """The whole application for a session; `started` is called once it can be asked."""
 
     @asynccontextmanager
-    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
         started()
         yield
-
-    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan)
 
     windows: set[Talk] = set()
 
@@ -75,12 +75,16 @@ def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: 
                 return Response(status_code=400)  # which nobody reads
         return Response(made, media_type="image/gif")
 
-    app.add_api_websocket_route("/amorsim/socket", connect)
-    app.add_route("/amorsim/gif", make_gif, methods=["POST"])
-    app.mount(WEB_PATH, _Scripts(directory=WEB))
-    nicegui.ui.run_with(
-        app, title="amorsim", tailwind=False, gzip_middleware_factory=None, show_welcome_message=False, language="en-US"
-    )
+    async def show_page(_: Request) -> Response:
+        return FileResponse(WEB / "simulator.html", headers={"cache-control": "no-cache"})
+
+    routes = [
+        Route("/", show_page),
+        WebSocketRoute("/amorsim/socket", connect),
+        Route("/amorsim/gif", make_gif, methods=["POST"]),
+        Mount("/amorsim/web", _Scripts(directory=WEB)),
+    ]
+    app = Starlette(routes=routes, lifespan=lifespan)
     return Guard(app, door)
 
 

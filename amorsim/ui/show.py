@@ -31,7 +31,7 @@ Say = Callable[[str], None]
 
 def check_extra() -> None:
     """Raise what says what to install where the window's own libraries are not there."""
-    if importlib.util.find_spec("nicegui") is None:
+    if any(importlib.util.find_spec(name) is None for name in ("starlette", "uvicorn", "websockets")):
         raise AmorsimError('the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"')
 
 
@@ -116,7 +116,7 @@ def show(
     finally:
         session.close()
         forget_pages()
-        # Python's last look for what nobody uses takes a second with all that NiceGUI and numba hold.
+        # Python's last look for what nobody uses takes a second with all that numba holds.
         gc.freeze()
     tell()
 

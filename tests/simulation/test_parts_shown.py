@@ -70,7 +70,7 @@ def test_a_film_has_the_trailer_in_its_robots_colour(tmp_path: Path) -> None:
 
 
 def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
-    pytest.importorskip("nicegui")
+    pytest.importorskip("starlette")
     from amorsim.ui.frames import obstacle_poses
     from amorsim.ui.scenes import SceneBuilder
 
@@ -87,7 +87,7 @@ def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
 
 
 def test_a_window_is_told_where_a_robot_believes_its_trailer_to_be() -> None:
-    pytest.importorskip("nicegui")
+    pytest.importorskip("starlette")
     from amorsim.ui.frames import selected_of
 
     # The trailer is longer than the robot was told, and the counts of the hitch are the true ones.
@@ -111,7 +111,7 @@ def test_a_window_is_told_where_a_robot_believes_its_trailer_to_be() -> None:
 
 
 def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path) -> None:
-    pytest.importorskip("nicegui")
+    pytest.importorskip("starlette")
     pytest.importorskip("matplotlib")
     from amorsim.analysis.plot import plot_run
     from amorsim.ui.scenes import SceneBuilder

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 from amorsim.ui import talk
 from amorsim.ui.talk import Talk

@@ -23,7 +23,7 @@ from tests.ui.sessions import in_time, write_project
 from tests.ui.test_film import packed, png
 from tests.ui.views import View, children_of, cookie_of, drive, until_gone
 
-pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 
 def get(address: str, path: str, **headers: str) -> int:
@@ -218,7 +218,7 @@ def test_it_removes_the_browsers_file_when_it_ends(
 def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(
-        importlib.util, "find_spec", lambda name, *rest: None if name == "nicegui" else find(name, *rest)
+        importlib.util, "find_spec", lambda name, *rest: None if name == "starlette" else find(name, *rest)
     )
     status, said = amorsim("view", "demo")
     assert status == 2

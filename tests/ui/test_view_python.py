@@ -22,7 +22,7 @@ from amorsim.ui.session import Session
 from tests import building
 from tests.ui.views import View, drive
 
-pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 SCRIPT = """
 import amorsim as am

@@ -391,7 +391,5 @@ export class Simulator {
   }
 }
 
-/** Put the window into an element. */
-export function start(root) {
-  root.simulator = new Simulator(root);
-}
+const root = document.querySelector(".amorsim");
+root.simulator = new Simulator(root);
