@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from amorsim.ui.recipe import Recipe
-from amorsim.ui.session import Session
+from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.session import Session
 
 ROOM = "width 6000\nheight 5000\n0 0 6000 0\n6000 0 6000 5000\n6000 5000 0 5000\n0 5000 0 0\n"
 SCENARIO = """

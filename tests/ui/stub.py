@@ -11,8 +11,8 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from amorsim.ui.security import Door
-from amorsim.ui.server import serve
+from amorsim.ui.serve.security import Door
+from amorsim.ui.serve.server import serve
 
 
 class StubSession:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from amorsim.ui.packing import Dynamic, Selected, pack_frame, unpack_frame
+from amorsim.ui.simulator.packing import Dynamic, Selected, pack_frame, unpack_frame
 from tests.ui.windows import Server, Window, new_user
 
 
@@ -73,7 +73,7 @@ def test_a_frame_is_read_as_python_reads_it(window: Window, robots: int, obstacl
     data = frame_of(robots, obstacles, sizes)
     read = window.page.evaluate(
         """async ([text, sizes, robots]) => {
-            const { readFrame } = await import("/amorsim/web/protocol.js");
+            const { readFrame } = await import("/amorsim/web/simulator/protocol.js");
             const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
             const robot = { sensors: sizes.map((size) => ({ size })) };
             const scene = { version: 7, robots: Array(robots).fill(robot) };
@@ -115,7 +115,7 @@ def test_a_frame_is_read_as_python_reads_it(window: Window, robots: int, obstacl
 def test_what_is_no_frame_is_refused(window: Window) -> None:
     said = window.page.evaluate(
         """async () => {
-            const { readFrame } = await import("/amorsim/web/protocol.js");
+            const { readFrame } = await import("/amorsim/web/simulator/protocol.js");
             return [new ArrayBuffer(4), new ArrayBuffer(200)].map((data) => {
                 try { readFrame(data, null); return "read"; } catch (problem) { return problem.message; }
             });
@@ -127,7 +127,7 @@ def test_what_is_no_frame_is_refused(window: Window) -> None:
 def test_the_point_under_the_pointer_stays_there_when_zooming(window: Window) -> None:
     apart = window.page.evaluate(
         """async () => {
-            const { Camera } = await import("/amorsim/web/camera.js");
+            const { Camera } = await import("/amorsim/web/shared/camera.js");
             const camera = new Camera();
             camera.resize(500, 400);
             camera.fit([-3, 2, 9, 11]);
@@ -156,8 +156,8 @@ def test_the_point_under_the_pointer_stays_there_when_zooming(window: Window) ->
 def test_trails_and_series_stay_within_bounds_and_keep_both_ends(window: Window) -> None:
     kept = window.page.evaluate(
         """async () => {
-            const { Trail } = await import("/amorsim/web/trail.js");
-            const { Series } = await import("/amorsim/web/plot.js");
+            const { Trail } = await import("/amorsim/web/simulator/trail.js");
+            const { Series } = await import("/amorsim/web/shared/plot.js");
             const [trail, series] = [new Trail(), new Series(["true", "measured"])];
             for (let tick = 0; tick < 40000; tick++) {
                 trail.add(tick, tick * 0.01, 0);
@@ -183,7 +183,7 @@ def test_trails_and_series_stay_within_bounds_and_keep_both_ends(window: Window)
 def test_differences_of_angles_go_the_short_way_round(window: Window) -> None:
     row = window.page.evaluate(
         """async () => {
-            const { quantitiesOf } = await import("/amorsim/web/quantities.js");
+            const { quantitiesOf } = await import("/amorsim/web/simulator/quantities.js");
             const robot = { twist: [1, 0, 1], joints: [], sensors: [] };
             const heading = quantitiesOf(robot).find((one) => one.key === "heading");
             const frame = { truePoses: [0, 0, 3.1], estimatedPoses: [0, 0, -3.1], sensors: [] };
@@ -198,7 +198,7 @@ def test_differences_of_angles_go_the_short_way_round(window: Window) -> None:
 def test_a_robot_for_the_table_is_told_to_a_tenth_of_a_millimetre(window: Window) -> None:
     decimals = window.page.evaluate(
         """async () => {
-            const { quantitiesOf } = await import("/amorsim/web/quantities.js");
+            const { quantitiesOf } = await import("/amorsim/web/simulator/quantities.js");
             const of = (reach) => quantitiesOf({ reach, twist: [1, 1, 1], joints: [], sensors: [] });
             return [0.03, 0.3].map((reach) => of(reach).map(({ key, decimals }) => [key, decimals]));
         }"""
@@ -294,8 +294,8 @@ def test_a_reading_is_drawn_where_a_click_finds_it(window: Window, style: str) -
     shape, values, point, (title, line), nowhere = STYLES[style]
     found = window.page.evaluate(
         """async ([sensor, plain, points]) => {
-            const { Camera } = await import("/amorsim/web/camera.js");
-            const { drawReadings, isDrawn, nearestPart, tellPart } = await import("/amorsim/web/readings.js");
+            const { Camera } = await import("/amorsim/web/shared/camera.js");
+            const { drawReadings, isDrawn, nearestPart, tellPart } = await import("/amorsim/web/simulator/readings.js");
             const values = Float64Array.from(plain, (value) => value ?? Infinity);
             const camera = new Camera();
             camera.resize(300, 300);

@@ -17,8 +17,8 @@ import amorsim as am
 from amorsim.contracts import Controller
 from amorsim.core.same_cells import have_same_cells
 from amorsim.scenario.write import with_maps, write_document
-from amorsim.ui.recipe import Recipe
-from amorsim.ui.session import Session
+from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.session import Session
 from tests import building
 from tests.ui.views import View, drive
 

@@ -407,7 +407,7 @@ def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> 
         assert opened == ["refused"]
         statuses: list[int] = []
         page.on("response", lambda response: statuses.append(response.status))
-        for path in ("/", "/amorsim/web/simulator.js"):
+        for path in ("/", "/amorsim/web/simulator/simulator.js"):
             read = page.evaluate(
                 "url => fetch(url, {credentials: 'include'}).then(r => r.text(), () => 'refused')",
                 f"http://{host}{path}",

@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from amorsim.cli.console import compile_once
-from amorsim.ui.packing import FRAME_HEADER
+from amorsim.ui.simulator.packing import FRAME_HEADER
 from tests.ui.aside import aside
 
 
