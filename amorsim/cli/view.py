@@ -40,7 +40,7 @@ def command(
     the present folder.
     """
     from amorsim.core.errors import AmorsimError
-    from amorsim.ui.serve.show import check_extra, show
+    from amorsim.ui.simulator.show import check_extra, show
 
     check_extra()
     if not 0 <= port < 65536:

@@ -396,7 +396,7 @@ def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> 
         page = window.page.context.new_page()  # the same user, so the cookie would be sent
         page.goto(f"http://127.0.0.1:{other.server_port}/")
         opened = page.evaluate(
-            """host => Promise.all(["/amorsim/socket"].map(path =>
+            """host => Promise.all(["/amorsim/socket/run/room"].map(path =>
                 new Promise(done => {
                     const socket = new WebSocket(`ws://${host}${path}`);
                     socket.onopen = () => done("open");
@@ -407,7 +407,7 @@ def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> 
         assert opened == ["refused"]
         statuses: list[int] = []
         page.on("response", lambda response: statuses.append(response.status))
-        for path in ("/", "/amorsim/web/simulator/simulator.js"):
+        for path in ("/", "/run/room", "/amorsim/web/simulator/simulator.js"):
             read = page.evaluate(
                 "url => fetch(url, {credentials: 'include'}).then(r => r.text(), () => 'refused')",
                 f"http://{host}{path}",

@@ -1,21 +1,18 @@
-"""The window's server: a page, its scripts, and one WebSocket a window, all behind the guard."""
+"""The window's server: pages, their scripts, and one WebSocket a window, all behind the guard."""
 
 from __future__ import annotations
 
 import asyncio
 import socket
-import threading
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
-from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
@@ -24,43 +21,77 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from amorsim.core.errors import AmorsimError
 from amorsim.ui.serve.film import FilmError, gif_of, read_film
 from amorsim.ui.serve.lobby import Lobby
+from amorsim.ui.serve.pages import WEB, Pages
 from amorsim.ui.serve.security import App, Door, Guard
-from amorsim.ui.serve.talk import Simulated, Talk
-from amorsim.ui.simulator.messages import LONGEST_MESSAGE
+from amorsim.ui.serve.talk import Talk
+from amorsim.ui.serve.wire import LONGEST_MESSAGE
 
 __all__ = ["build", "listen", "serve"]
 
 LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
 LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
 MOST_WINDOWS = 32
-WEB = Path(__file__).parent.parent / "web"
+FRESH = {"cache-control": "no-cache"}  # a browser asks whether it is new, so that an update is seen at once
 
 
-def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: None) -> App:
-    """The whole application for a session; `started` is called once it can be asked."""
+def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) -> App:
+    """The whole application for some pages; `started` is called once it can be asked."""
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         started()
         yield
 
+    async def show_first(_: Request) -> Response:
+        first = next(iter(pages), None)
+        if first is None:
+            return PlainTextResponse("there is nothing to show", status_code=404)
+        return RedirectResponse(first.path, headers={"cache-control": "no-store"})
+
+    async def show(request: Request) -> Response:
+        page = pages.find(**request.path_params)
+        if page is None:
+            return PlainTextResponse("there is no such page", status_code=404)
+        return FileResponse(page.file, headers=FRESH)
+
+    routes = [
+        Route("/", show_first),
+        Route("/{kind}/{name}", show),
+        WebSocketRoute("/amorsim/socket/{kind}/{name}", _connecting(pages)),
+        Route("/amorsim/gif", _making_gifs(), methods=["POST"]),
+        Mount("/amorsim/web", _Scripts(directory=WEB)),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=lifespan), door)
+
+
+def _connecting(pages: Pages) -> Callable[[WebSocket], Awaitable[None]]:
+    """Lets windows talk with their page's session, so many at a time."""
     windows: set[Talk] = set()
 
     async def connect(websocket: WebSocket) -> None:
+        page = pages.find(**websocket.path_params)
+        if page is None:
+            await websocket.close(1008, "There is no such page.")
+            return
         if len(windows) >= MOST_WINDOWS:
             await websocket.close(1013, "There are too many windows.")
             return
-        talk = Talk(websocket, session)
+        talk = Talk(websocket, page.session)
         windows.add(talk)
         try:
             await talk.run()
         finally:
             windows.discard(talk)
 
+    return connect
+
+
+def _making_gifs() -> Callable[[Request], Awaitable[Response]]:
+    """Makes GIFs of films, one at a time: one takes memory enough."""
     making = asyncio.Lock()
 
     async def make_gif(request: Request) -> Response:
-        if making.locked():  # one takes memory enough
+        if making.locked():
             return PlainTextResponse("another GIF is being made; try again when it is done", status_code=429)
         async with making:
             try:
@@ -75,25 +106,15 @@ def build(session: Simulated, door: Door, started: Callable[[], None] = lambda: 
                 return Response(status_code=400)  # which nobody reads
         return Response(made, media_type="image/gif")
 
-    async def show_page(_: Request) -> Response:
-        return FileResponse(WEB / "simulator" / "page.html", headers={"cache-control": "no-cache"})
-
-    routes = [
-        Route("/", show_page),
-        WebSocketRoute("/amorsim/socket", connect),
-        Route("/amorsim/gif", make_gif, methods=["POST"]),
-        Mount("/amorsim/web", _Scripts(directory=WEB)),
-    ]
-    app = Starlette(routes=routes, lifespan=lifespan)
-    return Guard(app, door)
+    return make_gif
 
 
 class _Scripts(StaticFiles):
-    """Our scripts and sheets; a browser asks whether they are new, so that an update is seen at once."""
+    """Our scripts and sheets."""
 
     def file_response(self, *args: Any, **options: Any) -> Response:
         response = super().file_response(*args, **options)
-        response.headers["cache-control"] = "no-cache"
+        response.headers.update(FRESH)
         return response
 
 
@@ -119,33 +140,38 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 class _Server(uvicorn.Server):
-    """Ends what it serves at once when a signal comes, not after its windows have gone."""
+    """Ends what it serves as soon as a signal comes, not after its windows have gone."""
 
-    def __init__(self, config: uvicorn.Config, ending: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, ending: Callable[[], Awaitable[None]]) -> None:
         super().__init__(config)
         self._ending = ending
 
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        threading.Thread(target=self._ending, name="amorsim-ending").start()
-        super().handle_exit(sig, frame)
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        ending = asyncio.ensure_future(self._ending())
+        await super().shutdown(sockets)
+        await ending
 
 
-def serve(
-    session: Simulated,
+async def _nothing() -> None:
+    pass
+
+
+async def serve(
+    pages: Pages,
     *,
     host: str = "127.0.0.1",
     port: int = 0,
     ready: Callable[[Door], None],
-    ending: Callable[[], None] = lambda: None,
+    ending: Callable[[], Awaitable[None]] = _nothing,
 ) -> None:
-    """Serve a session's window until the process is told to end.
+    """Serve pages until the process is told to end.
 
-    `ready` is given the door, which makes addresses to open the window by; `ending` is called in a thread as soon as
-    the process is told.
+    `ready` is given the door, which makes addresses to open the window by; `ending` is awaited as soon as the process
+    is told.
     """
     with listen(host, port) as bound:
         door = Door(host=host, port=bound.getsockname()[1])
-        app = build(session, door, lambda: ready(door))
+        app = build(pages, door, lambda: ready(door))
         config = uvicorn.Config(
             app,
             http=Lobby(H11Protocol).receive,  # type: ignore[arg-type] # what makes a protocol, as a class does
@@ -157,4 +183,4 @@ def serve(
             ws_max_size=LONGEST_MESSAGE,
             ws_per_message_deflate=False,  # frames are floats: it would cost more than it saves
         )
-        _Server(config, ending).run(sockets=[bound])
+        await _Server(config, ending).serve(sockets=[bound])

@@ -1,7 +1,7 @@
 """What the server and one window say to each other over the window's WebSocket.
 
-From the window comes text (see `amorsim.ui.simulator.messages`): commands, each answered by ``{"answer": n, "said":
-...}``, and which frame it has drawn. What is neither is answered too, with what is wrong with it. To the window go
+From the window comes text (see `amorsim.ui.serve.wire`): commands, each answered by ``{"answer": n, "said": ...}``, and
+which frame it has drawn. What is neither is answered too, with what is wrong with it. To the window go
 frames as bytes, but none before the last is drawn, and at most `FRAME_RATE` a second: a slow, hidden or vanished window
 slows nothing and piles up nothing.
 """
@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from amorsim.ui.simulator.messages import COMMANDS, MessageError, decode, number_of
+from amorsim.ui.serve.pages import Talks
+from amorsim.ui.serve.wire import MessageError, decode, number_of
 
-__all__ = ["FRAME_RATE", "Simulated", "Talk"]
+__all__ = ["FRAME_RATE", "Talk"]
 
 FRAME_RATE = 30.0  # [Hz]
 MOST_WAITING = 64  # commands of one window
@@ -26,26 +26,10 @@ MOST_OF_TAB = 64  # letters
 Table = dict[str, Any]
 
 
-class Simulated(Protocol):
-    """What the server needs of a session; see `amorsim.ui.simulator.session.Session`."""
-
-    def open_window(self, tab: str = "") -> str:
-        """A new window's name; `tab` is the same for the windows that one tab shows after one another."""
-
-    def close_window(self, window: str) -> None:
-        """A window has gone; what it drove by hand stops."""
-
-    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
-        """A window's newest frame, once there is one whose number is above `after`; nothing where none will come."""
-
-    async def ask(self, window: str, command: Mapping[str, Any]) -> Table:
-        """The answer to a command."""
-
-
 class Talk:
     """The conversation with one window."""
 
-    def __init__(self, websocket: WebSocket, session: Simulated) -> None:
+    def __init__(self, websocket: WebSocket, session: Talks) -> None:
         self.websocket = websocket
         self.session = session
         self.window = ""
@@ -86,10 +70,9 @@ class Talk:
             except MessageError as error:
                 await self._refuse(None, str(error))
                 continue
-            shape = COMMANDS.get(message.get("do", ""))
             if "drawn" in message:
                 self.drawn.set()
-            elif shape is not None and shape.asks and len(self.reads) < MOST_WAITING:
+            elif self.session.only_asks(message["do"]) and len(self.reads) < MOST_WAITING:
                 task = asyncio.create_task(self._answer(message))
                 self.reads.add(task)
                 task.add_done_callback(self.reads.discard)

@@ -1,10 +1,14 @@
-"""The link from a session to one child process: started, spoken with, ended."""
+"""The link from a session to one child process: started, spoken with, ended.
+
+It belongs to an event loop. Threads read the pipes and wait for the process; what they find they hand to the loop, and
+they look at nothing else.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import atexit
 import collections
-import concurrent.futures
 import contextlib
 import itertools
 import json
@@ -29,7 +33,7 @@ _alive: weakref.WeakSet[Link] = weakref.WeakSet()
 
 
 class Link:
-    """A child process.
+    """A child process, of the event loop in which it is made.
 
     Parameters
     ----------
@@ -38,7 +42,7 @@ class Link:
     carried
         The snapshot that it is to go on from, as another child gave it; None for none.
     on_frame, on_end
-        Called in a thread with the bytes of each frame, and with the link when the process has ended.
+        Called with the bytes of each frame, and with the link when the process has ended.
 
     Attributes
     ----------
@@ -54,6 +58,8 @@ class Link:
         Why there is none, where there cannot be any.
     folder
         What it writes the run into.
+    is_alive
+        Whether it can answer.
     end, last_words
         How it ended, and what it wrote into its log before.
     """
@@ -66,20 +72,21 @@ class Link:
         on_frame: Callable[[bytes], None],
         on_end: Callable[[Link], None],
     ) -> None:
-        self.ready: concurrent.futures.Future[Answer] = concurrent.futures.Future()
+        self._loop = asyncio.get_running_loop()
+        self.ready: asyncio.Future[Answer] = self._loop.create_future()
+        self.ready.add_done_callback(_look_at)
         self.inputs: list[dict[str, Any]] = list(order["inputs"])
         self.tick: int = order["tick"]
         self.carried = carried
         self.uncarried = ""
         self.folder = ""
+        self.is_alive = True
         self.end = ""
         self._log: collections.deque[str] = collections.deque(maxlen=LAST_WORDS)
         self._on_frame, self._on_end = on_frame, on_end
         self._numbers = itertools.count(1)
-        self._open: dict[int, concurrent.futures.Future[Answer]] = {}
+        self._open: dict[int, asyncio.Future[Answer]] = {}
         self._pings: set[int] = set()  # which of the open ones are signs of life
-        self._lock = threading.Lock()
-        self._has_ended = False
         # In a session of its own, where there are such: Ctrl-C in the terminal is for the session alone.
         self._process = subprocess.Popen(
             python_for("amorsim.ui.simulator.child"),
@@ -93,18 +100,9 @@ class Link:
         self._writer.send({**order, "carried": carried is not None})
         if carried is not None:
             self._writer.send_snapshot(carried)
-        self._threads = [
-            threading.Thread(target=target, name=name, daemon=True)
-            for target, name in ((self._read, "amorsim-link"), (self._hear, "amorsim-log"))
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._readers = [_thread(self._read, "amorsim-link"), _thread(self._hear, "amorsim-log")]
+        self._waiter = _thread(self._wait, "amorsim-wait")
         _alive.add(self)
-
-    @property
-    def is_alive(self) -> bool:
-        """Whether it can answer."""
-        return not self._has_ended
 
     @property
     def pid(self) -> int:
@@ -116,7 +114,7 @@ class Link:
         """The last lines of its log."""
         return "\n".join(self._log)
 
-    def send(self, command: Mapping[str, Any]) -> concurrent.futures.Future[Answer]:
+    def send(self, command: Mapping[str, Any]) -> asyncio.Future[Answer]:
         """Send a command; the answer comes in time.
 
         Raises
@@ -124,57 +122,51 @@ class Link:
         AmorsimError
             If it has ended.
         """
-        answer: concurrent.futures.Future[Answer] = concurrent.futures.Future()
-        with self._lock:
-            if self._has_ended:
-                raise AmorsimError("the simulation has ended by itself")
-            number = next(self._numbers)
-            self._open[number] = answer
-            if command.get("do") == "ping":
-                self._pings = {number, *(ping for ping in self._pings if ping in self._open)}
+        if not self.is_alive:
+            raise AmorsimError("the simulation has ended by itself")
+        answer: asyncio.Future[Answer] = self._loop.create_future()
+        answer.add_done_callback(_look_at)
+        number = next(self._numbers)
+        self._open[number] = answer
+        if command.get("do") == "ping":
+            self._pings = {number, *(ping for ping in self._pings if ping in self._open)}
         self._writer.send({**command, "id": number})
         return answer
 
     def give_up(self, reason: str) -> None:
         """Answer what waits with an `AmorsimError`, signs of life apart; a late answer is thrown away."""
-        with self._lock:
-            waiting = [number for number in self._open if number not in self._pings]
-            answers = [self._open.pop(number) for number in waiting]
-        for answer in answers:
-            if answer.set_running_or_notify_cancel():
-                answer.set_exception(AmorsimError(reason))
+        for number in [number for number in self._open if number not in self._pings]:
+            _fail(self._open.pop(number), reason)
 
     def tell(self, command: Mapping[str, Any]) -> None:
         """Send what has no answer."""
         self._writer.send(command)
 
-    def _read(self) -> None:
-        assert self._process.stdout is not None
-        while (message := read_message(self._process.stdout)) is not None:
-            kind, data = message
-            if kind == FRAME:
-                self._on_frame(data)
-                continue
-            if kind == SNAPSHOT:
-                self.carried = data
-                continue
-            table = json.loads(data)
-            if "push" in table:
-                self._pushed(table)
-                continue
-            with self._lock:
-                answer = self._open.pop(table.pop("id"), None)
-            if answer is not None and answer.set_running_or_notify_cancel():
-                answer.set_result(table)
-        self._finish()
+    # ------------------------------------------------------------------------------------------------- what comes
+
+    def _heard(self, kind: bytes, data: bytes) -> None:
+        if kind == FRAME:
+            self._on_frame(data)
+            return
+        if kind == SNAPSHOT:
+            self.carried = data
+            return
+        table = json.loads(data)
+        if "push" in table:
+            self._pushed(table)
+            return
+        answer = self._open.pop(table.pop("id"), None)
+        if answer is not None and not answer.done():
+            answer.set_result(table)
 
     def _pushed(self, table: Answer) -> None:
         kind = table["push"]
         if kind == "ready":
             self.folder = table["folder"]
-            self.ready.set_result(table)
+            if not self.ready.done():
+                self.ready.set_result(table)
         elif kind == "failed":
-            self.ready.set_exception(AmorsimError(table["error"]))
+            _fail(self.ready, table["error"])
         elif kind == "inputs":
             self.inputs[table["first"] :] = table["inputs"]
         elif kind == "epoch":
@@ -186,36 +178,49 @@ class Link:
         elif kind == "folder":
             self.folder = table["folder"]
 
-    def _finish(self) -> None:
-        code = self._process.wait()
+    def _finish(self, code: int) -> None:
         self.end = f"signal {-code}" if code < 0 else f"exit status {code}"
-        self._threads[1].join(1.0)
-        with self._lock:
-            self._has_ended = True
-        if not self.ready.done():
-            self.ready.set_exception(
-                AmorsimError(f"the simulation could not be started ({self.end})\n{self.last_words}")
-            )
+        self.is_alive = False
+        _fail(self.ready, f"the simulation could not be started ({self.end})\n{self.last_words}")
         self._on_end(self)  # before the answers: whose command fails shall find why
-        with self._lock:
-            unanswered = list(self._open.values())
-            self._open.clear()
-        for answer in unanswered:
-            if answer.set_running_or_notify_cancel():
-                answer.set_exception(AmorsimError(f"the simulation has ended by itself ({self.end})"))
+        for answer in self._open.values():
+            _fail(answer, f"the simulation has ended by itself ({self.end})")
+        self._open.clear()
+
+    # ------------------------------------------------------------------------------------------------- in threads
+
+    def _post(self, function: Callable[..., None], *arguments: Any) -> None:
+        """Let the loop call a function."""
+        with contextlib.suppress(RuntimeError):  # it has ended
+            self._loop.call_soon_threadsafe(function, *arguments)
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        while (message := read_message(self._process.stdout)) is not None:
+            self._post(self._heard, *message)
 
     def _hear(self) -> None:
         """Pass on what it writes into its log."""
         assert self._process.stderr is not None
-        for line in self._process.stderr:
-            text = line.decode(errors="replace").rstrip("\n")
-            self._log.append(text)
-            with contextlib.suppress(OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError):  # closed
+            for line in self._process.stderr:
+                text = line.decode(errors="replace").rstrip("\n")
+                self._post(self._log.append, text)
                 sys.stderr.write(text + "\n")
                 sys.stderr.flush()
 
-    def close(self, timeout: float = LONGEST_END) -> None:
+    def _wait(self) -> None:
+        code = self._process.wait()
+        for reader in self._readers:
+            reader.join(1.0)  # not longer: what the child has started may hold its pipes
+        self._post(self._finish, code)
+
+    async def close(self, timeout: float = LONGEST_END) -> None:
         """End it: in order where it can within `timeout` [s], else by force."""
+        await asyncio.to_thread(self.close_now, timeout)
+
+    def close_now(self, timeout: float = LONGEST_END) -> None:
+        """The same in any thread, which waits for it."""
         if self._process.poll() is None and timeout > 0.0:
             self.tell({"do": "end"})
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -224,9 +229,8 @@ class Link:
             self._process.kill()
         self._process.wait()
         self._writer.close(0.1)
-        for thread in self._threads:
-            if thread is not threading.current_thread():
-                thread.join(1.0)
+        for thread in (*self._readers, self._waiter):
+            thread.join(1.0)
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             with contextlib.suppress(OSError):
                 if pipe is not None:
@@ -234,9 +238,26 @@ class Link:
         _alive.discard(self)
 
 
+def _thread(target: Callable[[], None], name: str) -> threading.Thread:
+    thread = threading.Thread(target=target, name=name, daemon=True)
+    thread.start()
+    return thread
+
+
+def _fail(answer: asyncio.Future[Answer], reason: str) -> None:
+    if not answer.done():
+        answer.set_exception(AmorsimError(reason))
+
+
+def _look_at(answer: asyncio.Future[Answer]) -> None:
+    """Take note of an error that nobody waits for any more."""
+    if not answer.cancelled():
+        answer.exception()
+
+
 def _end_all() -> None:
     for link in list(_alive):
-        link.close()
+        link.close_now()
 
 
 atexit.register(_end_all)

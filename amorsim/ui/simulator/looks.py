@@ -2,35 +2,28 @@
 
 from __future__ import annotations
 
-import threading
-
 __all__ = ["Looks"]
 
 
 class Looks:
-    """Robots by window, each at first that of place 0; may be asked from any thread."""
+    """Robots by window, each at first that of place 0."""
 
     def __init__(self) -> None:
         self._robots: dict[str, int] = {}
-        self._lock = threading.Lock()
 
     def of(self, window: str) -> int:
         """The robot that a window looks at, which is counted among `robots` from now on."""
-        with self._lock:
-            return self._robots.setdefault(window, 0)
+        return self._robots.setdefault(window, 0)
 
     def turn(self, window: str, robot: int) -> None:
         """Let a window look at another robot."""
-        with self._lock:
-            self._robots[window] = robot
+        self._robots[window] = robot
 
     def close(self, window: str) -> None:
         """Forget a window."""
-        with self._lock:
-            self._robots.pop(window, None)
+        self._robots.pop(window, None)
 
     @property
     def robots(self) -> list[int]:
         """All that are looked at, each once; that of place 0 where none is."""
-        with self._lock:
-            return sorted(set(self._robots.values())) or [0]
+        return sorted(set(self._robots.values())) or [0]

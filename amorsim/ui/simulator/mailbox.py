@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import math
-import threading
 import time
 from collections.abc import Callable
 from typing import NamedTuple
@@ -18,7 +16,7 @@ FRESH = 0.1  # [s] that a frame is new for
 
 
 class Mailbox:
-    """Holds the newest bundle, and makes of it each window's frame.
+    """Holds the newest bundle, and makes of it each window's frame; for one event loop.
 
     Parameters
     ----------
@@ -36,7 +34,6 @@ class Mailbox:
         self._is_still = False  # whether no newer one can come
         self._is_turned = False  # whether somebody looks at another robot than when it was asked for
         self._waiting: list[_Waiter] = []
-        self._lock = threading.RLock()
 
     @property
     def waiting(self) -> int:
@@ -48,22 +45,19 @@ class Mailbox:
 
         It tells all of the robot that `robot` gives when it is there.
         """
-        loop = asyncio.get_running_loop()
-        with self._lock:
-            is_newer = self._number > after
-            if is_newer and (self._is_still or time.monotonic() - self._at < FRESH):
-                frame = self._frame(robot())
-                if frame is not None:
-                    return frame
-            waiter = _Waiter(loop, loop.create_future(), robot)
-            self._waiting.append(waiter)
-            is_missed = self._bundle is not None and robot() not in self._bundle.robots
-            self._want(now=is_newer or is_missed or self._is_turned)
+        is_newer = self._number > after
+        if is_newer and (self._is_still or time.monotonic() - self._at < FRESH):
+            frame = self._frame(robot())
+            if frame is not None:
+                return frame
+        waiter = _Waiter(asyncio.get_running_loop().create_future(), robot)
+        self._waiting.append(waiter)
+        is_missed = self._bundle is not None and robot() not in self._bundle.robots
+        self._want(now=is_newer or is_missed or self._is_turned)
         try:
             return await waiter.frame
         finally:
-            with self._lock:
-                self._waiting = [one for one in self._waiting if one is not waiter]
+            self._waiting = [one for one in self._waiting if one is not waiter]
 
     def _want(self, *, now: bool) -> None:
         """Ask for the next bundle; `now` for one even where nothing has changed since the last."""
@@ -80,10 +74,9 @@ class Mailbox:
 
     def take(self, bundle: Bundle) -> None:
         """Take a bundle that came."""
-        with self._lock:
-            self._is_asked = self._is_still = self._is_turned = False
-            self._at = time.monotonic()
-            self._publish(bundle, None)
+        self._is_asked = self._is_still = self._is_turned = False
+        self._at = time.monotonic()
+        self._publish(bundle, None)
 
     def _publish(self, bundle: Bundle, flags: int | None) -> None:
         self._number += 1
@@ -93,8 +86,8 @@ class Mailbox:
             frame = self._frame(waiter.robot())
             if frame is None:  # who looks at another robot since it was asked for
                 still_waiting.append(waiter)
-            else:
-                _settle(waiter.loop, waiter.frame, frame)
+            elif not waiter.frame.done():
+                waiter.frame.set_result(frame)
         self._waiting = still_waiting
         if still_waiting:
             self._want(now=True)
@@ -105,41 +98,28 @@ class Mailbox:
 
     def turn(self) -> None:
         """Somebody looks at another robot: whoever waits, or asks next, is to see it even where nothing moves."""
-        with self._lock:
-            self._at = -math.inf
-            self._is_turned = True
-            if self._is_still and self._bundle is not None:
-                self._publish(self._bundle, self._flags)
-            elif self._waiting:
-                self._want(now=True)
+        self._at = -math.inf
+        self._is_turned = True
+        if self._is_still and self._bundle is not None:
+            self._publish(self._bundle, self._flags)
+        elif self._waiting:
+            self._want(now=True)
 
     def stand_still(self) -> None:
         """Show that no frame comes any more for the time being."""
-        with self._lock:
-            self._is_still = True
-            if self._bundle is not None:
-                flags = self._bundle.flags & ~FrameFlag.RUNNING
-                self._publish(self._bundle, flags | FrameFlag.HANG)
+        self._is_still = True
+        if self._bundle is not None:
+            flags = self._bundle.flags & ~FrameFlag.RUNNING
+            self._publish(self._bundle, flags | FrameFlag.HANG)
 
     def move_on(self) -> None:
         """Frames come again, maybe from another child: ask for one if anybody waits."""
-        with self._lock:
-            self._is_asked = self._is_still = False
-            self._at = -math.inf
-            if self._waiting:
-                self._want(now=True)
+        self._is_asked = self._is_still = False
+        self._at = -math.inf
+        if self._waiting:
+            self._want(now=True)
 
 
 class _Waiter(NamedTuple):
-    loop: asyncio.AbstractEventLoop
     frame: asyncio.Future[bytes]
     robot: Callable[[], int]
-
-
-def _settle(loop: asyncio.AbstractEventLoop, waiter: asyncio.Future[bytes], data: bytes) -> None:
-    def settle() -> None:
-        if not waiter.done():
-            waiter.set_result(data)
-
-    with contextlib.suppress(RuntimeError):  # the loop has ended
-        loop.call_soon_threadsafe(settle)

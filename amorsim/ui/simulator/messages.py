@@ -1,8 +1,7 @@
-"""What a window may send: each message's shape, and the limits of all that is in it.
+"""What a window of the Simulator may send: the shape of each command, and the limits of all that is in it.
 
-A message is text, a table as JSON: ``{"drawn": n}``, the number of the frame that it has drawn, or ``{"id": n, "do":
-NAME, ...}``, a command with the keys that `COMMANDS` gives it. A message that is anything else is answered with what is
-wrong with it. What commands are answered with, see `amorsim.ui.simulator.protocol`.
+A command is a message (see `amorsim.ui.serve.wire`) with the keys that `COMMANDS` gives it. What commands are answered
+with, see `amorsim.ui.simulator.protocol`.
 
 Angles are radians. Robots are named by name, or by their place in the scene's list; where a window names none, the one
 that it looks at is meant.
@@ -10,19 +9,16 @@ that it looks at is meant.
 
 from __future__ import annotations
 
-import json
-import reprlib
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, NoReturn
+from collections.abc import Mapping
+from typing import Any
 
 import attrs
 
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import did_you_mean
+from amorsim.ui.serve.wire import Kind, MessageError, shown, whole
 
-__all__ = ["COMMANDS", "LONGEST_MESSAGE", "Command", "MessageError", "check", "decode", "number_of"]
+__all__ = ["COMMANDS", "Command", "check"]
 
-LONGEST_MESSAGE = 64 * 1024  # [bytes]
-LARGEST_WHOLE = 2**53  # up to which a browser counts
 LARGEST = 1e300
 LONGEST_NAME = 200  # letters of a robot, a map, a window or a parameter's path
 LONGEST_PLACE = 520  # letters of a file or folder: five names of 100 (see `amorsim.ui.simulator.project`)
@@ -32,26 +28,8 @@ MOST_POINTS = 10_000
 MOST_STEPS = 1000
 
 
-class MessageError(AmorsimError):
-    """A message that no window of ours sends."""
-
-
-class Kind(NamedTuple):
-    """What a value may be, in words, and whether one is."""
-
-    expected: str
-    holds: Callable[[Any], bool]
-
-
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _whole(low: int, high: int = LARGEST_WHOLE) -> Kind:
-    def holds(value: Any) -> bool:
-        return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
-
-    return Kind(f"a whole number from {low} to {high}", holds)
 
 
 def _number(low: float = -LARGEST, high: float = LARGEST) -> Kind:
@@ -84,8 +62,8 @@ def _either(*kinds: Kind) -> Kind:
 _NAME = _text(LONGEST_NAME)
 _YES_OR_NO = Kind("true or false", lambda value: isinstance(value, bool))
 _NOTHING = Kind("null", lambda value: value is None)
-_ROBOT = _either(_NAME, _whole(0, MOST_ROBOTS))
-_TICK = _whole(0)
+_ROBOT = _either(_NAME, whole(0, MOST_ROBOTS))
+_TICK = whole(0)
 _SPEED = _number(-1e6, 1e6)
 _OF_ROBOT = {"robot": _ROBOT}
 
@@ -115,8 +93,8 @@ COMMANDS: Mapping[str, Command] = {
     "state": Command(asks=True),
     "scene": Command(asks=True),
     "parameters": Command(may=_OF_ROBOT, asks=True),
-    "history": Command(may={**_OF_ROBOT, "max_points": _whole(1, MOST_POINTS)}, asks=True),
-    "events": Command(may={"after": _whole(0)}, asks=True),
+    "history": Command(may={**_OF_ROBOT, "max_points": whole(1, MOST_POINTS)}, asks=True),
+    "events": Command(may={"after": whole(0)}, asks=True),
     "image": Command(needs={"name": _NAME}, asks=True),
     "folder": Command(asks=True),
     # Of this window alone.
@@ -125,7 +103,7 @@ COMMANDS: Mapping[str, Command] = {
     # Time. `speed` without a factor is as fast as possible, `scrub` without a tick leads to the newest.
     "run": Command(controls=True),
     "pause": Command(controls=True),
-    "step": Command(may={"steps": _whole(0, MOST_STEPS)}, controls=True),
+    "step": Command(may={"steps": whole(0, MOST_STEPS)}, controls=True),
     "speed": Command(may={"factor": _either(_number(0.001, 1e6), _NOTHING)}, controls=True),
     "reset": Command(controls=True),
     "scrub": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
@@ -148,41 +126,6 @@ COMMANDS: Mapping[str, Command] = {
     "restart": Command(may={"without": _either(_list_of(_NAME, MOST_ROBOTS), _NOTHING)}, controls=True),
 }
 
-_DRAWN = _whole(0)
-_ID = _whole(0)
-
-
-def _no_number(word: str) -> NoReturn:
-    raise ValueError(word)
-
-
-def decode(text: str | None) -> dict[str, Any]:
-    """The message that a text is, as far as it is a command, or says what is drawn; None is what is no text.
-
-    Raises
-    ------
-    MessageError
-        If it is neither; `check` looks at the rest of a command.
-    """
-    try:
-        message = None if text is None else json.loads(text, parse_constant=_no_number)
-    except (ValueError, RecursionError):  # too many digits are a ValueError
-        message = None
-    if not isinstance(message, dict):
-        raise MessageError("expected a message as text, a table as JSON")
-    if "drawn" in message:
-        if not _DRAWN.holds(message["drawn"]):
-            raise MessageError(f"drawn: expected {_DRAWN.expected}, got {_shown(message['drawn'])}")
-    elif not isinstance(message.get("do"), str):
-        raise MessageError(f"do: expected the name of a command, got {_shown(message.get('do'))}")
-    return message
-
-
-def number_of(message: Mapping[str, Any]) -> int | None:
-    """The number that the answer to a command is to have; None where it has none that is one."""
-    number = message.get("id")
-    return number if _ID.holds(number) else None
-
 
 def check(command: Mapping[str, Any]) -> Command:
     """The shape of a command, which it has.
@@ -195,21 +138,16 @@ def check(command: Mapping[str, Any]) -> Command:
     name = command.get("do")
     found = COMMANDS.get(name) if isinstance(name, str) else None
     if found is None:
-        raise MessageError(f"there is no command {_shown(name)}.{did_you_mean(str(name)[:LONGEST_NAME], COMMANDS)}")
+        raise MessageError(f"there is no command {shown(name)}.{did_you_mean(str(name)[:LONGEST_NAME], COMMANDS)}")
     known = {**found.needs, **found.may}
     for key, value in command.items():
         if key in ("do", "id"):
             continue
         if key not in known:
-            raise MessageError(f"{name} takes no {_shown(key)}.{did_you_mean(key[:LONGEST_NAME], known)}")
+            raise MessageError(f"{name} takes no {shown(key)}.{did_you_mean(key[:LONGEST_NAME], known)}")
         if not known[key].holds(value):
-            raise MessageError(f"{name}: {key}: expected {known[key].expected}, got {_shown(value)}")
+            raise MessageError(f"{name}: {key}: expected {known[key].expected}, got {shown(value)}")
     for key, kind in found.needs.items():
         if key not in command:
             raise MessageError(f"{name}: {key}: expected {kind.expected}, got nothing")
     return found
-
-
-def _shown(value: Any) -> str:
-    """A value in an error's text, short however long or deep it is."""
-    return reprlib.repr(value)

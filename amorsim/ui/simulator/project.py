@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import json
 import re
@@ -66,11 +67,10 @@ class Saver:
         self._project = project
         self._recipe = recipe
         self._running: set[subprocess.Popen[str]] = set()
-        self._lock = threading.Lock()
         self._is_closed = False
 
-    def save(self, job: Mapping[str, Any], name: Any, scenario: str) -> dict[str, Any]:
-        """Let a process simulate the same again and write it down; waits for it.
+    async def save(self, job: Mapping[str, Any], name: Any, scenario: str) -> dict[str, Any]:
+        """Let a process simulate the same again and write it down.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class Saver:
         """
         folder = new_folder(scenario, self._project) if name is None else place_for(self._project, name)
         order = {"recipe": self._recipe.to_json(), "inputs": job["inputs"], "tick": job["tick"], "folder": str(folder)}
-        out, log = self._run(json.dumps(order) + "\n")
+        out, log = await self._run(json.dumps(order) + "\n")
         try:
             answer = json.loads(out.splitlines()[-1])
         except (IndexError, ValueError):
@@ -96,44 +96,48 @@ class Saver:
         same = None if job["digest"] is None else answer["digest"] == job["digest"]
         return {"ok": True, "folder": str(folder), "same": same}
 
-    def _run(self, order: str) -> tuple[str, str]:
-        with self._lock:
-            if self._is_closed:
-                raise AmorsimError("the simulation has ended")
-            process = subprocess.Popen(
-                python_for("amorsim.ui.simulator.saving"),
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                text=True,
-                start_new_session=True,
-            )
-            self._running.add(process)
-        assert process.stdin is not None
-        assert process.stdout is not None
-        assert process.stderr is not None
-        log: list[str] = []
-        reader = threading.Thread(target=lambda: log.extend(process.stderr or ()), daemon=True)
-        reader.start()
-        with contextlib.suppress(OSError, ValueError):
-            # It stays open: its end is what tells the process to end too.
-            process.stdin.write(order)
-            process.stdin.flush()
-        out = process.stdout.read()
-        process.wait()
-        reader.join()
-        with self._lock:
+    async def _run(self, order: str) -> tuple[str, str]:
+        if self._is_closed:
+            raise AmorsimError("the simulation has ended")
+        process = subprocess.Popen(
+            python_for("amorsim.ui.simulator.saving"),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        self._running.add(process)
+        try:
+            return await asyncio.to_thread(_talk, process, order)
+        finally:
             self._running.discard(process)
-        for pipe in (process.stdin, process.stdout, process.stderr):
-            with contextlib.suppress(OSError):
-                pipe.close()
-        return out, "".join(log)
 
     def close(self) -> None:
         """Break off what is being saved; its files are whole up to there."""
-        with self._lock:
-            self._is_closed = True
-            for process in self._running:
-                with contextlib.suppress(OSError):
-                    if process.stdin is not None:
-                        process.stdin.close()
+        self._is_closed = True
+        for process in self._running:
+            with contextlib.suppress(OSError):
+                if process.stdin is not None:
+                    process.stdin.close()
+
+
+def _talk(process: subprocess.Popen[str], order: str) -> tuple[str, str]:
+    """Give a process an order; what it says until its end, and its log."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    assert process.stderr is not None
+    log: list[str] = []
+    reader = threading.Thread(target=lambda: log.extend(process.stderr or ()), daemon=True)
+    reader.start()
+    with contextlib.suppress(OSError, ValueError):
+        # It stays open: its end is what tells the process to end too.
+        process.stdin.write(order)
+        process.stdin.flush()
+    out = process.stdout.read()
+    process.wait()
+    reader.join()
+    for pipe in (process.stdin, process.stdout, process.stderr):
+        with contextlib.suppress(OSError):
+            pipe.close()
+    return out, "".join(log)

@@ -42,7 +42,7 @@ def test_where_it_cannot_be_written_the_user_is_told_what_to_do(folder: Path, mo
 def test_a_browser_gets_in_by_it_once(browser: Any, started: Server) -> None:
     page = OpeningPage(started.address)
     window = Window(new_user(browser).new_page()).open(page.path.as_uri())
-    assert window.page.url == f"http://{started.address.split('/')[2]}/"
+    assert window.page.url == f"http://{started.address.split('/')[2]}/run/room"
     window.page.context.close()
     other = new_user(browser).new_page()
     other.goto(page.path.as_uri())

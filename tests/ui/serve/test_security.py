@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import json
 import os
 import socket
 import subprocess
@@ -23,8 +24,8 @@ from amorsim.ui.serve.security import Door, Guard
 from amorsim.ui.serve.server import listen
 from tests.ui.aside import aside
 
-PATHS = ["/", "/amorsim/web/simulator/simulator.js", "/amorsim/web/shared/icon.svg", "/favicon.ico", "/nothing"]
-SOCKETS = ["/amorsim/socket"]
+PATHS = ["/run/one", "/run/two", "/amorsim/web/simulator/simulator.js", "/", "/favicon.ico", "/nothing"]
+SOCKETS = ["/amorsim/socket/run/one", "/amorsim/socket/run/two"]
 
 
 class Answer(NamedTuple):
@@ -131,7 +132,7 @@ def test_the_token_opens_the_page_alone(stranger: Server) -> None:
 
 def test_a_token_works_once(stranger: Server, user: Server) -> None:
     token = stranger.new_token()
-    assert user.ask(f"/?token={token}").status == 200  # who is in already does not spend it
+    assert user.ask(f"/?token={token}").status == 307  # who is in already does not spend it
     assert stranger.ask(f"/?token={token}").status == 200
     again = stranger.ask(f"/?token={token}")
     assert again.status == 401
@@ -139,7 +140,7 @@ def test_a_token_works_once(stranger: Server, user: Server) -> None:
     assert b"each works once" in again.body
     # A link in a page, where it was used already.
     assert stranger.ask(f"/?token={token}", Sec_Fetch_Dest="document", Sec_Fetch_Site="cross-site").status == 403
-    assert user.ask(f"/?token={token}").status == 200  # the page is loaded again
+    assert user.ask(f"/?token={token}").status == 307  # the page is loaded again
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -148,7 +149,7 @@ def test_without_the_cookie_no_path_answers(stranger: Server, path: str) -> None
     assert stranger.ask(path, Cookie=f"amorsim-{stranger.port}=guessed").status == 401
 
 
-@pytest.mark.parametrize("path", PATHS[:-2])
+@pytest.mark.parametrize("path", PATHS[:3])
 def test_with_the_cookie_they_do(user: Server, path: str) -> None:
     answer = user.ask(path)
     assert answer.status == 200
@@ -195,6 +196,33 @@ def test_sockets_want_origin_host_and_cookie(stranger: Server, user: Server, pat
     assert user.shake(path, Host="evil.example", Origin="http://evil.example") == 403
 
 
+def test_pages_are_found_by_their_names_and_the_first_where_none_is_named(user: Server) -> None:
+    first = user.ask("/")
+    assert (first.status, first.headers["location"]) == (307, "/run/one")
+    for path in ("/run", "/run/", "/run/three", "/edit/one", "/amorsim/web", "/run/one/", "/run/..%2Fone"):
+        assert user.ask(path).status in (307, 404), path
+    for path in ("/amorsim/socket", "/amorsim/socket/run/three", "/amorsim/socket/edit/one"):
+        assert user.shake(path) == 403
+
+
+def test_each_page_talks_with_its_own_session(user: Server) -> None:
+    from websockets.sync.client import connect
+
+    def talk(name: str) -> Any:
+        address = f"ws://{user.own}/amorsim/socket/run/{name}"
+        return connect(address, additional_headers={"Cookie": user.cookie}, origin=f"http://{user.own}")  # type: ignore[arg-type]
+
+    def window(socket: Any) -> str:
+        return str(json.loads(socket.recv(30.0))["window"])
+
+    with talk("one") as first, talk("one") as second, talk("two") as other:
+        assert [window(socket) for socket in (first, second, other)] == ["window-1", "window-2", "window-1"]
+        other.send(json.dumps({"id": 5, "do": "state"}))
+        while isinstance(said := other.recv(30.0), bytes):  # a frame
+            pass
+        assert json.loads(said) == {"answer": 5, "said": {"ok": True, "window": "window-1", "said": "state"}}
+
+
 def test_what_changes_things_wants_an_origin(user: Server) -> None:
     assert user.ask("/amorsim/gif", "POST", Content_Length="0").status == 403
     assert user.ask("/amorsim/gif?every=100", "POST", Content_Length="0", Origin=f"http://{user.own}").status == 400
@@ -213,7 +241,7 @@ def test_no_path_leads_out_of_the_scripts_folder(user: Server, path: str) -> Non
 
 
 def test_the_policy_allows_scripts_and_styles_from_files_of_ours_alone(stranger: Server, user: Server) -> None:
-    for answer in (user.ask("/"), user.ask("/nothing"), stranger.ask("/")):
+    for answer in (user.ask("/run/one"), user.ask("/nothing"), stranger.ask("/")):
         parts = answer.headers["content-security-policy"].split("; ")
         policy = {name: sources for name, _, sources in (part.partition(" ") for part in parts)}
         assert policy["default-src"] == "'none'"
@@ -288,7 +316,7 @@ def test_a_refused_connection_is_closed(stranger: Server, more: str) -> None:
         assert data.startswith(b"HTTP/1.1 401 ")
     key = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: " + "A" * 22
     with socket.create_connection((stranger.host, stranger.port), timeout=30.0) as line:
-        line.sendall(f"GET /amorsim/socket HTTP/1.1\r\nHost: {stranger.own}\r\n{key}==\r\n\r\n".encode())
+        line.sendall(f"GET /amorsim/socket/run/one HTTP/1.1\r\nHost: {stranger.own}\r\n{key}==\r\n\r\n".encode())
         while line.recv(65536):
             pass
 

@@ -55,7 +55,7 @@ def test_the_user_is_told_while_kernels_are_compiled(
     assert told["holder"] == window
     assert noticed == [COMPILING]
     # A page that is loaded meanwhile gets its scene.
-    assert session._hang is None
+    assert session.hang is None
     Path("compiling").unlink()
     until(lambda: state(session, window)["status"] == "ended")
     assert noticed == [COMPILING]

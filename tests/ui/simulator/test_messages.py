@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.ui.simulator.messages import COMMANDS, LONGEST_MESSAGE, MessageError, check, decode, number_of
+from amorsim.ui.serve.wire import LONGEST_MESSAGE, MessageError, decode, number_of
+from amorsim.ui.simulator.messages import COMMANDS, check
 from amorsim.ui.simulator.project import place_for
 
 WEB = Path(__file__).parents[3] / "amorsim" / "ui" / "web"

@@ -15,6 +15,7 @@ from amorsim.ui.simulator.messages import COMMANDS, check
 from amorsim.ui.simulator.project import Saver, place_for
 from amorsim.ui.simulator.recipe import Recipe
 from tests import building
+from tests.ui.aside import aside
 from tests.ui.sessions import Make, write_project
 
 
@@ -90,11 +91,11 @@ def test_a_run_that_cannot_be_written_says_why(project: Path, tmp_path: Path) ->
     job = {"inputs": [], "tick": 1, "digest": None}
     for name, says in (("taken", "taken"), ("taken/new", "taken/new: cannot make this folder")):
         with pytest.raises(AmorsimError, match=says) as caught:
-            saver.save(job, name, "scenario")
+            aside(saver.save(job, name, "scenario"))
         assert "Traceback" not in str(caught.value)
     (project / "amorsim-runs").touch()
     with pytest.raises(AmorsimError, match="is in the way"):
-        saver.save(job, None, "scenario")
+        aside(saver.save(job, None, "scenario"))
 
 
 def test_a_scenario_that_cannot_be_written_says_why(start: Make, tmp_path: Path) -> None:

@@ -18,12 +18,12 @@ from amorsim.ui.simulator.packing import Dynamic, FrameFlag, RobotFlag, unpack_f
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.session import Session
 from tests.ui.aside import aside
-from tests.ui.sessions import Make, in_time, write_project
+from tests.ui.sessions import Driven, Make, in_time, write_project
 
 PATIENCE = 1.0
 
 
-def done(session: Session, do: str, **keys: Any) -> dict[str, Any]:
+def done(session: Driven, do: str, **keys: Any) -> dict[str, Any]:
     answer = session.request({"do": do, **keys})
     assert answer["ok"], answer
     return answer
@@ -37,11 +37,11 @@ def until(what: Any, timeout: float = 60.0) -> Any:
     return found
 
 
-def frame(session: Session, after: int = -1, window: str = "") -> Dynamic:
+def frame(session: Driven, after: int = -1, window: str = "") -> Dynamic:
     return unpack_frame(aside(asyncio.wait_for(session.newest_frame(after, window), 60.0)))
 
 
-def state(session: Session, window: str) -> dict[str, Any]:
+def state(session: Driven, window: str) -> dict[str, Any]:
     return aside(session.ask(window, {"do": "state"}))
 
 
@@ -133,7 +133,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     outcome = am.reproduce(answer["folder"])
     assert (outcome.is_exact, outcome.steps) == (True, newest + 15), str(outcome)
 
-    pid = session._link.pid  # type: ignore[union-attr]
+    pid = session.link.pid
     began = time.monotonic()
     session.close()
     assert time.monotonic() - began < in_time()
@@ -234,7 +234,7 @@ def test_each_window_looks_at_its_own_robot(start: Make) -> None:
     assert frame(session, window=first).selected_robot == 1
     # A window that goes is not looked for.
     session.close_window(second)
-    assert session._looks.robots == [1]
+    assert session.session._looks.robots == [1]
 
 
 def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) -> None:
@@ -250,7 +250,7 @@ def test_nobody_waits_for_a_window_and_none_leaves_anything_behind(start: Make) 
                 await waiting
 
     aside(impatient())
-    assert session._mailbox.waiting == 0
+    until(lambda: session.session._mailbox.waiting == 0)
     # A loop that has gone takes no frame with it.
     with pytest.raises(asyncio.TimeoutError):
         aside(asyncio.wait_for(session.newest_frame(number), 0.01))
@@ -322,8 +322,7 @@ def test_another_child_goes_on_from_the_last_snapshot_where_that_can_be_carried(
     done(session, "speed", factor=1.6)
     done(session, "run")  # it gets to tick 40 after 2.3 s at the least, and a snapshot is taken after two
     until(lambda: state(session, window)["status"] == "gone")
-    link = session._link
-    assert link is not None
+    link = session.link
     assert (link.carried is not None) == (controller == "Exiting")
     done(session, "restart", without=["rover"])
     remark = next(one for one in done(session, "events")["events"] if one["kind"] == "restarted")
@@ -344,25 +343,15 @@ def test_another_child_goes_on_from_the_last_snapshot_where_that_can_be_carried(
     assert answer["same"] is True  # as the same led from the start
     # What is given up is not gone on from.
     if controller == "Exiting":
-        assert session._link is not None
-        assert session._link.carried is not None
+        assert session.link.carried is not None
         done(session, "reset")
-        assert session._link.carried is None
+        assert session.link.carried is None
 
 
-def test_each_state_has_a_status_while_the_child_goes(start: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_state_has_a_status_while_the_child_goes(start: Make) -> None:
     session = start()
     window = session.open_window()
-    ended = session._ended
-
-    def late(link: Any) -> None:
-        if threading.current_thread().name == "amorsim-link":
-            time.sleep(0.3)
-        ended(link)
-
-    assert session._link is not None
-    monkeypatch.setattr(session._link, "_on_end", late)
-    os.kill(session._link.pid, signal.SIGKILL)
+    os.kill(session.link.pid, signal.SIGKILL)
     statuses = []
     until(lambda: statuses.append(state(session, window)["status"]) or statuses[-1] == "gone")
     assert set(statuses) <= {"paused", "gone"}
@@ -382,7 +371,7 @@ def test_what_a_controller_prints_goes_to_the_log(
 def test_faults_of_a_scenario_are_told_as_run_tells_them(tmp_path: Path) -> None:
     path = write_project(tmp_path)
     with pytest.raises(am.AmorsimError, match="there is no such key, but") as told:
-        Session(Recipe(name=str(path), changes=["robots.0.nme=3"])).start()
+        asyncio.run(Session(Recipe(name=str(path), changes=["robots.0.nme=3"])).start())
     with pytest.raises(am.ScenarioError) as directly:
         am.load(path, ["robots.0.nme=3"])
     assert str(told.value) == str(directly.value)
@@ -410,17 +399,19 @@ def test_a_child_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
 
     path = write_project(tmp_path)
     script = (
-        "import sys, time\n"
+        "import asyncio\n"
         "from pathlib import Path\n"
         "from amorsim.ui.simulator.recipe import Recipe\n"
         "from amorsim.ui.simulator.session import Session\n"
-        f"session = Session(Recipe(name={str(path)!r}), out=Path({str(tmp_path / 'out')!r}))\n"
-        "session.start()\n"
-        "session.request({'do': 'speed', 'factor': 5.0})\n"
-        "session.request({'do': 'run'})\n"
-        "while session._link.tick < 5: time.sleep(0.05)\n"
-        "print(session._link.pid, flush=True)\n"
-        "time.sleep(60)\n"
+        "async def main():\n"
+        f"    session = Session(Recipe(name={str(path)!r}), out=Path({str(tmp_path / 'out')!r}))\n"
+        "    await session.start()\n"
+        "    await session.request({'do': 'speed', 'factor': 5.0})\n"
+        "    await session.request({'do': 'run'})\n"
+        "    while session._keeper.link.tick < 5: await asyncio.sleep(0.05)\n"
+        "    print(session._keeper.link.pid, flush=True)\n"
+        "    await asyncio.sleep(60)\n"
+        "asyncio.run(main())\n"
     )
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None
@@ -439,7 +430,7 @@ def test_it_ends_in_time_with_whole_files_while_a_controller_does_not_return(sta
     session = start("own.py:Endless", out=tmp_path / "out")
     done(session, "speed", factor=None)
     done(session, "run")
-    until(lambda: session._link.tick == 40)  # type: ignore[union-attr]
+    until(lambda: session.link.tick == 40)
     began = time.monotonic()
     session.close()
     assert time.monotonic() - began < in_time()
@@ -470,10 +461,9 @@ def test_a_run_that_is_being_saved_is_broken_off_with_the_rest(start: Make, tmp_
 
 def test_a_child_that_is_told_nonsense_ends_and_is_no_orphan(start: Make) -> None:
     session = start()
-    link = session._link
-    assert link is not None
+    link = session.link
     link.tell({"do": "ping"})  # without a number to answer under
     until(lambda: not is_running(link.pid))
-    until(lambda: session._hang is not None)
+    until(lambda: session.hang is not None)
     assert done(session, "restart")["again"]
     done(session, "step")

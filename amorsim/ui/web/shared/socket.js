@@ -24,7 +24,7 @@ export class Connection {
 
   connect() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket?tab=${this.tab}`);
+    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket${location.pathname}?tab=${this.tab}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.delay = 300;

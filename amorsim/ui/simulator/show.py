@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import gc
 import importlib.util
@@ -59,12 +60,13 @@ def show(
     say, complain
         Told the addresses and where results lie, and what the user should know before.
     """
+    from amorsim.ui.serve.pages import Pages
     from amorsim.ui.serve.server import serve
     from amorsim.ui.simulator.session import Session
 
     session = Session(recipe, out=out, notice=notice)
-    told = threading.Lock()  # the last word, once
-    pages: list[OpeningPage] = []
+    told = threading.Lock()  # the last word, once: here, or by the timer that waits for nothing
+    opening: list[OpeningPage] = []
 
     def tell() -> None:
         if told.acquire(blocking=False) and session.folder:
@@ -75,16 +77,16 @@ def show(
         sys.stdout.flush()
         os._exit(0)
 
-    def end() -> None:
-        session.close()
-        forget_pages()
+    async def end() -> None:
+        await session.close()
+        forget_opening()
         # The files are whole. What the server still does (a GIF that is being made) shall not hold up the end.
         rest = threading.Timer(LONGEST_REST, leave)
         rest.daemon = True
         rest.start()
 
-    def forget_pages() -> None:
-        for page in pages:
+    def forget_opening() -> None:
+        for page in opening:
             page.remove()
 
     def ready(door: Door) -> None:
@@ -96,28 +98,31 @@ def show(
         say(door.new_address(used=lambda: invite(door)))
         if browser:
             try:
-                pages.append(OpeningPage(door.new_address(used=forget_pages)))
+                opening.append(OpeningPage(door.new_address(used=forget_opening)))
             except AmorsimError as error:
                 complain(str(error))
             else:
-                pages[-1].open()
+                opening[-1].open()
 
     def invite(door: Door) -> None:
         """Say where another browser gets in, once the address that was said last has been used."""
         with contextlib.suppress(OSError):  # nobody reads what is said any more
             say(f"for another browser: {door.new_address(used=lambda: invite(door))}")
 
-    try:
-        session.start()
-        for remark in session.remarks:
-            complain(remark)
-        with contextlib.suppress(KeyboardInterrupt):
-            serve(session, host=host, port=port, ready=ready, ending=end)
-    finally:
-        session.close()
-        forget_pages()
-        # Python's last look for what nobody uses takes a second with all that numba holds.
-        gc.freeze()
+    with asyncio.Runner() as runner:
+        try:
+            runner.run(session.start())
+            for remark in session.remarks:
+                complain(remark)
+            pages = Pages()
+            pages.add("run", Path(recipe.name).stem, session)
+            with contextlib.suppress(KeyboardInterrupt):
+                runner.run(serve(pages, host=host, port=port, ready=ready, ending=end))
+        finally:
+            runner.run(session.close())
+            forget_opening()
+            # Python's last look for what nobody uses takes a second with all that numba holds.
+            gc.freeze()
     tell()
 
 
