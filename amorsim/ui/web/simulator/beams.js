@@ -24,7 +24,7 @@ export function eachBeam(sensor, pose, values, visit) {
 function drawCones({ context, camera, theme, kind }, sensor, pose, values) {
   const half = sensor.half_angle;
   context.beginPath();
-  eachBeam(sensor, pose, values, (i, x, y, angle, range) => {
+  eachBeam(sensor, pose, values, (_i, x, y, angle, range) => {
     context.moveTo(x, y);
     context.arc(x, y, range, angle - half, angle + half);
     context.closePath();
@@ -34,7 +34,7 @@ function drawCones({ context, camera, theme, kind }, sensor, pose, values) {
   context.fill("nonzero");
   context.globalAlpha = 1;
   context.beginPath();
-  eachBeam(sensor, pose, values, (i, x, y, angle, range, met) => {
+  eachBeam(sensor, pose, values, (_i, x, y, angle, range, met) => {
     if (!met) return;
     context.moveTo(x + range * Math.cos(angle - half), y + range * Math.sin(angle - half));
     context.arc(x, y, range, angle - half, angle + half);
@@ -49,7 +49,7 @@ function drawScan({ context, camera, theme, kind }, sensor, pose, values) {
   const isWide = values.length > 1;
   context.beginPath();
   let begun = false;
-  eachBeam(sensor, pose, values, (i, x, y, angle, range) => {
+  eachBeam(sensor, pose, values, (_i, x, y, angle, range) => {
     if (!begun || !isWide) context.moveTo(x, y);
     begun = true;
     context.lineTo(x + range * Math.cos(angle), y + range * Math.sin(angle));
@@ -65,7 +65,7 @@ function drawScan({ context, camera, theme, kind }, sensor, pose, values) {
   }
   // Ends as small squares: for the measured ones apart, which tells them from the solid line of the true ones.
   context.beginPath();
-  eachBeam(sensor, pose, values, (i, x, y, angle, range, met) => {
+  eachBeam(sensor, pose, values, (_i, x, y, angle, range, met) => {
     if (!met) return;
     const u = x + range * Math.cos(angle);
     const v = y + range * Math.sin(angle);

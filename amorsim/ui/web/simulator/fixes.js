@@ -34,7 +34,7 @@ function drawContacts({ context, camera, theme, kind }, sensor, pose, values) {
   context.globalAlpha = 1;
 }
 
-function nearContact(sensor, pose, values, x, y, reach) {
+function nearContact(sensor, pose, _values, x, y, reach) {
   let best = null;
   eachLine(sensor, pose, (i, x0, y0, x1, y1) => {
     const gap = gapToLine(x, y, x0, y0, x1, y1);
@@ -87,7 +87,7 @@ function drawFix({ context, camera, theme, kind }, sensor, pose, values) {
   context.setLineDash([]);
 }
 
-function nearFix(sensor, pose, values, x, y, reach) {
+function nearFix(sensor, _pose, values, x, y, reach) {
   const fix = fixOf(sensor, values);
   if (!fix) return null;
   const gap = Math.hypot(fix[0] - x, fix[1] - y);

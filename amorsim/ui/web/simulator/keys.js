@@ -42,7 +42,7 @@ export function listenToKeys(simulator) {
     p: () => simulator.nextRobot(-1),
     l: () => simulator.toggleTheme(),
     "?": showKeys,
-    Escape: () => (simulator.parts.card.hidden = true),
+    Escape: () => stage.selection.clear(),
   };
   const shifted = {
     ArrowLeft: () => pan(60, 0),
@@ -52,7 +52,7 @@ export function listenToKeys(simulator) {
   };
   window.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
-    const target = event.target;
+    const target = /** @type {HTMLInputElement} */ (event.target);
     if (takesKeys(target)) {
       // What is typed the form looks after; a slider or a list gives the keyboard back itself.
       const isDone = ["Enter", "Escape"].includes(event.key) && target.type !== "text" && !target.closest("dialog");

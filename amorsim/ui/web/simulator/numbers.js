@@ -22,6 +22,7 @@ export class Numbers {
     plotHead.append(this.select, this.mode);
     this.quantities = [];
     this.series = new Map();
+    this.changed = () => {}; // called when something else is to be drawn
   }
 
   /** Another robot: its quantities, and nothing recorded of them yet. */
@@ -49,14 +50,14 @@ export class Numbers {
     this.select.value = key;
     for (const { quantity, row } of this.rows ?? []) row.classList.toggle("chosen", quantity.key === key);
     this.describe();
-    this.redraw?.();
+    this.changed();
   }
 
   setMode(mode) {
     this.mode.value = mode;
     this.showsDifference = mode === "difference";
     this.describe();
-    this.redraw?.();
+    this.changed();
   }
 
   describe() {

@@ -76,14 +76,14 @@ function drawSticks({ context, camera, theme, kind }, sensor, pose, values) {
   context.lineWidth = 1.6 / camera.scale;
   context.setLineDash(DASHES[kind].map((d) => d / camera.scale));
   context.beginPath();
-  eachStick(sensor, pose, values, camera.scale, (i, x0, y0, x1, y1) => {
+  eachStick(sensor, pose, values, camera.scale, (_i, x0, y0, x1, y1) => {
     context.moveTo(x0, y0);
     context.lineTo(x1, y1);
   });
   context.stroke();
   context.setLineDash([]);
   context.beginPath();
-  eachStick(sensor, pose, values, camera.scale, (i, x0, y0, x1, y1) => {
+  eachStick(sensor, pose, values, camera.scale, (_i, _x0, _y0, x1, y1) => {
     context.moveTo(x1 + dot, y1);
     context.arc(x1, y1, dot, 0, 2 * Math.PI);
   });

@@ -9,7 +9,6 @@ import { Form } from "../shared/forms.js";
 import { listenToKeys } from "./keys.js";
 import { build } from "./layout.js";
 import { Numbers } from "./numbers.js";
-import { pick } from "./pick.js";
 import { FLAG, ROBOT, readFrame, readScene } from "./protocol.js";
 import { isDrawn } from "./readings.js";
 import { Connection } from "../shared/socket.js";
@@ -27,7 +26,7 @@ export class Simulator {
     this.toggleTheme = startTheme(root);
     const ask = (command) => this.ask(command);
     this.stage = new Stage(root, {
-      pick: (...where) => this.pick(...where),
+      picked: (pane, place) => this.picked(pane, place),
       option: (name, value) => this.showOption(name, value),
       drawn: (...what) => this.drawn(...what),
     });
@@ -40,12 +39,13 @@ export class Simulator {
     this.parts = build(this);
     root.replaceChildren(this.parts.element);
     this.numbers = new Numbers(this.parts.table, this.parts.plotHead, this.parts.plot);
-    this.numbers.redraw = () => this.drawNumbers();
+    this.numbers.changed = () => this.drawNumbers();
     this.events = new Events(this.parts.events, {
       go: (event) => this.go(event),
       back: () => this.ask({ do: "go_back" }),
       stack: (event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
     });
+    this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
     this.warnings = new Warnings(this.parts.banner, ask);
     this.timings = { draws: [], intervals: [] };
     this.listen();
@@ -145,13 +145,11 @@ export class Simulator {
     const ranges = this.robot.sensors.filter(isDrawn);
     this.parts.sensors.replaceChildren(
       ...ranges.map((sensor) => {
-        const button = h("button", { class: "tool", "aria-pressed": String(this.stage.truth.shows(sensor.name)) }, sensor.name);
+        const button = h("button", { class: "tool", "aria-pressed": String(!this.stage.hidden.has(sensor.name)) }, sensor.name);
         button.addEventListener("click", () => {
-          const shows = !this.stage.truth.shows(sensor.name);
-          for (const layer of [this.stage.truth, this.stage.belief]) {
-            if (shows) layer.hidden.delete(sensor.name);
-            else layer.hidden.add(sensor.name);
-          }
+          const { hidden } = this.stage;
+          const shows = hidden.delete(sensor.name);
+          if (!shows) hidden.add(sensor.name);
           button.setAttribute("aria-pressed", String(shows));
           this.stage.redraw();
         });
@@ -233,16 +231,15 @@ export class Simulator {
     if (this.newest.tick !== event.tick) await this.ask({ do: "scrub", tick: event.tick });
   }
 
-  pick(pane, x, y, left, top) {
-    const { scene, frame, camera } = this.stage;
-    const found = scene && frame ? pick(scene, frame, [...pane.layers].reverse(), camera, x, y, this.stage.trueSensors) : null;
-    this.parts.card.hidden = !found;
+  /** Something was pointed at, or nothing: tell what it is, and turn to a robot. */
+  picked(pane, { left, top }) {
+    const found = this.stage.selection.only;
     if (!found) return;
     this.parts.card.replaceChildren(h("strong", {}, found.title), ...found.lines.map((line) => h("div", {}, line)));
     const box = pane.canvas.getBoundingClientRect();
     this.parts.card.style.left = `${Math.min(box.left + left + 14, innerWidth - 330)}px`;
     this.parts.card.style.top = `${Math.min(box.top + top + 14, innerHeight - 150)}px`;
-    if (found.kind === "robot" && found.robot !== this.selected) this.ask({ do: "select", robot: found.robot });
+    if (found.robot !== undefined && found.robot !== this.selected) this.ask({ do: "select", robot: found.robot });
   }
 
   nextRobot(step) {
@@ -391,5 +388,5 @@ export class Simulator {
   }
 }
 
-const root = document.querySelector(".amorsim");
+const root = /** @type {HTMLElement & {simulator?: Simulator}} */ (document.querySelector(".amorsim"));
 root.simulator = new Simulator(root);

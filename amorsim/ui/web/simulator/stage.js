@@ -1,75 +1,114 @@
-// The panes with what they share: camera, scene, newest frame, trails, colours. Draws when something changed, not more.
+// The Simulator's canvases with what they share: camera, scene, newest frame, trails, colours. Draws when something changed.
 
 import { Camera } from "../shared/camera.js";
-import { tinted, wallPath } from "../shared/marks.js";
-import { Layer, Pane } from "./pane.js";
+import { Canvas } from "../shared/canvas.js";
+import { h } from "../shared/dom.js";
+import { GridLayer } from "../shared/ground.js";
+import { Selection } from "../shared/selection.js";
 import { readTheme } from "../shared/theme.js";
+import { Hand } from "../shared/tool.js";
+import { BodiesLayer, KnownLayer, MarkLayer, NamesLayer, RobotLayer, SelectionLayer, WorldLayer } from "./layers.js";
+import { Picker } from "./pick.js";
+import { Pictures } from "./pictures.js";
 import { Trail } from "./trail.js";
 
+const HELP = "Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.";
+
+/** A canvas with what is said on it. */
+class Pane extends Canvas {
+  /** @param {ConstructorParameters<typeof Canvas>[0]} what */
+  constructor(what) {
+    super({ ...what, label: `${what.label}. ${HELP}` });
+    this.note = h("output", { class: "note", "aria-hidden": "true" }); // what the table tells, too
+    this.lack = h("p", { class: "lack", role: "status" }); // why there is less to see than one might expect
+    this.element.append(this.lack, this.note);
+    /** @type {import("./layers.js").View[]} */
+    this.views = []; // what is pointed at first comes first
+  }
+}
+
 export class Stage {
-  /** @param on `{pick(thing-finder arguments), drawn(frame, milliseconds), follow(isFollowing)}` */
+  /**
+   * @param {HTMLElement} root
+   * @param {{
+   *   picked: (pane: Pane, place: import("../shared/tool.js").Place) => void,
+   *   option: (name: string, value: boolean) => void,
+   *   drawn: (frame: object | undefined, isNew: boolean, now: number, began: number) => void,
+   * }} on
+   */
   constructor(root, on) {
     this.root = root;
     this.on = on;
     this.camera = new Camera();
     this.camera.changed = () => this.redraw();
-    this.truth = new Layer("true");
-    this.belief = new Layer("estimated");
-    const handlers = {
-      pick: (pane, x, y, left, top) => on.pick(pane, x, y, left, top),
-      panned: () => this.setOption("follow", false),
-      fit: () => this.fit(),
-    };
-    const pane = (id, label, layers) => new Pane({ id, label, camera: this.camera, layers, on: handlers });
-    this.robot = pane("pane-robot", "Robot: the true world", [this.truth]);
-    this.control = pane("pane-control", "Control: what the robot knows", [this.belief]);
+    this.theme = readTheme(root);
     this.options = { trails: true, ellipse: true, grid: true, follow: false, overlay: false };
+    this.hidden = new Set(); // names of sensors that are not drawn
     this.trueTrail = new Trail();
     this.estimatedTrail = new Trail();
-    this.pictures = new Map();
-    this.paths = new Map();
     this.trueSensors = []; // of the selected robot, as they are by their true parameters
-    this.theme = readTheme(root);
+    this.pictures = new Pictures(() => this.redraw());
+    this.picker = new Picker();
+    /** @type {Selection<import("./pick.js").Found>} */
+    this.selection = new Selection();
+    this.selection.listen(() => this.redraw());
+    this.mark = null;
+    this.robot = this.pane("pane-robot", "Robot: the true world");
+    this.control = this.pane("pane-control", "Control: what the robot knows");
+    this.arrange();
     root.addEventListener("theme", () => {
-      this.theme = readTheme(root);
+      this.robot.theme = this.control.theme = this.theme = readTheme(root);
       this.redraw();
     });
-    new ResizeObserver(() => this.resize()).observe(this.robot.element);
-    new ResizeObserver(() => this.resize()).observe(this.control.element);
+    for (const pane of [this.robot, this.control]) new ResizeObserver(() => this.resize()).observe(pane.element);
+  }
+
+  /** @param {string} id
+   * @param {string} label */
+  pane(id, label) {
+    const pane = new Pane({ id, label, camera: this.camera, theme: this.theme });
+    const hand = new Hand(this.camera, {
+      clicked: (place) => this.pick(pane, place),
+      panned: () => this.setOption("follow", false),
+    });
+    pane.panning = hand;
+    pane.take(hand);
+    pane.canvas.addEventListener("dblclick", () => this.fit());
+    return pane;
+  }
+
+  /** Give the panes their layers. What is known lies under what is true, so that an overlay shows both. */
+  arrange() {
+    const { overlay } = this.options;
+    const grid = new GridLayer(() => this.options.grid);
+    const [known, belief] = [new KnownLayer(this), new RobotLayer(this, "estimated")];
+    const above = [new SelectionLayer(this), new MarkLayer(this)];
+    const seen = [new WorldLayer(this), new BodiesLayer(this), new RobotLayer(this, "true")];
+    this.robot.layers = overlay
+      ? [grid, known, ...seen, belief, ...above, new NamesLayer(this, "true")]
+      : [grid, ...seen, ...above, new NamesLayer(this, "true")];
+    this.robot.views = overlay ? ["estimated", "true"] : ["true"];
+    this.control.layers = [grid, known, belief, ...above, new NamesLayer(this, "estimated")];
+    this.control.views = ["estimated"];
   }
 
   get canvases() {
     return [this.robot.canvas, this.control.canvas];
   }
 
+  /** @param {import("./layers.js").View} view */
+  posesOf(view) {
+    return view === "true" ? this.frame.truePoses : this.frame.estimatedPoses;
+  }
+
   setScene(scene, pictureOf) {
     this.scene = scene;
-    this.paths.clear();
-    this.pictures.clear();
-    this.pictureOf = pictureOf;
+    this.pictures.reset(pictureOf);
+    this.picker.setScene(scene);
+    this.selection.clear();
     this.mark = null;
     this.resize();
     this.fit();
-  }
-
-  pathOf(map) {
-    if (!this.paths.has(map)) this.paths.set(map, wallPath(map));
-    return this.paths.get(map);
-  }
-
-  /** A map's picture in a colour, loaded when first wanted; null until it is there, and where there are lines. */
-  picture(map, colour) {
-    if (!map?.image || map.segments) return null;
-    if (!this.pictures.has(map)) {
-      const image = new Image();
-      image.onload = () => this.redraw();
-      this.pictures.set(map, { image, shades: new Map() });
-      this.pictureOf(map.image.name).then((url) => url && (image.src = url));
-    }
-    const { image, shades } = this.pictures.get(map);
-    if (!image.complete || !image.naturalWidth) return null;
-    if (!shades.has(colour)) shades.set(colour, tinted(image, colour));
-    return shades.get(colour);
   }
 
   setFrame(frame) {
@@ -94,10 +133,18 @@ export class Stage {
   setOption(name, value) {
     if (this.options[name] === value) return;
     this.options[name] = value;
-    if (name === "overlay") this.robot.layers = value ? [this.truth, this.belief] : [this.truth];
+    if (name === "overlay") this.arrange();
     if (name === "follow" && value && this.frame) this.setFrame(this.frame);
     this.on.option(name, value);
     this.resize();
+  }
+
+  pick(pane, place) {
+    const { scene, frame, camera, hidden, trueSensors } = this;
+    const near = { x: place.x, y: place.y, scale: camera.scale };
+    const found = scene && frame ? this.picker.pick(frame, pane.views, near, { hidden, trueSensors }) : null;
+    this.selection.set(found ? [found] : []);
+    this.on.picked(pane, place);
   }
 
   fit() {
@@ -134,14 +181,10 @@ export class Stage {
 
   draw(now) {
     const began = performance.now();
-    this.robot.draw(this);
-    if (!this.options.overlay) this.control.draw(this);
+    this.robot.draw();
+    if (!this.options.overlay) this.control.draw();
     const isNew = this.hasFrame;
     this.hasFrame = false;
     this.on.drawn(this.frame, isNew, now, began);
-  }
-
-  stop() {
-    cancelAnimationFrame(this.asked);
   }
 }

@@ -33,14 +33,14 @@ function draw({ context, camera, theme, kind }, sensor, pose, values) {
   context.lineWidth = 1.2 / camera.scale;
   context.setLineDash(DASHES[kind].map((d) => d / camera.scale));
   context.beginPath();
-  eachFound(sensor, pose, values, (line, x0, y0, x, y) => {
+  eachFound(sensor, pose, values, (_line, x0, y0, x, y) => {
     context.moveTo(x0, y0);
     context.lineTo(x, y);
   });
   context.stroke();
   context.setLineDash([]);
   context.font = "11px system-ui, sans-serif";
-  eachFound(sensor, pose, values, (line, x0, y0, x, y) => {
+  eachFound(sensor, pose, values, (line, _x0, _y0, x, y) => {
     context.beginPath();
     context.rect(x - size, y - size, 2 * size, 2 * size);
     if (colour >= 0) {
