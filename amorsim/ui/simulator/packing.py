@@ -15,7 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "BLOCKS",
     "FRAME_HEADER",
+    "HEADER",
     "MAGIC",
     "Bundle",
     "Dynamic",
@@ -31,12 +33,59 @@ Array = npt.NDArray[np.float64]
 
 MAGIC = b"amf1"
 
-# magic, scene version, frame number, epoch; time; speed asked (inf: as fast as possible), achieved; tick, newest tick;
-# flags, events; robots R, obstacles O; selected robot, its values V; sensors S, joints J; channels C, oldest tick; its
-# parts P, and nothing, so that what follows begins at a multiple of 8.
-FRAME_HEADER = struct.Struct("<4sIIIdffIIIIIIiIIIIII4x")
-_NUMBER_AT, _FLAGS_AT = 8, 40
-_ROBOT = 13  # which of the header's parts it is; sizes of what is told of it follow
+# What a frame begins with: names, and formats as `struct` has them. The script reads it by the same table (see
+# tools/make_wire.py).
+HEADER = (
+    ("magic", "4s"),
+    ("version", "I"),  # of the scene
+    ("number", "I"),
+    ("epoch", "I"),
+    ("time", "d"),  # [s]
+    ("speed", "f"),  # as asked; inf: as fast as possible
+    ("achieved", "f"),
+    ("tick", "I"),
+    ("newest", "I"),  # tick
+    ("states", "I"),  # a FrameFlag
+    ("events", "I"),
+    ("robot_count", "I"),
+    ("obstacle_count", "I"),
+    ("selected", "i"),  # robot; the counts that follow are of what is told of it
+    ("value_count", "I"),
+    ("sensor_count", "I"),
+    ("joint_count", "I"),
+    ("channel_count", "I"),
+    ("oldest", "I"),  # tick
+    ("part_count", "I"),
+    ("", "4x"),  # so that what follows begins at a multiple of 8
+)
+FRAME_HEADER = struct.Struct("<" + "".join(form for _, form in HEADER))
+# What follows: names, kinds of numbers (little endian), which number of the header counts it, and how many for each.
+BLOCKS = (
+    ("true_values", "f8", "value_count", 1),
+    ("measured_values", "f8", "value_count", 1),
+    ("ages", "f8", "sensor_count", 1),
+    ("true_rates", "f8", "joint_count", 1),
+    ("measured_rates", "f8", "joint_count", 1),
+    ("true_twist", "f8", "", 3),
+    ("estimated_twist", "f8", "", 3),
+    ("command", "f8", "channel_count", 1),
+    ("believed_parts", "f8", "part_count", 3),
+    ("true_poses", "f4", "robot_count", 3),
+    ("estimated_poses", "f4", "robot_count", 3),
+    ("covariances", "f4", "robot_count", 6),
+    ("obstacles", "f4", "obstacle_count", 3),
+    ("flags", "u1", "robot_count", 1),
+)
+
+
+def _offset(name: str) -> int:
+    """Where a number of the header begins."""
+    before = HEADER[: [field for field, _ in HEADER].index(name)]
+    return struct.calcsize("<" + "".join(form for _, form in before))
+
+
+_NUMBER_AT, _FLAGS_AT = _offset("number"), _offset("states")
+_ROBOT = [field for field, _ in HEADER].index("selected")  # sizes of what is told of it follow
 
 
 class FrameFlag(enum.IntFlag):
@@ -97,15 +146,7 @@ class Dynamic(NamedTuple):
 
 
 def pack_frame(moment: Dynamic) -> bytes:
-    """The bytes of a frame, little endian: `FRAME_HEADER` (88 bytes), then
-
-    - float64, of the selected robot: true values (V), measured values (V), ages (S), true joint rates (J), measured
-      ones (J), true twist (3), estimated twist (3), command (C), estimated poses of its parts (P, 3);
-    - float32: true poses (R, 3), estimated poses (R, 3), covariances (R, 6), obstacles' poses (O, 3);
-    - uint8: a `RobotFlag` for each robot (R).
-
-    A thousand robots are 49 kB.
-    """
+    """The bytes of a frame: `HEADER`, then `BLOCKS`. A thousand robots are 49 kB."""
     return _head(moment) + _tail(moment)
 
 
@@ -152,44 +193,31 @@ def unpack_frame(data: bytes) -> Dynamic:
     """
     if len(data) < FRAME_HEADER.size or data[:4] != MAGIC:
         raise ValueError(f"expected a frame, which begins with {MAGIC!r}, got {data[:4]!r}")
-    (_, version, number, epoch, time, speed, achieved, tick, newest, flags, events, *rest) = FRAME_HEADER.unpack_from(
-        data
-    )
-    robots, obstacles, selected, values, sensors, joints, channels, oldest, parts = rest
-    sizes = (values, values, sensors, joints, joints, 3, 3, channels, 3 * parts)
-    start = FRAME_HEADER.size
-    exact = np.frombuffer(data, "<f8", sum(sizes), start).astype(float)
-    start += exact.nbytes
-    drawn = (robots * 3, robots * 3, robots * 6, obstacles * 3)
-    poses = np.frombuffer(data, "<f4", sum(drawn), start)
-    start += poses.nbytes
-    if len(data) != start + robots:
-        raise ValueError(f"expected a frame of {start + robots} bytes, got {len(data)}")
-    true, estimated, covariance, obstacle = _parts(poses.astype(float), drawn)
+    names = [name for name, _ in HEADER if name]
+    head = dict(zip(names, FRAME_HEADER.unpack_from(data), strict=True))
+    at, blocks = FRAME_HEADER.size, {}
+    for name, form, counted, each in BLOCKS:
+        count = head.get(counted, 1) * each
+        if len(data) < at + count * int(form[1]):
+            raise ValueError(f"expected a frame with {count} {name}, got {len(data)} bytes")
+        blocks[name] = np.frombuffer(data, f"<{form}", count, at)
+        at += blocks[name].nbytes
+    if len(data) != at:
+        raise ValueError(f"expected a frame of {at} bytes, got {len(data)}")
+    exact = [blocks[name].astype(float) for name, form, _, _ in BLOCKS if form == "f8"]
+    drawn = {name: blocks[name].astype(float).reshape(-1, each) for name, form, _, each in BLOCKS if form == "f4"}
+    shared = ("version", "number", "epoch", "time", "speed", "achieved", "tick", "newest", "oldest", "events")
     return Dynamic(
-        version=version,
-        number=number,
-        epoch=epoch,
-        time=time,
-        speed=speed,
-        achieved=achieved,
-        tick=tick,
-        newest=newest,
-        oldest=oldest,
-        flags=flags,
-        events=events,
-        selected_robot=selected,
-        true_pose=true.reshape(-1, 3),
-        estimated_pose=estimated.reshape(-1, 3),
-        covariance=covariance.reshape(-1, 6),
-        obstacle_pose=obstacle.reshape(-1, 3),
-        robot_flags=np.frombuffer(data, np.uint8, robots, start).copy(),
-        selected=Selected(*_parts(exact, sizes)),
+        **{name: head[name] for name in shared},
+        flags=head["states"],
+        selected_robot=head["selected"],
+        true_pose=drawn["true_poses"],
+        estimated_pose=drawn["estimated_poses"],
+        covariance=drawn["covariances"],
+        obstacle_pose=drawn["obstacles"],
+        robot_flags=blocks["flags"].copy(),
+        selected=Selected(*exact),
     )
-
-
-def _parts(whole: Array, sizes: Sequence[int]) -> list[Array]:
-    return np.split(whole, np.cumsum(sizes)[:-1])
 
 
 # ---------------------------------------------------------------------------------------------------------- bundles

@@ -35,6 +35,7 @@ __all__ = [
     "Drawing",
     "EventLine",
     "Floor",
+    "FloorPatch",
     "History",
     "Image",
     "Kind",
@@ -46,6 +47,7 @@ __all__ = [
     "RobotEntry",
     "Scene",
     "SensorShape",
+    "Past",
     "State",
 ]
 
