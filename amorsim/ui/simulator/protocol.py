@@ -44,10 +44,10 @@ __all__ = [
     "ObstacleShape",
     "Outline",
     "ParameterForm",
+    "Past",
     "RobotEntry",
     "Scene",
     "SensorShape",
-    "Past",
     "State",
 ]
 

@@ -88,6 +88,12 @@ def test_a_wall_that_is_clicked_is_selected_and_tells_its_ends(window: Window) -
         assert lines[0] == title
         assert sorted(lines[1:3]) == ["from 6.000, 0.000 m", "to 6.000, 3.000 m"]
         assert lines[3] == "3.000 m long"
+        # What is selected in one pane says nothing in the other.
+        shown = [
+            window.page.evaluate(f"{SIMULATOR}.stage.{one}.layers.filter(l => l.things?.length).length")
+            for one in ("robot", "control")
+        ]
+        assert shown == ([1, 0] if pane == "robot" else [0, 1])
         window.page.keyboard.press("Escape")
         assert window.page.locator(".card").is_hidden()
         assert window.see("stage.selection.things.length") == 0

@@ -127,10 +127,21 @@ export class MarkLayer extends SceneLayer {
   }
 }
 
-/** What is selected, where it is not a robot or a reading, which show themselves. */
+/** What is selected of one view, where it is not a robot or a reading, which show themselves. */
 export class SelectionLayer extends SceneLayer {
+  /** @param {import("./stage.js").Stage} stage
+   * @param {View} view */
+  constructor(stage, view) {
+    super(stage);
+    this.view = view;
+  }
+
+  get things() {
+    return this.stage.selection.things.filter((thing) => thing.view === this.view);
+  }
+
   get isShown() {
-    return Boolean(super.isShown && this.stage.selection.things.some((thing) => thing.line || thing.point));
+    return super.isShown && this.things.length > 0;
   }
 
   /** @param {Brush} brush */
@@ -138,7 +149,7 @@ export class SelectionLayer extends SceneLayer {
     context.strokeStyle = theme.estimated;
     context.lineWidth = 4 / camera.scale;
     context.beginPath();
-    for (const { line, point } of this.stage.selection.things) {
+    for (const { line, point } of this.things) {
       if (line) {
         context.moveTo(line[0], line[1]);
         context.lineTo(line[2], line[3]);

@@ -7,8 +7,9 @@ import { ROBOT } from "./protocol.js";
 import { isDrawn, nearestPart, tellPart } from "./readings.js";
 
 /**
- * A thing that was found: its place among robots, or where it lies, where that is to be shown.
- * @typedef {import("../shared/selection.js").Thing & {robot?: number, line?: number[], point?: number[]}} Found
+ * A thing that was found: its place among robots, or where it lies and in which view, where that is to be shown.
+ * @typedef {{robot?: number, line?: number[], point?: number[], view?: import("./layers.js").View}} Where
+ * @typedef {import("../shared/selection.js").Thing & Where} Found
  */
 
 const NEAR = 9; // pixels
@@ -17,8 +18,10 @@ const CORE = 0.8; // of a robot: nearer its rim there may be a bumper, or what b
 
 /** Lines and points that stand still, of the world or of what a robot knows. */
 class Standing {
-  /** @param {number[]} extent */
-  constructor([x0, y0, x1, y1]) {
+  /** @param {import("./layers.js").View} view
+   * @param {number[]} extent */
+  constructor(view, [x0, y0, x1, y1]) {
+    this.view = view;
     /** @type {SpatialIndex<{kind: string, key: string, place: number[]}>} */
     this.index = new SpatialIndex(Math.max(x1 - x0, y1 - y0, 1e-3) / CELLS);
   }
@@ -53,11 +56,12 @@ class Standing {
       if (gap <= near && rank < (best?.rank ?? Infinity)) best = { thing, rank };
     }
     if (!best) return null;
+    const { view } = this;
     const { kind, key, place } = best.thing;
     const [x0, y0, x1, y1] = place;
-    if (place.length === 2) return { kind: "point", key, title: kind, lines: [where(x0, y0)], point: place };
+    if (place.length === 2) return { kind: "point", view, key, title: kind, lines: [where(x0, y0)], point: place };
     const length = `${fixed(Math.hypot(x1 - x0, y1 - y0), 3)} m long`;
-    return { kind: "wall", key, title: kind, lines: [`from ${where(x0, y0)}`, `to ${where(x1, y1)}`, length], line: place };
+    return { kind: "wall", view, key, title: kind, lines: [`from ${where(x0, y0)}`, `to ${where(x1, y1)}`, length], line: place };
   }
 }
 
@@ -66,7 +70,7 @@ const where = (/** @type {number} */ x, /** @type {number} */ y) => `${fixed(x, 
 export class Picker {
   setScene(scene) {
     this.scene = scene;
-    this.world = new Standing(scene.map.extent);
+    this.world = new Standing("true", scene.map.extent);
     this.world.addWalls(scene.map.segments, "wall");
     this.world.addPoints(scene.floor.landmarks, "landmark");
     this.world.addPoints(scene.floor.lights, "lamp");
@@ -79,7 +83,7 @@ export class Picker {
   /** What a robot knows, indexed when it is first pointed at. */
   knownBy(robot) {
     if (!this.known.has(robot)) {
-      const standing = new Standing((robot.knowledge ?? this.scene.map).extent);
+      const standing = new Standing("estimated", (robot.knowledge ?? this.scene.map).extent);
       standing.addWalls(robot.knowledge?.segments, "wall of its map");
       standing.addPoints(robot.landmarks, "landmark that it knows");
       this.known.set(robot, standing);

@@ -82,13 +82,13 @@ export class Stage {
     const { overlay } = this.options;
     const grid = new GridLayer(() => this.options.grid);
     const [known, belief] = [new KnownLayer(this), new RobotLayer(this, "estimated")];
-    const above = [new SelectionLayer(this), new MarkLayer(this)];
+    const [mark, seenOnes, knownOnes] = [new MarkLayer(this), new SelectionLayer(this, "true"), new SelectionLayer(this, "estimated")];
     const seen = [new WorldLayer(this), new BodiesLayer(this), new RobotLayer(this, "true")];
     this.robot.layers = overlay
-      ? [grid, known, ...seen, belief, ...above, new NamesLayer(this, "true")]
-      : [grid, ...seen, ...above, new NamesLayer(this, "true")];
+      ? [grid, known, ...seen, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
+      : [grid, ...seen, seenOnes, mark, new NamesLayer(this, "true")];
     this.robot.views = overlay ? ["estimated", "true"] : ["true"];
-    this.control.layers = [grid, known, belief, ...above, new NamesLayer(this, "estimated")];
+    this.control.layers = [grid, known, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
     this.control.views = ["estimated"];
   }
 
