@@ -19,7 +19,7 @@ from amorsim.ui.serve.wire import MessageError, decode, number_of
 
 __all__ = ["FRAME_RATE", "Talk"]
 
-FRAME_RATE = 30.0  # [Hz]
+FRAME_RATE = 40.0  # [Hz]
 MOST_WAITING = 64  # commands of one window
 MOST_OF_TAB = 64  # letters
 
