@@ -43,7 +43,10 @@ HEADERS = (
 OPEN = "Open the address that the terminal printed last; each works once."
 # The cookie is `SameSite=Strict`: after a redirect from a page elsewhere (a terminal in the browser) it would not be
 # sent. A page of our own that goes on by itself is of the same site.
-WELCOME = b'<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/"><title>amorsim</title>'
+WELCOME = (
+    b'<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/">'
+    b'<link rel="icon" href="data:,"><title>amorsim</title>'
+)
 
 
 @attrs.frozen(kw_only=True)

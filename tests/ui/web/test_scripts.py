@@ -157,7 +157,7 @@ def test_trails_and_series_stay_within_bounds_and_keep_both_ends(window: Window)
     kept = window.page.evaluate(
         """async () => {
             const { Trail } = await import("/amorsim/web/simulator/trail.js");
-            const { Series } = await import("/amorsim/web/shared/plot.js");
+            const { Series } = await import("/amorsim/web/shared/series.js");
             const [trail, series] = [new Trail(), new Series(["true", "measured"])];
             for (let tick = 0; tick < 40000; tick++) {
                 trail.add(tick, tick * 0.01, 0);

@@ -5,11 +5,17 @@ const NAMES = [
   "grid", "ink", "soft", "danger", "obstacle", "line",
 ];
 
+/** The colours of the canvas, by the names of the style sheet's variables. @typedef {Record<string, string>} Theme */
+
 /** Line styles that tell the three apart without colour: true solid, measured dotted, estimated dashed. */
+/** @type {Record<string, number[]>} */
 export const DASHES = { true: [], measured: [2, 3], estimated: [6, 4] };
 
+/** @param {Element} element
+ * @returns {Theme} */
 export function readTheme(element) {
   const style = getComputedStyle(element);
+  /** @type {Theme} */
   const theme = {};
   for (const name of NAMES) theme[name] = style.getPropertyValue(`--${name}`).trim() || "#888";
   return theme;

@@ -99,7 +99,7 @@ export function build({ stage, timebar, driving, form }) {
   const plot = panel(
     "plot",
     h("div", { class: "head" }, make("plotTitle", h("h2", { id: "plot-title" }, "Over time")), make("plotHead", h("div", { class: "tools" }))),
-    h("div", { class: "plot-area" }, make("plot", h("canvas", { role: "img", "aria-label": "plot" }))),
+    h("div", { class: "plot-area" }, make("plot", h("div", { class: "chart", role: "group", "aria-label": "plot" }))),
   );
   const events = panel(
     "events",

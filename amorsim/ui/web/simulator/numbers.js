@@ -1,15 +1,16 @@
 // The table of true | measured | estimated | difference, and the plot of the row that is chosen.
 
 import { fixed, h, say, signed } from "../shared/dom.js";
-import { Plot, Series } from "../shared/plot.js";
+import { Plot } from "../shared/plot.js";
+import { Series } from "../shared/series.js";
 import { momentsOf } from "./past.js";
 import { KINDS, quantitiesOf } from "./quantities.js";
 
 export class Numbers {
-  constructor(table, plotHead, canvas) {
+  constructor(table, plotHead, chart) {
     this.table = table;
-    this.plot = new Plot(canvas);
-    this.canvas = canvas;
+    this.plot = new Plot(chart);
+    this.chart = chart;
     this.chosen = "apart";
     this.showsDifference = true;
     this.select = h("select", { "aria-label": "quantity that is plotted", onchange: () => this.choose(this.select.value) });
@@ -19,7 +20,7 @@ export class Numbers {
       h("option", { value: "difference" }, "difference"),
       h("option", { value: "values" }, "all three"),
     );
-    plotHead.append(this.select, this.mode);
+    plotHead.append(this.plot.whole, this.select, this.mode);
     this.quantities = [];
     this.series = new Map();
     this.changed = () => {}; // called when something else is to be drawn
@@ -46,6 +47,7 @@ export class Numbers {
   }
 
   choose(key) {
+    if (key !== this.chosen) this.plot.zoomTo(null);
     this.chosen = key;
     this.select.value = key;
     for (const { quantity, row } of this.rows ?? []) row.classList.toggle("chosen", quantity.key === key);
@@ -64,7 +66,7 @@ export class Numbers {
     const quantity = this.quantities.find((q) => q.key === this.chosen);
     if (!quantity) return;
     const what = this.showsDifference ? "difference" : "true, measured and estimated values";
-    this.canvas.setAttribute("aria-label", `Plot over time: ${quantity.label} in ${quantity.unit}, ${what}`);
+    this.chart.setAttribute("aria-label", `Plot over time: ${quantity.label} in ${quantity.unit}, ${what}`);
   }
 
   clear() {
