@@ -27,6 +27,7 @@ import numpy.typing as npt
 from amorsim.core.draws import Draws
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
+from amorsim.core.noise_steps import NoiseProgram, NoiseStep
 from amorsim.core.parameters import parameter
 from amorsim.core.poses import Mount, exponential
 from amorsim.core.shapes import Shape
@@ -34,7 +35,6 @@ from amorsim.core.shapes import Shape
 __all__ = [
     "Aim",
     "BodyStates",
-    "Bundle",
     "Clock",
     "Context",
     "Controller",
@@ -53,6 +53,7 @@ __all__ = [
     "Motion",
     "Mount",
     "Noise",
+    "NoiseStep",
     "ObstacleFrame",
     "Part",
     "Recorder",
@@ -468,9 +469,18 @@ class Noise(Component):
         """Where the device really looks, before it senses."""
         return aim
 
+    def steps(self) -> Sequence[NoiseStep]:
+        """What the element does, as steps that a kernel takes; none where `corrupt` is written in Python.
+
+        A chain takes the steps of neighbouring elements in one call, so an element that is all steps costs next to
+        nothing. Leave `corrupt` as it is: it takes the same steps.
+        """
+        return ()
+
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
-        return values
+        program = NoiseProgram([values.shape[1]], [[(step, draws) for step in self.steps()]])
+        return program.apply(np.ravel(values)).reshape(values.shape)
 
     def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
         """How far the body slides in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.
@@ -582,25 +592,6 @@ class MapLoader(abc.ABC):
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
 
-class Bundle(NamedTuple):
-    """Readings of one group of robots that were all taken, and arrived, at this very step: side by side."""
-
-    places: Mapping[str, slice]  # by sensor: where its values are, `(N, k)` row by row
-    values: Array  # (2, V), true and measured
-
-    @property
-    def true(self) -> Array:
-        """True values `(V,)`."""
-        true: Array = self.values[0]
-        return true
-
-    @property
-    def measured(self) -> Array:
-        """Measured values `(V,)`."""
-        measured: Array = self.values[1]
-        return measured
-
-
 class Frame(NamedTuple):
     """One step of one group of robots, as recorders get it: truth included. Arrays are not to be changed."""
 
@@ -619,7 +610,6 @@ class Frame(NamedTuple):
     robot: RobotModel  # the nominal one
     parts: Sequence[str] = ()  # the names of each robot's
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, where there are any
-    bundle: Bundle | None = None  # of those `readings` that can be had together; for who keeps all of them
 
 
 class ObstacleFrame(NamedTuple):

@@ -33,10 +33,9 @@ from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
 from amorsim.simulation.controlling import command_of, command_of_some, start_controller
 from amorsim.simulation.estimating import estimates_of, start_estimators
-from amorsim.simulation.frames import Showing
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
-from amorsim.simulation.sensing.plan import SensePlan
+from amorsim.simulation.sensing.sensor_suite import SensorSuite
 from amorsim.simulation.sensing.sensor_unit import SensorUnit
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.world.sensor_view import GroupView
@@ -122,7 +121,7 @@ class Group:
         self.ground.set_parameters([robot.ground for robot in true])
         for name, unit in self.sensors.items():
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
-        self.sensing = SensePlan(list(self.sensors.values()), self.rows, self.world)
+        self._sensing = SensorSuite(list(self.sensors.values()), self.rows)
         nominal = self.specified
         sizes = {name: unit.size for name, unit in self.sensors.items()}
         self.robot = robot_model(nominal, sizes, self.channels, self.dt)
@@ -130,7 +129,6 @@ class Group:
         self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
-        self._showing = Showing(self)
 
     @of_drive
     def _rolling_radius(self) -> Array:
@@ -327,9 +325,7 @@ class Group:
 
     def sense(self) -> None:
         """Read all sensors."""
-        self.sensing.read(self.view, self.row_clock)
-        for unit in self.sensing.others:
-            unit.sample(self.view, self.row_clock)
+        self._sensing.read(self.view, self.row_clock)
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""
@@ -341,11 +337,8 @@ class Group:
         for estimate in self.estimates.values():
             covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
             results += [np.ascontiguousarray(estimate.pose), covariance]
-        if not self.sensing.others:
-            self.sensing.absorb(results, self.fingerprint)
-            return
         for unit in self.sensors.values():
-            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.held.measured)]
+            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.measured)]
         digest.absorb(results, self.fingerprint)
 
     # ---------------------------------------------------------------------------------------------------- for others
@@ -362,7 +355,25 @@ class Group:
 
     def frame(self) -> Frame:
         """The step as recorders get it."""
-        return self._showing.frame()
+        clock = self.row_clock
+        parts = self.drive.parts
+        return Frame(
+            names=self.names,
+            replica=clock.replica,
+            tick=clock.tick.ravel(),
+            time=clock.time.ravel(),
+            true_pose=self.true_pose,
+            true_twist=self.true_twist,
+            joint_names=[joint.name for joint in self.drive.joints],
+            joint_rates=self.mean_rates,
+            estimates=self.estimates.copy(),
+            readings={name: (unit.true, unit.reading) for name, unit in self.sensors.items()},
+            channels=self.channels,
+            command=self.command,
+            robot=self.robot,
+            parts=tuple(part.name for part in parts),
+            part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
+        )
 
     def states(self) -> Mapping[str, State]:
         """The states of all components, by where they are; the dicts themselves, not copies."""
@@ -413,7 +424,7 @@ class _Readings(Mapping[str, Measurement]):
         self._units = units
 
     def __getitem__(self, name: str) -> Measurement:
-        return self._units[name].held.reading
+        return self._units[name].reading
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._units)
