@@ -3,8 +3,8 @@
 ``python tools/measure_window.py``; needs the extra "dev" and Debian's chromium. Two scenes: the demo, whose robot has
 181 beams and 16 cones, and a thousand robots without beams. Both run at four times real time, 40 steps in a second,
 so that there is always something new to show. A frame is shown at one of the screen's 60 moments in a second; it is in
-time where the next comes within two of these (33 ms). With ``--check`` the status is 1 where fewer than 95 % are, which says
-something on a quiet machine alone: the load is printed.
+time where the next comes within two of these (33 ms). With ``--check`` the status is 1 where fewer than 95 % are, which
+says something on a quiet machine alone: the load is printed.
 """
 
 from __future__ import annotations
