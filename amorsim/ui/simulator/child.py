@@ -30,11 +30,12 @@ from amorsim.core.trouble import explain, users_lines
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.ui.simulator.carried import Carried, Carrier
 from amorsim.ui.simulator.commands import Commands
+from amorsim.ui.simulator.faults import Fault
 from amorsim.ui.simulator.inputs import Input, Inputs
 from amorsim.ui.simulator.orphan import stay
 from amorsim.ui.simulator.packing import FrameFlag, pack_bundle
 from amorsim.ui.simulator.pipes import JSON, Writer, read_message
-from amorsim.ui.simulator.player import Fault, Player
+from amorsim.ui.simulator.player import Player
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.scenes import SceneBuilder
 

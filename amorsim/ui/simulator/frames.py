@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,9 +11,9 @@ import numpy.typing as npt
 from amorsim.contracts import Frame, Measurement
 from amorsim.core.poses import compose, logarithm, relative
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.simulator.packing import RobotFlag, Selected
+from amorsim.ui.simulator.packing import Dynamic, RobotFlag, Selected
 
-__all__ = ["Before", "flags_of", "look_back", "obstacle_poses", "selected_of", "upper_triangle"]
+__all__ = ["Before", "flags_of", "look_back", "moments_of", "obstacle_poses", "selected_of", "upper_triangle"]
 
 Array = npt.NDArray[np.float64]
 
@@ -106,6 +106,54 @@ def _believed_parts(frame: Frame, row: int, estimated: Array) -> Array:
         return np.full(3 * count, np.nan)
     inside = np.asarray(drive.part_poses(measured[0]))[row]
     return compose(np.repeat(estimated, count, axis=0), inside).reshape(-1)
+
+
+def moments_of(
+    simulation: Simulation,
+    robots: Sequence[int],
+    before: Before | None,
+    obstacles: list[str],
+    poses: Array | None,
+) -> list[Dynamic]:
+    """The simulation as it is, for those who look at each of these robots; what its player knows is still to come.
+
+    Parameters
+    ----------
+    before
+        The step before.
+    obstacles
+        Their names, in order.
+    poses
+        True and estimated poses `(R, 6)`, where of this moment nothing else is known.
+    """
+    true, estimated = simulation.true_pose, simulation.estimated_pose
+    covariance, marks = upper_triangle(simulation.covariance), flags_of(simulation)
+    selected = selected_of(simulation, robots, before)
+    if poses is not None:
+        true, estimated = poses[:, :3], poses[:, 3:]
+        covariance, marks = np.full_like(covariance, np.nan), np.zeros_like(marks)
+        selected = {robot: Selected(*(np.full_like(part, np.nan) for part in one)) for robot, one in selected.items()}
+    first = Dynamic(
+        version=0,
+        number=0,
+        epoch=0,
+        time=0.0,
+        speed=1.0,
+        achieved=0.0,
+        tick=0,
+        newest=0,
+        oldest=0,
+        flags=0,
+        events=0,
+        selected_robot=robots[0],
+        true_pose=true,
+        estimated_pose=estimated,
+        covariance=covariance,
+        obstacle_pose=obstacle_poses(simulation, obstacles),
+        robot_flags=marks,
+        selected=selected[robots[0]],
+    )
+    return [first._replace(selected_robot=robot, selected=one) for robot, one in selected.items()]
 
 
 def flags_of(simulation: Simulation) -> npt.NDArray[np.uint8]:

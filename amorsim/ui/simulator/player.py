@@ -2,43 +2,30 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, ControllerError, RunError
-from amorsim.core.trouble import error_in_words, explain
-from amorsim.runs.folder import next_folder
-from amorsim.runs.session import RunSession
+from amorsim.core.errors import AmorsimError
 from amorsim.simulation.events import Event
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.carried import Carried, Carrier
 from amorsim.ui.simulator.course import Course
-from amorsim.ui.simulator.frames import Before, flags_of, look_back, obstacle_poses, selected_of, upper_triangle
+from amorsim.ui.simulator.faults import Fault, fault_of
+from amorsim.ui.simulator.frames import Before, look_back, moments_of
 from amorsim.ui.simulator.inputs import Input, Inputs
-from amorsim.ui.simulator.packing import Dynamic, FrameFlag, Selected
+from amorsim.ui.simulator.packing import Dynamic, FrameFlag
 from amorsim.ui.simulator.past import Pasts
 from amorsim.ui.simulator.protocol import EventLine
 from amorsim.ui.simulator.story import Story
 from amorsim.ui.simulator.timeline import Paths, Snapshots
+from amorsim.ui.simulator.writing import Writing
 
-__all__ = ["Fault", "Player"]
+__all__ = ["Player"]
 
 Notice = Callable[[int], None]
-
-
-@attrs.frozen(kw_only=True)
-class Fault:
-    """What went wrong in a step: whose controller it was, if it was one, and the lines that led to it."""
-
-    robots: tuple[str, ...]
-    text: str
-    stack: str
 
 
 class Player:
@@ -81,16 +68,14 @@ class Player:
         self._before: Before | None = None
         self._changes: dict[tuple[str, str], Any] = {}  # live ones, that outlast a reset
         self._obstacles = sorted(obstacle.name for obstacle in simulation.scenario.obstacles)
-        self._out = out
-        self._recording: RunSession | None = None
+        self._writing = Writing(out)
         self._begin(simulation)
 
     # ------------------------------------------------------------------------------------------------------ beginnings
 
     def _begin(self, simulation: Simulation) -> None:
         """Take a simulation at its start for the present."""
-        is_again = self._recording is not None
-        self._end_recording()
+        self._end_writing()
         self.simulation = simulation
         self.paths = Paths(len(simulation.names))
         self.snapshots = Snapshots()
@@ -101,9 +86,7 @@ class Player:
         self._story = Story()
         self._left: Course | None = None  # what was left last by going on from the past
         self.epoch += 1
-        if self._out is not None:
-            is_taken = is_again and self._out.exists()
-            self._recording = RunSession(simulation, next_folder(self._out) if is_taken else self._out)
+        self._writing.begin(simulation)
         self._keep()
         self.pasts.keep(simulation, self.watched, None)
 
@@ -172,16 +155,8 @@ class Player:
 
     def _write(self) -> None:
         """Write the step down; what can no longer be written does not hold up the simulation."""
-        recording = self._recording
-        if recording is None:
-            return
-        try:
-            recording.keep()
-        except RunError as error:
-            self._recording = self._out = None
-            self.remark("fault", f"the run is no longer written: {error}")
-            with contextlib.suppress(RunError):
-                recording.close("broken off")
+        if reason := self._writing.keep():
+            self.remark("fault", f"the run is no longer written: {reason}")
 
     def fail(self, fault: Fault) -> None:
         """Wait for a hand, at the state before the step that failed, for it may have been half made."""
@@ -267,8 +242,8 @@ class Player:
         if self.reason:
             raise AmorsimError(f"cannot continue from here: {self.reason}")
         tick, until = self.tick, f"what came after, up to {self._newest * self.simulation.dt:.1f} s, is kept"
-        if self._recording is not None:
-            until += f" in {self._recording.folder}"
+        if self._writing.folder is not None:
+            until += f" in {self._writing.folder}"
             self.inputs.cut(tick)
             self.resume(tick)
         else:
@@ -337,7 +312,7 @@ class Player:
         self._story = story
         self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
         since = "from the start"
-        if carried is not None and self._recording is None:
+        if carried is not None and self._writing.folder is None:
             try:
                 self._take_over(carried)
                 since = f"from the snapshot of {carried.tick * self.simulation.dt:.1f} s"
@@ -365,7 +340,7 @@ class Player:
 
     def carry(self, carrier: Carrier) -> Carried | None:
         """The present for another process to go on from, before anything is given to it; none where that cannot be."""
-        if self._recording is not None:
+        if self._writing.folder is not None:
             carrier.reason = "the run is written as it goes"
             return None
         return carrier.take(self.simulation, self._newest, self.paths.stride, self.paths.kept)
@@ -426,73 +401,43 @@ class Player:
 
     def frames(self, *, version: int, number: int, speed: float, achieved: float, flags: int) -> list[Dynamic]:
         """The moment that is shown, for each robot that is watched."""
-        simulation = self.simulation
-        robots = len(simulation.names)
         if self._is_past:
             flags |= FrameFlag.SCRUBBED
         if self.fault is not None:
             flags |= FrameFlag.FAULT
-        true, estimated = simulation.true_pose, simulation.estimated_pose
-        covariance = upper_triangle(simulation.covariance)
-        selected = selected_of(simulation, self.watched, self._before)
-        marks = flags_of(simulation)
+        poses = None
         if self.poses_only is not None:
             flags |= FrameFlag.POSES_ONLY
-            kept = self.paths.at(self.poses_only)[1].astype(float)
-            true, estimated = kept[:, :3], kept[:, 3:]
-            covariance = np.full((robots, 6), math.nan)
-            selected = {
-                robot: Selected(*(np.full_like(part, math.nan) for part in one)) for robot, one in selected.items()
-            }
-            marks = np.zeros(robots, dtype=np.uint8)
-        first = self.watched[0]
-        moment = Dynamic(
-            version=version,
-            number=number,
-            epoch=self.epoch,
-            time=self.tick * simulation.dt,
-            speed=speed,
-            achieved=achieved,
-            tick=self.tick,
-            newest=self._newest,
-            oldest=0,
-            flags=flags,
-            events=self.event_count,
-            selected_robot=first,
-            true_pose=true,
-            estimated_pose=estimated,
-            covariance=covariance,
-            obstacle_pose=obstacle_poses(simulation, self._obstacles),
-            robot_flags=marks,
-            selected=selected[first],
-        )
-        return [moment._replace(selected_robot=robot, selected=one) for robot, one in selected.items()]
+            poses = self.paths.at(self.poses_only)[1].astype(float)
+        moments = moments_of(self.simulation, self.watched, self._before, self._obstacles, poses)
+        return [
+            moment._replace(
+                version=version,
+                number=number,
+                epoch=self.epoch,
+                time=self.tick * self.simulation.dt,
+                speed=speed,
+                achieved=achieved,
+                tick=self.tick,
+                newest=self._newest,
+                flags=flags,
+                events=self.event_count,
+            )
+            for moment in moments
+        ]
 
     # ---------------------------------------------------------------------------------------------------------- ending
 
     @property
     def folder(self) -> Path | None:
-        """Where it is being written."""
-        return None if self._recording is None else self._recording.folder
+        """Where it is being written; None where it is not."""
+        return self._writing.folder
 
-    def _end_recording(self) -> None:
-        recording = self._recording
-        if recording is None:
-            return
-        self._to_present()
-        if recording.steps == 0:
-            recording.give_up()
-        else:
-            recording.close("finished" if self._newest >= self.last else "interrupted")
+    def _end_writing(self) -> None:
+        if self._writing.folder is not None:
+            self._to_present()
+            self._writing.end(is_finished=self._newest >= self.last)
 
     def close(self) -> None:
         """End what is being written, with whole files."""
-        self._end_recording()
-        self._recording = None
-
-
-def fault_of(error: BaseException) -> Fault:
-    """What is told of an error that ended a step."""
-    robot = error.robot if isinstance(error, ControllerError) else ""
-    text = str(error) if isinstance(error, AmorsimError) else error_in_words(error)
-    return Fault(robots=(robot,) if robot else (), text=text, stack=explain(error))
+        self._end_writing()
