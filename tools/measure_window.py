@@ -110,7 +110,8 @@ def main() -> int:
             draws, between = (np.percentile(found[key], (50, 95)) for key in ("draws", "intervals"))
             in_time = float(np.mean(found["intervals"] <= IN_TIME))
             late = late or in_time < WANTED
-            figures = f"{draws[0]:9.1f} {draws[1]:6.1f} {between[0]:12.1f} {between[1]:6.1f} {found['intervals'].max():7.0f} {100 * in_time:6.1f} %"
+            figures = f"{draws[0]:9.1f} {draws[1]:6.1f} {between[0]:12.1f} {between[1]:6.1f}"
+            figures += f" {found['intervals'].max():7.0f} {100 * in_time:6.1f} %"
             print(f"{name:28} {len(found['draws']):6} {figures} {found['achieved'][0]:5.2f}×")
         browser.close()
         print(f"load at the end {os.getloadavg()[0]:.1f}")

@@ -316,7 +316,7 @@ def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
     window.do(do="drive", robot="rover", forward=0.5)
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press(" ")
-    window.until("film.frames.length >= 4")
+    window.until("saving.film.frames.length >= 4")
     with page.expect_download() as saved:
         page.click("text=stop GIF")
     saved.value.save_as(tmp_path / "view.gif")

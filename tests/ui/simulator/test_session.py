@@ -14,6 +14,8 @@ from typing import Any
 import pytest
 
 import amorsim as am
+from amorsim.ui.simulator.link import Link
+from amorsim.ui.simulator.mailbox import Mailbox
 from amorsim.ui.simulator.packing import Dynamic, FrameFlag, RobotFlag, unpack_frame
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.session import Session
@@ -138,6 +140,33 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     session.close()
     assert time.monotonic() - began < in_time()
     assert not is_running(pid)
+
+
+def test_its_state_is_touched_in_its_loop_alone(start: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the threads find at the pipes, also at the child's end, comes to the session in its event loop."""
+    seen: set[str] = set()
+
+    def watch(kind: type, name: str) -> None:
+        plain = getattr(kind, name)
+
+        def noted(*arguments: Any) -> Any:
+            assert asyncio.get_running_loop() is session._loop, name
+            seen.add(name)
+            return plain(*arguments)
+
+        monkeypatch.setattr(kind, name, noted)
+
+    session = start()
+    for name in ("take", "stand_still", "newest"):
+        watch(Mailbox, name)
+    for name in ("_heard", "_finish"):
+        watch(Link, name)
+    window = session.open_window()
+    done(session, "step", steps=3)
+    frame(session)
+    os.kill(session.link.pid, signal.SIGKILL)
+    until(lambda: state(session, window)["status"] == "gone")
+    assert seen == {"take", "stand_still", "newest", "_heard", "_finish"}
 
 
 def test_windows_and_the_controls(start: Make) -> None:

@@ -1,7 +1,6 @@
 // The Simulator's window: elements, connection and what the one says to the other.
 
-import { Film, download, savePicture } from "../shared/capture.js";
-import { askName, showKeys, tell } from "../shared/dialogs.js";
+import { showKeys, tell } from "../shared/dialogs.js";
 import { colourChip, h, say } from "../shared/dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
@@ -11,6 +10,7 @@ import { build } from "./layout.js";
 import { Numbers } from "./numbers.js";
 import { FLAG, ROBOT, readFrame, readScene } from "./protocol.js";
 import { isDrawn } from "./readings.js";
+import { Saving } from "./saving.js";
 import { Connection } from "../shared/socket.js";
 import { Stage } from "./stage.js";
 import { startTheme } from "../shared/theme.js";
@@ -47,6 +47,7 @@ export class Simulator {
     });
     this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
     this.warnings = new Warnings(this.parts.banner, ask);
+    this.saving = new Saving(this);
     this.timings = { draws: [], intervals: [] };
     this.listen();
     this.connection = new Connection({
@@ -257,7 +258,7 @@ export class Simulator {
       if (isNew) this.showNumbers(frame);
       this.drawNumbers();
     }
-    this.film?.look(now);
+    this.saving.look(now);
     if (!isNew) return;
     this.connection.drawn(this.unacknowledged);
     this.timings.draws.push(performance.now() - began);
@@ -327,64 +328,16 @@ export class Simulator {
     parts.keys.addEventListener("click", showKeys);
     parts.asInFile.addEventListener("click", () => this.restoreAll());
     parts.controls.addEventListener("click", () => this.askControls());
-    parts.saveRun.addEventListener("click", () => this.saveRun());
-    parts.saveScenario.addEventListener("click", () => this.saveScenario());
-    parts.picture.addEventListener("click", () => savePicture(stage.canvases, stage.theme, this.fileName()));
-    parts.film.addEventListener("click", () => this.toggleFilm());
+    parts.saveRun.addEventListener("click", () => this.saving.run());
+    parts.saveScenario.addEventListener("click", () => this.saving.scenario());
+    parts.picture.addEventListener("click", () => this.saving.picture());
+    parts.film.addEventListener("click", () => this.saving.toggleFilm());
     listenToKeys(this);
     setInterval(() => !document.hidden && this.connection.isOpen && this.askState(), STATE_EVERY);
   }
 
-  fileName() {
-    return `${this.scene?.scenario.replace(/\.[a-z]+$/, "") ?? "amorsim"}-${(this.newest?.time ?? 0).toFixed(1)}s`;
-  }
-
   askControls() {
     return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
-  }
-
-  async saveRun() {
-    const places = await this.ask({ do: "places" });
-    if (!places.ok) return;
-    askName("Save the run", "folder", places.run, `As \`amorsim run\` leaves it, in ${places.project}`, async (name) => {
-      const said = await this.connection.ask({ do: "save_run", name: name || null });
-      if (said.ok) this.hint(`Saved as ${said.folder}.${said.same === false ? " It does not run the same again." : ""}`);
-      return said;
-    });
-  }
-
-  async saveScenario() {
-    const places = await this.ask({ do: "places" });
-    if (!places.ok) return;
-    askName("Save as a scenario", "file", places.scenario, `With the parameters as they are now, in ${places.project}`, async (file) => {
-      const said = await this.connection.ask({ do: "save_scenario", name: file });
-      if (said.ok) this.hint(`Saved as ${said.file}.`);
-      return said;
-    });
-  }
-
-  async toggleFilm() {
-    const { film } = this.parts;
-    if (!this.film) {
-      this.film = new Film(this.stage.canvases, () => this.stage.theme);
-      film.setAttribute("aria-pressed", "true");
-      say(film, "stop GIF");
-      return;
-    }
-    const taken = this.film;
-    this.film = null;
-    film.setAttribute("aria-pressed", "false");
-    say(film, "GIF");
-    if (!taken.frames.length) {
-      this.hint("Nothing was drawn meanwhile.");
-      return;
-    }
-    this.hint("The GIF is being made.");
-    try {
-      download(await taken.finish(), `${this.fileName()}.gif`);
-    } catch (problem) {
-      this.hint(String(problem.message ?? problem));
-    }
   }
 }
 
