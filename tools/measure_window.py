@@ -82,7 +82,8 @@ def measure(browser: Any, scenario: Path) -> dict[str, np.ndarray]:
         window = Window(page).open(server.address)
         window.do(do="speed", factor=SPEED)
         window.do(do="run")
-        page.wait_for_timeout(3000.0)
+        window.until("newest.tick > 40", seconds=300.0)  # kernels are compiled by then
+        page.wait_for_timeout(2000.0)
         window.see("timings.draws.splice(0)")
         window.see("timings.intervals.splice(0)")
         page.wait_for_timeout(1000.0 * SECONDS)

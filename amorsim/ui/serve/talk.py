@@ -97,15 +97,22 @@ class Talk:
         after = 0
         clock = asyncio.get_running_loop().time
         due = clock()
-        while True:
-            frame = await self.session.newest_frame(after, self.window)
-            if not frame:
-                return
-            after = int.from_bytes(frame[8:12], "little")
-            self.drawn.clear()
-            async with self.sending:
-                await self.websocket.send_bytes(frame)
-            await self.drawn.wait()
-            # By the clock, not by the last frame: one that comes late does not put off those after it.
-            due = max(due, clock() - 1.0 / FRAME_RATE) + 1.0 / FRAME_RATE
-            await asyncio.sleep(max(0.0, due - clock()))
+        coming = self._coming(after)
+        try:
+            while frame := await coming:
+                after = int.from_bytes(frame[8:12], "little")
+                self.drawn.clear()
+                async with self.sending:
+                    await self.websocket.send_bytes(frame)
+                coming = self._coming(after)  # made while the window draws this one
+                await self.drawn.wait()
+                # By the clock, not by the last frame: one that comes late does not put off those after it.
+                due = max(due, clock() - 1.0 / FRAME_RATE) + 1.0 / FRAME_RATE
+                await asyncio.sleep(max(0.0, due - clock()))
+                if coming.done():  # the window took its time, and something newer may have come
+                    coming = self._coming(after)
+        finally:
+            coming.cancel()
+
+    def _coming(self, after: int) -> asyncio.Task[bytes]:
+        return asyncio.create_task(self.session.newest_frame(after, self.window))
