@@ -401,7 +401,7 @@ class Drive(Component, abc.ABC):
         """
         return np.zeros((len(before), 0, 2))
 
-    def course(self, joints: Array) -> Array | None:
+    def heading_offset(self, joints: Array) -> Array | None:
         """Which way is ahead `(N, 1)` [rad], in the body's frame, for whoever drives it; None: the way it looks.
 
         Told by a drive whose wheels steer apart from the body; the turn of a twist is then that of the course.
@@ -533,7 +533,7 @@ class Controller(Component, abc.ABC):
     ) -> Array:
         """The command `(N, c)`: ``robot.channels`` in order, or the drive's alone, which leaves devices at 0."""
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The places in the world that it is told to drive to: the field that tells each ("waypoints.2"), x, y [m].
 
         Asked of the controller as it was made; ``amorsim check`` remarks on those where nobody gets.
@@ -548,15 +548,15 @@ class Motion(Component, abc.ABC):
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
         """The wanted displacement `(N, 3)` of this step, in the obstacle's own frame."""
 
-    def begins_at(self) -> tuple[float, float, float] | None:
+    def default_start(self) -> tuple[float, float, float] | None:
         """Where an obstacle starts that is told no pose (x [m], y [m], heading [rad]), or none: at the origin.
 
         Asked of the motion as it was made, before there are rows.
         """
         return None
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
-        """The places in the world that it is told to move to, as of `Controller.makes_for`."""
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
+        """The places in the world that it is told to move to, as of `Controller.goal_points`."""
         return ()
 
 

@@ -161,7 +161,7 @@ def test_bits_do_not_tell_whether_a_kernel_does_the_noise(robots: int, replicas:
 
 @pytest.mark.parametrize("counts", [39400.0, (39400.0, 512.0)])
 @pytest.mark.parametrize("replicas", [1, 4])
-def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: int, counts: Any) -> None:
+def test_a_drive_of_a_users_own_is_reckoned_to_the_same_bits(replicas: int, counts: Any) -> None:
     made = changed(
         scenario(2),
         lambda robot: attrs.evolve(
