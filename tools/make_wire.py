@@ -104,7 +104,7 @@ def script() -> str:
         "];\n",
         frame_type(),
         f"\n/** @typedef {{{names}}} CommandName */",
-        "\n/** @typedef {{do: CommandName, [key: string]: unknown}} Command */\n",
+        '\n/** @typedef {{"do": CommandName, [key: string]: unknown}} Command */\n',
         "\n\n".join(typedef(table) for table in tables),
         "",
     ]

@@ -93,7 +93,7 @@ export const BLOCKS = [
 
 /** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "places" | "save_scenario" | "save_run" | "restart"} CommandName */
 
-/** @typedef {{do: CommandName, [key: string]: unknown}} Command */
+/** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
 /**
  * A channel of a drive's command, or of a device that takes commands.
@@ -235,6 +235,13 @@ export const BLOCKS = [
  */
 
 /**
+ * What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
+ * @typedef {object} Past
+ * @property {number[]} ticks
+ * @property {string} values
+ */
+
+/**
  * A robot: `kind` is a place in the scene's `kinds`.
  * @typedef {object} RobotEntry
  * @property {string} name
@@ -273,13 +280,6 @@ export const BLOCKS = [
  * @property {number | null} range_max
  * @property {number | null} half_angle
  * @property {Drawing | null} drawing
- */
-
-/**
- * What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
- * @typedef {object} Past
- * @property {number[]} ticks
- * @property {string} values
  */
 
 /**
