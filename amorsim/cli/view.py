@@ -40,7 +40,7 @@ def command(
     the present folder.
     """
     from amorsim.core.errors import AmorsimError
-    from amorsim.ui.show import check_extra, show
+    from amorsim.ui.simulator.show import check_extra, show
 
     check_extra()
     if not 0 <= port < 65536:
@@ -48,7 +48,7 @@ def command(
 
     from amorsim.runs.asked import look_up
     from amorsim.runs.folder import check_free
-    from amorsim.ui.recipe import Recipe
+    from amorsim.ui.simulator.recipe import Recipe
 
     check_free(out)
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)

@@ -1,1 +1,1 @@
-"""The Simulator in the browser: a child process that simulates, a session that keeps it, a window that shows it."""
+"""The window in the browser: a server, the Simulator's session behind it, forms, and the scripts that it shows."""

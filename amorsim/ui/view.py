@@ -20,10 +20,10 @@ from amorsim.runs.session import run_name
 from amorsim.scenario.controller_files import reference_to
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import with_maps, write_document
-from amorsim.ui.orphan import is_child
-from amorsim.ui.pipes import python_for
-from amorsim.ui.recipe import Recipe
-from amorsim.ui.show import check_extra
+from amorsim.ui.simulator.orphan import is_child
+from amorsim.ui.simulator.pipes import python_for
+from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.show import check_extra
 
 __all__ = ["view"]
 
@@ -102,7 +102,7 @@ def _show(order: dict[str, Any]) -> str:
     """
     problem = ""
     with subprocess.Popen(
-        python_for("amorsim.ui.show"),
+        python_for("amorsim.ui.simulator.show"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

@@ -70,9 +70,9 @@ def test_a_film_has_the_trailer_in_its_robots_colour(tmp_path: Path) -> None:
 
 
 def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
-    pytest.importorskip("nicegui")
-    from amorsim.ui.frames import obstacle_poses
-    from amorsim.ui.scenes import SceneBuilder
+    pytest.importorskip("starlette")
+    from amorsim.ui.simulator.frames import obstacle_poses
+    from amorsim.ui.simulator.scenes import SceneBuilder
 
     sim = am.Simulation(yard(rig("b", 5.0, 5.0), rig("a", 5.0, 8.0), obstacles=[stone("post", 2.0, 8.0)]))
     scene = SceneBuilder(sim).scene
@@ -87,8 +87,8 @@ def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
 
 
 def test_a_window_is_told_where_a_robot_believes_its_trailer_to_be() -> None:
-    pytest.importorskip("nicegui")
-    from amorsim.ui.frames import selected_of
+    pytest.importorskip("starlette")
+    from amorsim.ui.simulator.frames import selected_of
 
     # The trailer is longer than the robot was told, and the counts of the hitch are the true ones.
     sensors = {"encoder": am.sensors.Encoder(counts_per_revolution=1e6)}
@@ -111,10 +111,10 @@ def test_a_window_is_told_where_a_robot_believes_its_trailer_to_be() -> None:
 
 
 def test_a_robots_own_colour_is_the_same_in_all_pictures(tmp_path: Path) -> None:
-    pytest.importorskip("nicegui")
+    pytest.importorskip("starlette")
     pytest.importorskip("matplotlib")
     from amorsim.analysis.plot import plot_run
-    from amorsim.ui.scenes import SceneBuilder
+    from amorsim.ui.simulator.scenes import SceneBuilder
 
     scenario = yard(rig(x=5.0, y=5.0, colour="red"), obstacles=[stone("post", 2.0, 8.0, 0.5)], duration=0.2)
     sim = am.Simulation(scenario)

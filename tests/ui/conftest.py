@@ -15,7 +15,7 @@ from tests.ui.windows import CHROMIUM, FLAGS, Server, Window, new_user, write_sc
 
 @pytest.fixture(scope="module")  # not longer: while Playwright runs, no other test can start a loop of its own
 def browser() -> Iterator[Any]:
-    pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+    pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
     playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
     if not CHROMIUM.exists():
         pytest.skip(f"there is no {CHROMIUM}: apt-get install chromium")

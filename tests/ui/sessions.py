@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
+import concurrent.futures
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 
-from amorsim.ui.recipe import Recipe
-from amorsim.ui.session import Session
+from amorsim.ui.simulator.link import Link
+from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.session import Session
 
 ROOM = "width 6000\nheight 5000\n0 0 6000 0\n6000 0 6000 5000\n6000 5000 0 5000\n0 5000 0 0\n"
 SCENARIO = """
@@ -92,7 +96,93 @@ def printing(readings, estimate, clock):
     return am.Twist(0.1, 0.0)
 """
 
-Make = Callable[..., Session]
+
+class Driven:
+    """A session in an event loop of its own, asked from the tests' thread."""
+
+    def __init__(self, recipe: Recipe, **options: Any) -> None:
+        self.session = Session(recipe, **options)
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+
+    def _later(self, work: Coroutine[Any, Any, T]) -> concurrent.futures.Future[T]:
+        return asyncio.run_coroutine_threadsafe(work, self._loop)
+
+    def call(self, function: Callable[..., T], *arguments: Any) -> T:
+        """What a function returns that the session's loop calls."""
+
+        async def called() -> T:
+            return function(*arguments)
+
+        return self._later(called()).result(60.0)
+
+    def start(self) -> None:
+        self._later(self.session.start()).result(600.0)
+
+    def close(self) -> None:
+        if self._loop.is_closed():
+            return
+        self._later(self.session.close()).result(60.0)
+        self._later(self._finish()).result(60.0)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(60.0)
+        self._loop.close()
+
+    async def _finish(self) -> None:
+        others = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
+        for task in others:
+            task.cancel()
+        await asyncio.gather(*others, return_exceptions=True)
+        await self._loop.shutdown_default_executor()
+
+    def __enter__(self) -> Driven:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def request(self, command: Mapping[str, Any]) -> dict[str, Any]:
+        return self._later(self.session.request(command)).result(600.0)
+
+    async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
+        return await asyncio.wrap_future(self._later(self.session.ask(window, command)))
+
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
+        return await asyncio.wrap_future(self._later(self.session.newest_frame(after, window)))
+
+    def open_window(self) -> str:
+        return self.call(self.session.open_window)
+
+    def close_window(self, window: str) -> None:
+        self.call(self.session.close_window, window)
+
+    @property
+    def link(self) -> Link:
+        found = self.session._keeper.link
+        assert found is not None
+        return found
+
+    @property
+    def hang(self) -> dict[str, Any] | None:
+        return self.session._keeper.hang
+
+    @property
+    def scene(self) -> Any:
+        return self.session.scene
+
+    @property
+    def holder(self) -> str:
+        return self.session.holder
+
+    @property
+    def folder(self) -> str:
+        return self.session.folder
+
+
+T = TypeVar("T")
+Make = Callable[..., Driven]
 
 
 def write_project(folder: Path, controller: str = "own.py:Circling", duration: float = 60.0) -> Path:
@@ -117,11 +207,11 @@ def in_time() -> float:
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Make]:
     """Starts a session of the scenario, with another controller if one is named."""
-    started: list[Session] = []
+    started: list[Driven] = []
 
-    def make(controller: str = "own.py:Circling", duration: float = 60.0, **options: Any) -> Session:
+    def make(controller: str = "own.py:Circling", duration: float = 60.0, **options: Any) -> Driven:
         path = write_project(tmp_path, controller, duration)
-        session = Session(Recipe(name=str(path)), project=tmp_path, **options)
+        session = Driven(Recipe(name=str(path)), project=tmp_path, **options)
         started.append(session)
         session.start()
         return session

@@ -1,4 +1,4 @@
-"""A server whose session answers without simulating.
+"""A server of two sessions that answer without simulating.
 
 `python -m tests.ui.stub` prints an opening address, and another one for each line that it reads.
 """
@@ -11,8 +11,9 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from amorsim.ui.security import Door
-from amorsim.ui.server import serve
+from amorsim.ui.serve.pages import Pages
+from amorsim.ui.serve.security import Door
+from amorsim.ui.serve.server import serve
 
 
 class StubSession:
@@ -42,6 +43,9 @@ class StubSession:
             await asyncio.sleep(0.001)
         return b"amf1" + bytes(4) + self.number.to_bytes(4, "little") + bytes(68)
 
+    def only_asks(self, name: str) -> bool:
+        return name == "state"
+
     async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
         self.asked.append(dict(command))
         if command.get("do") == "wait" and self._release is not None:
@@ -61,4 +65,7 @@ def invite(door: Door) -> None:
 
 
 if __name__ == "__main__":
-    serve(StubSession(), ready=invite)
+    both = Pages()
+    both.add("run", "one", StubSession())
+    both.add("run", "two", StubSession())
+    asyncio.run(serve(both, ready=invite))

@@ -19,11 +19,11 @@ import pytest
 
 import amorsim as am
 from amorsim.cli import main
+from tests.ui.serve.test_film import packed, png
 from tests.ui.sessions import in_time, write_project
-from tests.ui.test_film import packed, png
 from tests.ui.views import View, children_of, cookie_of, drive, until_gone
 
-pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 
 def get(address: str, path: str, **headers: str) -> int:
@@ -98,7 +98,7 @@ def test_it_ends_with_its_terminal(tmp_path: Path) -> None:
 def test_a_process_that_is_still_being_loaded_ends_with_its_session(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from amorsim.ui.pipes import python_for
+    from amorsim.ui.simulator.pipes import python_for
 
     # As numpy and numba on a machine that has much else to do, only longer.
     (tmp_path / "heavy.py").write_text("import time\nprint('loading', flush=True)\ntime.sleep(3600)\n")
@@ -121,7 +121,7 @@ def test_a_gif_that_is_being_made_does_not_hold_up_the_end(tmp_path: Path, views
     scenario = write_project(tmp_path)
     first = (
         "import pathlib, time\n"
-        "import amorsim.ui.server as server\n"
+        "import amorsim.ui.serve.server as server\n"
         "server.gif_of = lambda film: (pathlib.Path('begun').touch(), time.sleep(3600))"
     )
     view = View(scenario.name, "--out", "out", cwd=tmp_path, first=first)
@@ -218,7 +218,7 @@ def test_it_removes_the_browsers_file_when_it_ends(
 def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(
-        importlib.util, "find_spec", lambda name, *rest: None if name == "nicegui" else find(name, *rest)
+        importlib.util, "find_spec", lambda name, *rest: None if name == "starlette" else find(name, *rest)
     )
     status, said = amorsim("view", "demo")
     assert status == 2

@@ -17,12 +17,12 @@ import amorsim as am
 from amorsim.contracts import Controller
 from amorsim.core.same_cells import have_same_cells
 from amorsim.scenario.write import with_maps, write_document
-from amorsim.ui.recipe import Recipe
-from amorsim.ui.session import Session
+from amorsim.ui.simulator.recipe import Recipe
 from tests import building
+from tests.ui.sessions import Driven
 from tests.ui.views import View, drive
 
-pytest.importorskip("nicegui", reason="the extra 'ui' is not installed")
+pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 SCRIPT = """
 import amorsim as am
@@ -169,7 +169,7 @@ def test_a_scenario_that_is_saved_names_its_files_from_its_own_folder(tmp_path: 
         "[[obstacles]]\nshape = { circle = 0.2 }\npose = { x = 3.0, y = 3.0 }\n"
         'motion = { use = "track", file = "track.csv" }\n'
     )
-    with Session(Recipe(name=str(study / "scenario.toml")), project=project) as session:
+    with Driven(Recipe(name=str(study / "scenario.toml")), project=project) as session:
         assert session.request({"do": "save_scenario", "name": "mine/first"})["ok"]
     text = (project / "mine" / "first.toml").read_text()
     assert str(tmp_path) not in text
@@ -182,7 +182,7 @@ def test_a_scenario_that_is_saved_names_its_files_from_its_own_folder(tmp_path: 
 
 
 def test_a_bundled_scenario_is_saved_with_its_map(tmp_path: Path) -> None:
-    with Session(Recipe(name="khepera-maze"), project=tmp_path) as session:
+    with Driven(Recipe(name="khepera-maze"), project=tmp_path) as session:
         assert session.request({"do": "save_scenario", "name": "own"})["ok"]
     assert 'map = "own.wld"' in (tmp_path / "own.toml").read_text()
     again = am.load(tmp_path / "own.toml")
@@ -198,7 +198,7 @@ def test_a_scenario_that_is_saved_keeps_its_map(tmp_path: Path) -> None:
     file = passing / "made.toml"
     write_document(with_maps(building.scenario(robot, map=world), passing), file)
     (project / "first.wld").write_text("somebody else's")
-    with Session(Recipe(name=str(file), passing=str(passing)), project=project) as session:
+    with Driven(Recipe(name=str(file), passing=str(passing)), project=project) as session:
         assert session.request({"do": "save_scenario", "name": "first"})["ok"]
     for path in passing.iterdir():
         path.unlink()

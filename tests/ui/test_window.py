@@ -316,7 +316,7 @@ def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
     window.do(do="drive", robot="rover", forward=0.5)
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press(" ")
-    window.until("film.frames.length >= 4")
+    window.until("saving.film.frames.length >= 4")
     with page.expect_download() as saved:
         page.click("text=stop GIF")
     saved.value.save_as(tmp_path / "view.gif")
@@ -396,7 +396,7 @@ def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> 
         page = window.page.context.new_page()  # the same user, so the cookie would be sent
         page.goto(f"http://127.0.0.1:{other.server_port}/")
         opened = page.evaluate(
-            """host => Promise.all(["/amorsim/socket", "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"].map(path =>
+            """host => Promise.all(["/amorsim/socket/run/room"].map(path =>
                 new Promise(done => {
                     const socket = new WebSocket(`ws://${host}${path}`);
                     socket.onopen = () => done("open");
@@ -404,10 +404,10 @@ def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> 
                 })))""",
             host,
         )
-        assert opened == ["refused", "refused"]
+        assert opened == ["refused"]
         statuses: list[int] = []
         page.on("response", lambda response: statuses.append(response.status))
-        for path in ("/", "/amorsim/web/simulator.js", "/_nicegui_ws/socket.io/?EIO=4&transport=polling"):
+        for path in ("/", "/run/room", "/amorsim/web/simulator/simulator.js"):
             read = page.evaluate(
                 "url => fetch(url, {credentials: 'include'}).then(r => r.text(), () => 'refused')",
                 f"http://{host}{path}",
@@ -429,6 +429,26 @@ def test_a_page_of_another_origin_is_refused(window: Window, served: Server) -> 
     finally:
         other.shutdown()
         other.server_close()
+
+
+def test_no_text_becomes_a_script_or_a_style(window: Window) -> None:
+    said = window.page.evaluate(
+        """async () => {
+            const [broken, script] = [[], document.createElement("script")];
+            document.addEventListener("securitypolicyviolation", (event) => broken.push(event.effectiveDirective));
+            script.textContent = "window.wasRun = true";
+            document.body.append(script);
+            const element = document.createElement("p");
+            element.setAttribute("style", "color: red");
+            element.setAttribute("onclick", "window.wasRun = true");
+            document.body.append(element);
+            element.click();
+            await new Promise((done) => setTimeout(done, 100));
+            return [window.wasRun ?? false, element.style.color, broken.sort()];
+        }"""
+    )
+    window.problems.clear()  # which were meant
+    assert said == [False, "", ["script-src-attr", "script-src-elem", "style-src-attr"]]
 
 
 # ------------------------------------------------------------------------------------------------------ usable by all

@@ -71,7 +71,7 @@ def test_each_robot_has_a_colour_and_its_name(window: Window) -> None:
                 const fill = pane.context.fillText;
                 names[which] = [];
                 pane.context.fillText = (text) => names[which].push(text);
-                pane.draw({SIMULATOR}.stage);
+                pane.draw();
                 pane.context.fillText = fill;
             }}
             return names;

@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from amorsim.cli.console import compile_once
-from amorsim.ui.packing import FRAME_HEADER
+from amorsim.ui.simulator.packing import FRAME_HEADER
 from tests.ui.aside import aside
 
 
@@ -116,16 +116,27 @@ def cookie_of(view: View) -> str:
     return cookie
 
 
+def first_page(view: View, cookie: str) -> str:
+    """The path of the page that is shown first."""
+    parts = urlsplit(view.address)
+    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
+    connection.request("GET", "/", headers={"Cookie": cookie})
+    path = connection.getresponse().getheader("location") or ""
+    connection.close()
+    return path
+
+
 def drive(view: View) -> None:
     """Let it run, as a window does."""
     import websockets
 
     async def talk() -> None:
         parts = urlsplit(view.address)
-        origin = f"http://{parts.netloc}"
+        origin, cookie = f"http://{parts.netloc}", cookie_of(view)
+        path = first_page(view, cookie)
         async with websockets.connect(
-            f"ws://{parts.netloc}/amorsim/socket",
-            additional_headers={"Cookie": cookie_of(view)},
+            f"ws://{parts.netloc}/amorsim/socket{path}",
+            additional_headers={"Cookie": cookie},
             origin=origin,  # type: ignore[arg-type]
         ) as socket:
             await socket.send(json.dumps({"id": 1, "do": "speed", "factor": 5.0}))

@@ -112,9 +112,14 @@ class Window:
         self.page = page
         self.problems: list[str] = []
         page.on("pageerror", self._note)
+        page.on("console", self._read)
 
     def _note(self, error: Any) -> None:
         self.problems.append(str(error))
+
+    def _read(self, message: Any) -> None:
+        if "Content Security Policy" in message.text:
+            self.problems.append(message.text)
 
     def open(self, address: str) -> Window:
         self.page.goto(address)
@@ -127,6 +132,7 @@ class Window:
             self.page.evaluate("localStorage.clear(), sessionStorage.clear()")
             self.page.goto("about:blank")
         self.page.remove_listener("pageerror", self._note)
+        self.page.remove_listener("console", self._read)
 
     def see(self, expression: str) -> Any:
         """The value of an expression of the simulator's window: `newest.tick`."""

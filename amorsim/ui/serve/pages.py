@@ -1,0 +1,89 @@
+"""The pages of a server: each shows one session, and is known by its kind and the session's name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import attrs
+
+from amorsim.core.errors import AmorsimError
+
+__all__ = ["KINDS", "WEB", "Page", "Pages", "Talks"]
+
+WEB = Path(__file__).parent.parent / "web"
+KINDS = {"run": "simulator"}  # the folder in `WEB` whose ``page.html`` a kind of page is
+
+_ODD = re.compile(r"[^A-Za-z0-9_.-]+")
+
+
+class Talks(Protocol):
+    """What a server needs of a session; see `amorsim.ui.simulator.session.Session`."""
+
+    def open_window(self, tab: str = "") -> str:
+        """A new window's name; `tab` is the same for the windows that one tab shows after one another."""
+
+    def close_window(self, window: str) -> None:
+        """A window has gone."""
+
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
+        """A window's newest frame, once there is one whose number is above `after`; nothing where none will come."""
+
+    def only_asks(self, name: str) -> bool:
+        """Whether a command only asks: such commands are answered at once, the others in the order they came in."""
+
+    async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
+        """The answer to a command."""
+
+
+@attrs.frozen(kw_only=True)
+class Page:
+    """A page of a kind, for the session of a name."""
+
+    kind: str
+    name: str
+    session: Talks
+
+    @property
+    def path(self) -> str:
+        """Where it is served."""
+        return f"/{self.kind}/{self.name}"
+
+    @property
+    def file(self) -> Path:
+        """Its markup."""
+        return WEB / KINDS[self.kind] / "page.html"
+
+
+class Pages:
+    """Pages by kind and name, in the order in which they were added; the first is shown where none is named."""
+
+    def __init__(self) -> None:
+        self._pages: dict[tuple[str, str], Page] = {}
+
+    def __iter__(self) -> Iterator[Page]:
+        return iter(self._pages.values())
+
+    def add(self, kind: str, name: str, session: Talks) -> Page:
+        """A new page. Its name is of letters that need no quoting in an address, with a number where it is taken.
+
+        Raises
+        ------
+        AmorsimError
+            If there is no such kind of page.
+        """
+        if kind not in KINDS:
+            raise AmorsimError(f"expected a kind of page, {' or '.join(map(repr, KINDS))}, got {kind!r}")
+        plain = _ODD.sub("-", name).strip("-.") or "session"
+        free, number = plain, 1
+        while (kind, free) in self._pages:
+            number += 1
+            free = f"{plain}-{number}"
+        page = self._pages[kind, free] = Page(kind=kind, name=free, session=session)
+        return page
+
+    def find(self, kind: str, name: str) -> Page | None:
+        """The page of a kind and name, or None."""
+        return self._pages.get((kind, name))

@@ -1,0 +1,186 @@
+"""The window's server: pages, their scripts, and one WebSocket a window, all behind the guard."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from typing import Any
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, PlainTextResponse, RedirectResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from amorsim.core.errors import AmorsimError
+from amorsim.ui.serve.film import FilmError, gif_of, read_film
+from amorsim.ui.serve.lobby import Lobby
+from amorsim.ui.serve.pages import WEB, Pages
+from amorsim.ui.serve.security import App, Door, Guard
+from amorsim.ui.serve.talk import Talk
+from amorsim.ui.serve.wire import LONGEST_MESSAGE
+
+__all__ = ["build", "listen", "serve"]
+
+LONGEST_HEAD = 32 * 1024  # [bytes] of a request: a browser sends the cookies of all that is served on this host
+LONGEST_UPLOAD = 60.0  # [s] of a film's pictures
+MOST_WINDOWS = 32
+FRESH = {"cache-control": "no-cache"}  # a browser asks whether it is new, so that an update is seen at once
+
+
+def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) -> App:
+    """The whole application for some pages; `started` is called once it can be asked."""
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        started()
+        yield
+
+    async def show_first(_: Request) -> Response:
+        first = next(iter(pages), None)
+        if first is None:
+            return PlainTextResponse("there is nothing to show", status_code=404)
+        return RedirectResponse(first.path, headers={"cache-control": "no-store"})
+
+    async def show(request: Request) -> Response:
+        page = pages.find(**request.path_params)
+        if page is None:
+            return PlainTextResponse("there is no such page", status_code=404)
+        return FileResponse(page.file, headers=FRESH)
+
+    routes = [
+        Route("/", show_first),
+        Route("/{kind}/{name}", show),
+        WebSocketRoute("/amorsim/socket/{kind}/{name}", _connecting(pages)),
+        Route("/amorsim/gif", _making_gifs(), methods=["POST"]),
+        Mount("/amorsim/web", _Scripts(directory=WEB)),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=lifespan), door)
+
+
+def _connecting(pages: Pages) -> Callable[[WebSocket], Awaitable[None]]:
+    """Lets windows talk with their page's session, so many at a time."""
+    windows: set[Talk] = set()
+
+    async def connect(websocket: WebSocket) -> None:
+        page = pages.find(**websocket.path_params)
+        if page is None:
+            await websocket.close(1008, "There is no such page.")
+            return
+        if len(windows) >= MOST_WINDOWS:
+            await websocket.close(1013, "There are too many windows.")
+            return
+        talk = Talk(websocket, page.session)
+        windows.add(talk)
+        try:
+            await talk.run()
+        finally:
+            windows.discard(talk)
+
+    return connect
+
+
+def _making_gifs() -> Callable[[Request], Awaitable[Response]]:
+    """Makes GIFs of films, one at a time: one takes memory enough."""
+    making = asyncio.Lock()
+
+    async def make_gif(request: Request) -> Response:
+        if making.locked():
+            return PlainTextResponse("another GIF is being made; try again when it is done", status_code=429)
+        async with making:
+            try:
+                async with asyncio.timeout(LONGEST_UPLOAD):
+                    film = await read_film(request.stream(), request.query_params.get("every", ""))
+                made = await run_in_threadpool(gif_of, film)
+            except TimeoutError:
+                return PlainTextResponse(f"the film did not come within {LONGEST_UPLOAD:g} s", status_code=408)
+            except FilmError as error:
+                return PlainTextResponse(str(error), status_code=400)
+            except ClientDisconnect:
+                return Response(status_code=400)  # which nobody reads
+        return Response(made, media_type="image/gif")
+
+    return make_gif
+
+
+class _Scripts(StaticFiles):
+    """Our scripts and sheets."""
+
+    def file_response(self, *args: Any, **options: Any) -> Response:
+        response = super().file_response(*args, **options)
+        response.headers.update(FRESH)
+        return response
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A socket that listens; `port` 0 takes any that is free.
+
+    Raises
+    ------
+    AmorsimError
+        If the address is taken or not this machine's.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+        bound.listen()  # who asks as soon as the address is printed waits, and is not refused
+    except (OSError, OverflowError) as error:
+        bound.close()
+        reason = getattr(error, "strerror", None) or str(error)
+        raise AmorsimError(f"cannot listen on {host}, port {port}: {reason}; choose another with --port") from None
+    return bound
+
+
+class _Server(uvicorn.Server):
+    """Ends what it serves as soon as a signal comes, not after its windows have gone."""
+
+    def __init__(self, config: uvicorn.Config, ending: Callable[[], Awaitable[None]]) -> None:
+        super().__init__(config)
+        self._ending = ending
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        ending = asyncio.ensure_future(self._ending())
+        await super().shutdown(sockets)
+        await ending
+
+
+async def _nothing() -> None:
+    pass
+
+
+async def serve(
+    pages: Pages,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 0,
+    ready: Callable[[Door], None],
+    ending: Callable[[], Awaitable[None]] = _nothing,
+) -> None:
+    """Serve pages until the process is told to end.
+
+    `ready` is given the door, which makes addresses to open the window by; `ending` is awaited as soon as the process
+    is told.
+    """
+    with listen(host, port) as bound:
+        door = Door(host=host, port=bound.getsockname()[1])
+        app = build(pages, door, lambda: ready(door))
+        config = uvicorn.Config(
+            app,
+            http=Lobby(H11Protocol).receive,  # type: ignore[arg-type] # what makes a protocol, as a class does
+            h11_max_incomplete_event_size=LONGEST_HEAD,
+            log_level="error",  # what a stranger asks for is not for the terminal
+            access_log=False,
+            server_header=False,
+            timeout_graceful_shutdown=1,
+            ws_max_size=LONGEST_MESSAGE,
+            ws_per_message_deflate=False,  # frames are floats: it would cost more than it saves
+        )
+        await _Server(config, ending).serve(sockets=[bound])

@@ -1,0 +1,398 @@
+"""The child process: it owns the simulation and does what its session says, over standard input and output.
+
+Three threads: the first one simulates, and is the one that a user's controller can hold up; the second reads what the
+session says; the third writes answers. So the session hears from it also while a controller does not return, the
+simulation never waits for a reader, and the process ends when its session does: then there is nothing more to read.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import faulthandler
+import json
+import os
+import queue
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from types import FrameType
+from typing import IO, Any
+
+import numba
+
+from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import explain, users_lines
+from amorsim.kernels.cache_folder import mark_warm
+from amorsim.ui.simulator.carried import Carried, Carrier
+from amorsim.ui.simulator.commands import Commands
+from amorsim.ui.simulator.faults import Fault
+from amorsim.ui.simulator.inputs import Input, Inputs
+from amorsim.ui.simulator.orphan import stay
+from amorsim.ui.simulator.packing import FrameFlag, pack_bundle
+from amorsim.ui.simulator.pipes import JSON, Writer, read_message
+from amorsim.ui.simulator.player import Player
+from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.scenes import SceneBuilder
+
+__all__ = ["Child", "main"]
+
+LONGEST_SLEEP = 0.05  # [s], after which an idle loop looks about
+LEAST_BETWEEN_FRAMES = 0.025  # [s]
+LONGEST_STEP = 0.25  # [s] that a controller gets to return once all is to end
+LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
+# Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
+LONGEST_SILENCE = 60.0  # [s]
+
+LONGEST_QUIET = 1.0  # [s] after which it is said that kernels are compiled
+_COMPILER = Path(numba.__file__).parent
+
+# What the session says that the simulation needs not be asked for.
+_AT_ONCE = ("ping", "frame", "interrupt", "end")
+
+
+class Interrupted(BaseException):
+    """Raised in a user's controller that does not return; no `except Exception` of his catches it."""
+
+
+class Child:
+    """The process's work.
+
+    Parameters
+    ----------
+    said, answers
+        What is read, and where answers go.
+    """
+
+    def __init__(self, said: IO[bytes], answers: IO[bytes]) -> None:
+        self._said = said
+        self._writer = Writer(answers)
+        self._commands: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+        self._is_ending = threading.Event()
+        self._main = threading.main_thread().ident or 0
+        self._process = os.getpid()
+        self._busy_since: float | None = None  # when the present step, or replay, began
+        self._in_step = False
+        self._is_wanted = False  # a frame, by the session
+        self._robots: tuple[int, ...] = (0,)  # of which it is to tell all
+        self._number = 0
+        self._changed = True
+        self._last_frame = 0.0
+        self._tick = 0
+        self._folder = ""
+        self._is_first = True
+        self._carrier = Carrier()
+        self._epoch = 0
+        self._told: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
+
+    # ---------------------------------------------------------------------------------------------- the reading thread
+
+    def read(self) -> None:
+        """Take what the session says, until it says no more."""
+        try:
+            while (message := read_message(self._said)) is not None:
+                kind, data = message
+                if kind != JSON:
+                    continue
+                command = json.loads(data)
+                if command.get("do") in _AT_ONCE:
+                    self._at_once(command)
+                else:
+                    self._commands.put(command)
+        finally:  # also after what nobody should say: a child that does not listen would never end
+            self.end()
+
+    def _at_once(self, command: Mapping[str, Any]) -> None:
+        name = command["do"]
+        if name == "ping":
+            faulthandler.dump_traceback_later(LONGEST_SILENCE, exit=True, file=2)
+            self._writer.send(self._sign_of_life(command))
+        elif name == "frame":
+            self._robots = tuple(command["robots"])
+            self._is_wanted = True
+            self._changed = self._changed or bool(command["now"])
+            self._commands.put({"do": ""})  # wakes an idle loop
+        elif name == "interrupt":
+            self._interrupt()
+        else:
+            self.end()
+
+    def _sign_of_life(self, command: Mapping[str, Any]) -> dict[str, Any]:
+        since = self._busy_since
+        held = 0.0 if since is None else time.monotonic() - since
+        answer: dict[str, Any] = {"id": command["id"], "ok": True, "held": held, "tick": self._tick}
+        if held > LONGEST_QUIET:
+            # To take kernels from their cache lasts as long where there is much else to do, and is no news.
+            answer["compiling"] = is_compiling(self._stack()[1], anew=True)
+        if self._in_step and held > float(command.get("patience", 5.0)):
+            answer |= self._where()
+        return answer
+
+    def _stack(self) -> tuple[FrameType | None, traceback.StackSummary]:
+        """What the first thread is in."""
+        frame = sys._current_frames().get(self._main)
+        return frame, traceback.extract_stack(frame) if frame is not None else traceback.StackSummary()
+
+    def _where(self) -> dict[str, Any]:
+        """Which controller holds up the first thread, and where."""
+        frame, stack = self._stack()
+        # A kernel that is met for the first time (at a first contact ...) is compiled: that takes its time, and ends.
+        lines = [] if is_compiling(stack) else users_lines(stack)
+        return {"stack": "\n".join(lines), "robot": _robot_of(frame)} if lines else {}
+
+    def end(self) -> None:
+        """Let the first thread end, and see to it that the process does."""
+        self._is_ending.set()
+        self._commands.put({"do": ""})
+        for seconds, then, arguments in ((LONGEST_STEP, self._interrupt, ()), (LONGEST_END, os._exit, (1,))):
+            timer = threading.Timer(seconds, then, arguments)
+            timer.daemon = True
+            timer.start()
+
+    def _interrupt(self) -> None:
+        """Break off the controller that the first thread is in, if Python can."""
+        if self._in_step and self._where():
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._main), ctypes.py_object(Interrupted))
+
+    # ------------------------------------------------------------------------------------------- the simulating thread
+
+    def work(
+        self, recipe: Recipe, *, out: Path | None, inputs: Inputs, tick: int, epoch: int, carried: Carried | None
+    ) -> None:
+        """Make the simulation, and simulate until the session ends."""
+        since = ""
+        try:
+            self._busy_since = time.monotonic()
+            simulation, remark = recipe.simulation()
+            player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
+            if tick or len(inputs):
+                player.inputs = inputs
+                since = player.resume(tick, carried)
+        except AmorsimError as error:
+            self._writer.send({"push": "failed", "error": explain(error)})
+            return
+        self._busy_since = None
+        builder = SceneBuilder(simulation)
+        self._player, self._does = player, Commands(player, builder, self._is_ending.is_set, passing=recipe.passing)
+        self._folder, self._tick = str(player.folder or ""), player.newest
+        remarks = [
+            f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
+        ]
+        ready = {"scene": builder.scene, "remarks": remarks, "folder": self._folder, "since": since}
+        self._writer.send({"push": "ready", **ready})
+        self._epoch = player.epoch
+        try:
+            while not self._is_ending.is_set():
+                with contextlib.suppress(Interrupted):  # it came late: what it was meant for has returned
+                    self._turn()
+        finally:
+            player.close()
+
+    def _replayed(self, _: int) -> None:
+        if self._is_ending.is_set():
+            raise SystemExit(0)
+
+    def _turn(self) -> None:
+        """Carry out what was said, make a step if one is due, and show how it looks."""
+        does = self._does
+        now = time.monotonic()
+        wait = LONGEST_SLEEP
+        if does.is_running:
+            wait = min(wait, does.pace.wait(now))
+        if self._is_wanted and self._changed:
+            wait = min(wait, max(0.0, self._last_frame + LEAST_BETWEEN_FRAMES - now))
+        self._listen(wait)
+        if does.is_running and does.pace.wait(time.monotonic()) <= 0.0:
+            self._step()
+            # As fast as possible: look about only when there is something to see to.
+            while does.is_running and does.pace.factor is None and self._commands.empty() and not self._is_frame_due():
+                self._step()
+        self._show()
+
+    def _listen(self, wait: float) -> None:
+        try:
+            command = self._commands.get(timeout=wait) if wait > 0.0 else self._commands.get_nowait()
+            while True:
+                if command.get("do") != "":
+                    self._carry_out(command)
+                command = self._commands.get_nowait()
+        except queue.Empty:
+            pass
+
+    def _carry_out(self, command: dict[str, Any]) -> None:
+        self._busy_since, self._in_step = time.monotonic(), True
+        try:
+            answer = self._does.carry_out(command)
+        except Interrupted:
+            self._interrupted()
+            answer = {"ok": False, "error": "it was broken off"}
+        except Exception as error:
+            sys.stderr.write("".join(traceback.format_exception(error)))
+            answer = {"ok": False, "error": f"{type(error).__name__}: {error}"}
+        finally:
+            self._busy_since, self._in_step = None, False
+        self._changed = True
+        self._tick = self._player.newest
+        self._tell_inputs()
+        self._writer.send({"id": command["id"], **answer})
+
+    def _step(self) -> None:
+        does, player = self._does, self._player
+        # Frames are rare where it runs as fast as it can; only the step before one needs to be looked at.
+        is_watched = does.pace.factor is not None or self._is_frame_due()
+        if self._is_ending.is_set():
+            return
+        player.watched = self._robots
+        self._busy_since, self._in_step = time.monotonic(), True
+        try:
+            made = player.step(watched=is_watched)
+        except Interrupted:
+            made = False
+            self._interrupted()
+        finally:
+            self._busy_since, self._in_step = None, False
+        self._expect_original()
+        self._changed = True
+        self._tick = player.newest
+        if not made:
+            does.is_running = False
+            if player.fault is not None:
+                sys.stderr.write(player.fault.stack + "\n")
+            return
+        if self._is_first:
+            mark_warm()
+            self._is_first = False
+        if self._carrier.is_due:
+            self._carry()
+        does.pace.stepped(time.monotonic(), player.simulation.dt)
+        if player.newest == player.last:
+            does.is_running, does.has_ended = False, True
+
+    def _expect_original(self) -> None:
+        """End this process if it is a copy that a controller has forked: its session hears the first one."""
+        if os.getpid() != self._process:
+            sys.stderr.write("a controller or plugin forked the process that simulates; the copy ends here\n")
+            sys.stderr.flush()
+            os._exit(1)
+
+    def _carry(self) -> None:
+        """Let the session have a snapshot for a child after this one, or know why it has none."""
+        carried = self._player.carry(self._carrier)
+        if carried is not None:
+            self._writer.send({"push": "tick", "tick": carried.tick})
+            self._writer.send_snapshot(carried.to_bytes())
+        elif self._carrier.reason:
+            self._writer.send({"push": "uncarried", "reason": self._carrier.reason})
+
+    def _interrupted(self) -> None:
+        robot = self._hung
+        self._player.fail(
+            Fault(
+                robots=(robot,) if robot else (),
+                text=f"the controller of {robot or 'a robot'} did not return",
+                stack="",
+            )
+        )
+
+    @property
+    def _hung(self) -> str:
+        _, _, trace = sys.exc_info()
+        while trace is not None:
+            if robot := _robot_of(trace.tb_frame):
+                return robot
+            trace = trace.tb_next
+        return ""
+
+    def _tell_inputs(self) -> None:
+        """Let the session know what was given, for a child after this one."""
+        if self._player.epoch != self._epoch:  # what was carried is of another course of events
+            self._epoch = self._player.epoch
+            self._writer.send({"push": "epoch"})
+        folder = str(self._player.folder or "")
+        if folder != self._folder:
+            self._folder = folder
+            self._writer.send({"push": "folder", "folder": folder})
+        inputs = self._player.inputs
+        first, news = inputs.news()
+        known, count = self._told
+        if inputs is not known or news or len(inputs) != count:
+            self._told = inputs, len(inputs)
+            self._writer.send({"push": "inputs", "first": first, "inputs": [one.to_json() for one in news]})
+
+    def _is_frame_due(self) -> bool:
+        return self._is_wanted and time.monotonic() - self._last_frame >= LEAST_BETWEEN_FRAMES
+
+    def _show(self) -> None:
+        """Send a frame if the session has none that is as new, and has waited long enough since the last."""
+        if self._changed and self._is_frame_due():
+            # Before the frame is made: what is wanted, or changes, meanwhile asks for another.
+            self._changed = self._is_wanted = False
+            does = self._does
+            self._number += 1
+            self._last_frame = time.monotonic()
+            flags = (FrameFlag.RUNNING if does.is_running else 0) | (FrameFlag.ENDED if does.has_ended else 0)
+            speed = float("inf") if does.pace.factor is None else does.pace.factor
+            self._player.watched = self._robots
+            moments = self._player.frames(
+                version=1, number=self._number, speed=speed, achieved=does.achieved, flags=flags
+            )
+            self._writer.send_frame(pack_bundle(moments))
+
+    def close(self) -> None:
+        """Write what waits."""
+        self._writer.close()
+
+
+def is_compiling(stack: traceback.StackSummary, *, anew: bool = False) -> bool:
+    """Whether a stack is in the compiler of kernels; with `anew` only where none is being taken from its cache."""
+    files = (Path(frame.filename) for frame in stack)
+    return any(file.is_relative_to(_COMPILER) and (not anew or file.stem.startswith("compiler")) for file in files)
+
+
+def _robot_of(frame: FrameType | None) -> str:
+    """The robot whose controller a stack is in, as far as `UserController` is in it."""
+    from amorsim.controllers.user import UserController
+
+    while frame is not None:
+        if frame.f_code is UserController.command.__code__:
+            row, names = frame.f_locals.get("row"), frame.f_locals["robot"].names
+            return str(names[row]) if names and row is not None else ""
+        frame = frame.f_back
+    return ""
+
+
+def main() -> None:
+    """Read what to simulate as the first message, and do it."""
+    # Ctrl-C is for the session, which ends this process in order.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    said = os.fdopen(os.dup(0), "rb", buffering=0)
+    answers = os.fdopen(os.dup(1), "wb")
+    # What a user's controller prints goes to the log, and never into the answers.
+    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    first = read_message(said)
+    if first is None:
+        return
+    order = json.loads(first[1])
+    snapshot = read_message(said) if order["carried"] else None
+    child = Child(said, answers)
+    with contextlib.suppress(AttributeError, ValueError):
+        signal.signal(signal.SIGTERM, lambda *_: child.end())
+    threading.Thread(target=child.read, name="amorsim-reader", daemon=True).start()
+    stay()
+    child.work(
+        Recipe.from_json(order["recipe"]),
+        out=Path(order["out"]) if order["out"] else None,
+        inputs=Inputs(Input.from_json(one) for one in order["inputs"]),
+        tick=order["tick"],
+        epoch=order["epoch"],
+        carried=None if snapshot is None else Carried.from_bytes(snapshot[1]),
+    )
+    child.close()
+    # All is written; taking the interpreter apart would only take time.
+    sys.stderr.flush()
+    os._exit(0)

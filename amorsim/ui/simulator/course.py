@@ -1,0 +1,28 @@
+"""A course of events that was left by going on from its past, kept so that it can be taken up again."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import attrs
+
+from amorsim.ui.simulator.inputs import Inputs
+from amorsim.ui.simulator.past import Pasts
+from amorsim.ui.simulator.story import Story
+from amorsim.ui.simulator.timeline import Paths, Snapshots
+
+__all__ = ["Course"]
+
+
+@attrs.frozen(kw_only=True)
+class Course:
+    """All that a player keeps of a simulation's past, and the snapshot of its end, `present`."""
+
+    newest: int  # the last tick that was simulated
+    present: Any
+    inputs: Inputs
+    changes: dict[tuple[str, str], Any]
+    paths: Paths
+    snapshots: Snapshots
+    pasts: Pasts
+    story: Story

@@ -1,0 +1,26 @@
+"""What went wrong in a step."""
+
+from __future__ import annotations
+
+import attrs
+
+from amorsim.core.errors import AmorsimError, ControllerError
+from amorsim.core.trouble import error_in_words, explain
+
+__all__ = ["Fault", "fault_of"]
+
+
+@attrs.frozen(kw_only=True)
+class Fault:
+    """What went wrong in a step: whose controller it was, if it was one, and the lines that led to it."""
+
+    robots: tuple[str, ...]
+    text: str
+    stack: str
+
+
+def fault_of(error: BaseException) -> Fault:
+    """What is told of an error that ended a step."""
+    robot = error.robot if isinstance(error, ControllerError) else ""
+    text = str(error) if isinstance(error, AmorsimError) else error_in_words(error)
+    return Fault(robots=(robot,) if robot else (), text=text, stack=explain(error))

@@ -1,0 +1,232 @@
+"""The session: a simulation in a child process, for windows to watch and to drive.
+
+It runs in the server's process, and all of its state belongs to the event loop in which it was started. Of several
+windows one has the controls.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.ui.simulator.controls import Controls
+from amorsim.ui.simulator.keeper import Keeper
+from amorsim.ui.simulator.looks import Looks
+from amorsim.ui.simulator.mailbox import Mailbox
+from amorsim.ui.simulator.messages import COMMANDS, check
+from amorsim.ui.simulator.project import Saver, free_places, place_for
+from amorsim.ui.simulator.protocol import Scene
+from amorsim.ui.simulator.recipe import Recipe
+
+__all__ = ["Session"]
+
+Table = Mapping[str, Any]
+Answer = dict[str, Any]
+
+_OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "restore")  # which they name, or look at
+_OWN = ("restart", "places", "save_run", "save_scenario")
+
+BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
+
+
+class Session:
+    """A simulation in a process of its own, for windows to watch and to drive.
+
+    All of it is for the event loop in which it is started.
+
+    Parameters
+    ----------
+    recipe
+        What is simulated.
+    out
+        The folder that the run is written into as it goes, new or empty.
+    project
+        The folder that scenarios and runs are saved in; the present one if not given.
+    patience
+        After how long [s] without an answer a controller is said to hang.
+    notice
+        Called with what the user should know while he waits: once, that kernels are being compiled.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        *,
+        out: Path | None = None,
+        project: Path | None = None,
+        patience: float = 5.0,
+        notice: Callable[[str], None] | None = None,
+    ) -> None:
+        self.recipe = recipe
+        self.project = (project or Path.cwd()).absolute()
+        self._saver = Saver(self.project, recipe)
+        self._controls = Controls()
+        self._looks = Looks()
+        self._mailbox = Mailbox(lambda now: self._keeper.ask_frame(self._looks.robots, now=now))
+        self._keeper = Keeper(recipe, out=out, patience=patience, notice=notice, mailbox=self._mailbox)
+        self._state: Answer = {}  # the last that the child told
+
+    # ----------------------------------------------------------------------------------------------- beginning and end
+
+    async def start(self) -> Scene:
+        """Start the simulation; returns its scene once it is made.
+
+        Raises
+        ------
+        AmorsimError
+            If the scenario cannot be simulated, with what `amorsim run` would say.
+        """
+        return await self._keeper.start()
+
+    async def close(self) -> None:
+        """End the simulation, with whole files, within two seconds; again if one likes."""
+        self._saver.close()
+        await self._keeper.close()
+
+    async def __aenter__(self) -> Self:
+        await self.start()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    @property
+    def scene(self) -> Scene:
+        """All that stays as it is while the simulation runs."""
+        return self._keeper.scene
+
+    @property
+    def remarks(self) -> list[str]:
+        """For the user, at the start."""
+        return self._keeper.remarks
+
+    @property
+    def folder(self) -> str:
+        """The folder that the run is written into, or was until the end; nothing where there is none."""
+        link = self._keeper.link
+        folder = link.folder if link is not None else ""
+        return folder if folder and Path(folder, "run.json").is_file() else ""
+
+    # --------------------------------------------------------------------------------------------------------- windows
+
+    def open_window(self, tab: str = "") -> str:
+        """Let a new window watch; returns the word by which it is known. The first has the controls (`Controls`)."""
+        return self._controls.open(tab)
+
+    def close_window(self, window: str) -> None:
+        """Let a window go; what it drove by hand stands."""
+        self._looks.close(window)
+        if self._controls.close(window):
+            with contextlib.suppress(AmorsimError):
+                self._keeper.send({"do": "stop"})
+
+    @property
+    def holder(self) -> str:
+        """The window that has the controls, or nothing."""
+        return self._controls.holder
+
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
+        """The newest frame whose number is above `after`, as soon as there is one; never, once the session has ended.
+
+        It tells all of the robot that the window looks at. Frames are made only while somebody waits for one, at most
+        40 in a second.
+        """
+        return await self._mailbox.newest(after, lambda: self._looks.of(window))
+
+    # -------------------------------------------------------------------------------------------------------- commands
+
+    def only_asks(self, name: str) -> bool:
+        """Whether a command only asks: such commands are answered at once, the others in the order they came in."""
+        return name in COMMANDS and COMMANDS[name].asks
+
+    async def ask(self, window: str, command: Table) -> Answer:
+        """The answer to a window's command (see `amorsim.ui.simulator.messages`)."""
+        try:
+            if not self._controls.knows(window):
+                raise AmorsimError("this window is not known any more; load the page again")
+            shape = check(command)
+            if shape.controls and self.holder != window:
+                raise AmorsimError("another window has the controls; ask for them")
+            return await self._carry_out(window, command)
+        except AmorsimError as error:
+            return {"ok": False, "error": str(error)}
+
+    async def request(self, command: Table) -> Answer:
+        """The answer to a command from Python, which needs no window and no controls."""
+        try:
+            return await self._carry_out("", command)
+        except AmorsimError as error:
+            return {"ok": False, "error": str(error)}
+
+    async def _carry_out(self, window: str, command: Table) -> Answer:
+        name = command.get("do")
+        if name == "controls":
+            return self._controls.carry_out(window, command)
+        if name == "select":
+            return self._select(window, command)
+        if name in _OWN:
+            return await self._own(command)
+        if name == "scene":
+            return {"ok": True, "scene": self.scene}
+        if name == "state":
+            return {**await self._told_state(command), "selected": self._looks.of(window)}
+        if self._keeper.hang is not None:
+            raise AmorsimError(f"the simulation does not answer: {self._keeper.hang['text']}")
+        answer = await self._keeper.send(self._with_robot(window, command))
+        self._mailbox.spoil()
+        return answer
+
+    def _select(self, window: str, command: Table) -> Answer:
+        """Let a window look at a robot, whatever others look at."""
+        names = [robot["name"] for robot in self.scene["robots"]]
+        robot = command.get("robot")
+        if isinstance(robot, str) and robot in names:
+            robot = names.index(robot)
+        if not isinstance(robot, int) or isinstance(robot, bool) or not 0 <= robot < len(names):
+            hint = did_you_mean(str(robot), names) if isinstance(robot, str) else ""
+            raise AmorsimError(f"expected a robot's name or its place from 0 to {len(names) - 1}, got {robot!r}.{hint}")
+        self._looks.turn(window, robot)
+        self._mailbox.turn()
+        return {"ok": True}
+
+    def _with_robot(self, window: str, command: Table) -> Table:
+        if command.get("do") in _OF_ROBOT and "robot" not in command:
+            return {**command, "robot": self._looks.of(window)}
+        return command
+
+    async def _own(self, command: Table) -> Answer:
+        name, keeper = command["do"], self._keeper
+        if name == "restart":
+            return await keeper.restart(command.get("without"))
+        if name == "places":
+            return {"ok": True, "project": str(self.project), **free_places(self.project, self.scene["scenario"])}
+        if name == "save_run":
+            job = await keeper.demand({"do": "job"})
+            answer = await self._saver.save(job, command.get("name"), self.scene["scenario"])
+            keeper.remark("saved", f"the run was saved in {answer['folder']}")
+            return answer
+        file = place_for(self.project, command.get("name"), ".toml")
+        if file.exists() and not command.get("overwrite"):
+            raise AmorsimError(f"{file.name} is there already; name another file")
+        await keeper.demand({"do": "write_scenario", "file": str(file)})
+        keeper.remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
+        return {"ok": True, "file": str(file)}
+
+    async def _told_state(self, command: Table) -> Answer:
+        keeper = self._keeper
+        if keeper.hang is None:
+            try:
+                answer = keeper.send(command)
+                while not (await asyncio.wait([answer], timeout=BETWEEN_LOOKS))[0]:
+                    if keeper.is_compiling and self._state:
+                        answer.cancel()
+                        return {**self._state, "status": "compiling", **self._controls.told()}
+                self._state = answer.result()
+            except AmorsimError:
+                if keeper.hang is None and not self._state:
+                    raise
+        return {**self._state, **keeper.told(), **self._controls.told()}

@@ -1,0 +1,224 @@
+// Plots over time, by uPlot: a drag along the axis zooms, a double click or "all" shows all, and the pointer tells values.
+
+// @ts-types="./uplot.d.ts"
+import uPlot from "../vendor/uplot/uPlot.esm.js";
+import { clock, fixed, h, niceStep, say } from "./dom.js";
+import { DASHES } from "./theme.js";
+
+const FONT = "11px system-ui, sans-serif";
+const LEFT = 52; // pixels of the axis of values
+const LEAST_DRAG = 5; // pixels
+
+/**
+ * What is drawn: samples of curves, each of a kind that has a colour and dashes.
+ * @typedef {{curves: string[], times: number[], values: number[][]}} Curves
+ * @typedef {{theme: import("./theme.js").Theme, unit: string, now?: number, least?: number}} Look
+ *   `now` is the moment that is shown, `least` the least difference that means something
+ */
+
+export class Plot {
+  /** @param {HTMLElement} element what it fills */
+  constructor(element) {
+    this.element = element;
+    this.told = h("output", { class: "plot-told", "aria-hidden": "true" }); // what the table tells, too
+    /** Shows all of the time again; for where the plot's other controls are. */
+    this.whole = h("button", { class: "tool", hidden: true, title: "all of the time (or a double click)" }, "all");
+    this.whole.addEventListener("click", () => this.zoomTo(null));
+    element.append(this.told);
+    /** @type {[number, number] | null} */
+    this.zoom = null; // the time that is shown, or null for all
+    /** @type {unknown[]} */
+    this.made = []; // what the present one was made of
+    this.range = [0, 1];
+    this.marked = NaN; // a moment of the past
+    /** @type {Curves | null} */
+    this.curves = null; // what is drawn, and how
+    /** @type {Look | null} */
+    this.look = null;
+  }
+
+  /** Show a part of the time [s], or all of it.
+   * @param {[number, number] | null} zoom */
+  zoomTo(zoom) {
+    this.zoom = zoom;
+    this.whole.hidden = !zoom;
+    if (this.curves) this.draw(this.curves, this.look);
+  }
+
+  /**
+   * @param {Curves} curves
+   * @param {Look} look
+   */
+  draw(curves, look) {
+    [this.curves, this.look] = [curves, look];
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (width < 2 * LEFT || height < 48) return;
+    const made = [look.theme, look.unit, ...curves.curves];
+    if (!this.chart || made.length !== this.made.length || made.some((part, n) => part !== this.made[n])) {
+      this.chart?.destroy();
+      this.made = made;
+      this.chart = this.make(curves, look, width, height);
+    } else if (this.chart.width !== width || this.chart.height !== height) {
+      this.chart.setSize({ width, height });
+    }
+    const newest = curves.times[curves.times.length - 1] ?? 0;
+    const last = Math.max(look.now ?? 0, newest, 1);
+    const [from, to] = this.zoom ?? [0, last];
+    this.range = rangeOf(curves, from, to, look.least ?? 1e-6);
+    this.marked = (look.now ?? Infinity) < newest - 1e-9 ? look.now : NaN;
+    const columns = curves.values.map((column) => column.map((value) => (Number.isFinite(value) ? value : null)));
+    this.chart.batch(() => {
+      this.chart.setData([curves.times, ...columns], false);
+      this.chart.setScale("x", { min: from, max: to });
+      this.chart.setScale("y", { min: this.range[0], max: this.range[1] });
+    });
+    this.tell();
+  }
+
+  /**
+   * @param {Curves} curves
+   * @param {Look} look
+   * @param {number} width
+   * @param {number} height
+   */
+  make(curves, { theme, unit }, width, height) {
+    const quiet = { stroke: theme.soft, font: FONT, ticks: { show: false } };
+    return new uPlot(
+      {
+        width,
+        height,
+        padding: [8, 12, 0, 0],
+        legend: { show: false },
+        cursor: {
+          y: false,
+          drag: { x: true, y: false, setScale: false, dist: LEAST_DRAG },
+          points: { size: 6, width: 0 },
+          bind: { dblclick: () => () => (this.zoomTo(null), null) },
+        },
+        scales: { x: { time: false, auto: false }, y: { auto: false, range: () => /** @type {[number, number]} */ (this.range) } },
+        axes: [
+          { ...quiet, size: 22, gap: 4, grid: { show: false }, space: 70, values: (_, times) => times.map((time) => timeOf(time, times)) },
+          {
+            ...quiet,
+            size: LEFT,
+            gap: 6,
+            grid: { stroke: theme.line, width: 1 },
+            splits: (_, __, low, high) => linesBetween(low, high, height),
+            values: (_, lines) => lines.map((value) => fixed(value, decimalsOf(lines))),
+          },
+        ],
+        series: [
+          {},
+          ...curves.curves.map((kind) => ({
+            stroke: theme[kind] ?? theme.ink,
+            width: 1.5,
+            dash: (DASHES[kind] ?? []).map((/** @type {number} */ part) => part * 0.8),
+            points: { show: false },
+          })),
+        ],
+        hooks: {
+          draw: [(chart) => this.mark(chart, theme, unit)],
+          setCursor: [() => this.tell()],
+          setSelect: [(chart) => this.selected(chart)],
+        },
+      },
+      [curves.times, ...curves.values.map(() => [])],
+      this.element,
+    );
+  }
+
+  /** The unit, and where in the past the panes are.
+   * @param {any} chart
+   * @param {import("./theme.js").Theme} theme
+   * @param {string} unit */
+  mark(chart, theme, unit) {
+    const { ctx: context, bbox } = chart;
+    const ratio = uPlot.pxRatio;
+    context.save();
+    context.fillStyle = theme.soft;
+    context.font = `${11 * ratio}px system-ui, sans-serif`;
+    context.textAlign = "left";
+    context.textBaseline = "alphabetic";
+    if (unit) context.fillText(`[${unit}]`, 6 * ratio, bbox.top + bbox.height + 15 * ratio);
+    const x = chart.valToPos(this.marked, "x", true);
+    if (x >= bbox.left && x <= bbox.left + bbox.width) {
+      context.strokeStyle = theme.danger;
+      context.lineWidth = ratio;
+      context.setLineDash([]);
+      context.beginPath();
+      context.moveTo(x, bbox.top);
+      context.lineTo(x, bbox.top + bbox.height);
+      context.stroke();
+    }
+    context.restore();
+  }
+
+  /** A part of the time was dragged over.
+   * @param {any} chart */
+  selected(chart) {
+    const { left, width } = chart.select;
+    if (width < LEAST_DRAG) return;
+    const [from, to] = [chart.posToVal(left, "x"), chart.posToVal(left + width, "x")];
+    chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.zoomTo([from, to]);
+  }
+
+  /** Tell the values under the pointer. */
+  tell() {
+    const n = this.chart?.cursor.idx;
+    if (n === null || n === undefined || !(this.chart.cursor.left >= 0) || this.curves.times[n] === undefined) {
+      say(this.told, "");
+      return;
+    }
+    const decimals = Math.max(0, Math.round(-Math.log10(this.look.least ?? 1e-3)));
+    const values = this.curves.curves.map((kind, c) => `${kind} ${fixed(this.curves.values[c][n], decimals)}`);
+    say(this.told, `${fixed(this.curves.times[n], 2)} s: ${values.join(" · ")} ${this.look.unit}`);
+  }
+}
+
+/** A moment on the axis: in minutes where it is long.
+ * @param {number} time
+ * @param {number[]} all */
+const timeOf = (time, all) =>
+  all[all.length - 1] >= 120 ? clock(time).replace(/\.0$/, "") : `${Number(time.toFixed(6))} s`.replace("-", "−");
+
+/** Values of round distance.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} height pixels */
+function linesBetween(low, high, height) {
+  const step = niceStep(((high - low) * 26) / Math.max(height - 30, 26));
+  const lines = [];
+  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + step * 1e-9; n++) lines.push(n * step);
+  return lines;
+}
+
+/** @param {number[]} lines */
+const decimalsOf = (lines) => (lines.length < 2 ? 3 : Math.max(0, -Math.floor(Math.log10(lines[1] - lines[0]) + 1e-9)));
+
+/**
+ * Bounds of the axis: all finite values of a time, a little air, never of less height than four of the least digits shown.
+ * @param {Curves} curves
+ * @param {number} from
+ * @param {number} to
+ * @param {number} least
+ * @returns {[number, number]}
+ */
+function rangeOf({ times, values }, from, to, least) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const column of values) {
+    for (let n = 0; n < column.length; n++) {
+      const value = column[n];
+      if (!Number.isFinite(value) || times[n] < from || times[n] > to) continue;
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  }
+  if (low > high) return [0, 1];
+  const air = Math.max((high - low) * 0.06, Math.abs(high) * 1e-6);
+  if (high - low < 4 * least) {
+    const middle = (low + high) / 2;
+    return low >= 0 && high < 4 * least ? [0, 4 * least] : [middle - 4 * least, middle + 4 * least];
+  }
+  return [low >= 0 && low < high * 0.5 ? 0 : low - air, high + air];
+}

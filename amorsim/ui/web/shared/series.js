@@ -1,0 +1,30 @@
+// Samples over time, kept for plots.
+
+const MOST = 9000;
+
+/** Samples of several curves over time, in bounded memory: when it is full, every other of the older half goes. */
+export class Series {
+  constructor(curves) {
+    this.curves = curves; // names of kinds: "true", "measured", "estimated", "difference"
+    this.clear();
+  }
+
+  clear() {
+    this.times = [];
+    this.values = this.curves.map(() => []);
+  }
+
+  /** Add a sample; one earlier than the last cuts off what came after it. */
+  add(time, values) {
+    while (this.times.length && this.times[this.times.length - 1] > time - 1e-9) {
+      this.times.pop();
+      for (const column of this.values) column.pop();
+    }
+    this.times.push(time);
+    this.values.forEach((column, c) => column.push(values[c] ?? NaN));
+    if (this.times.length <= MOST) return;
+    const keep = (_, i) => i > MOST / 2 || i % 2 === 0;
+    this.times = this.times.filter(keep);
+    this.values = this.values.map((column) => column.filter(keep));
+  }
+}

@@ -1,0 +1,73 @@
+// The one connection of a window: frames come as bytes, answers and news as text. A frame is acknowledged once it is
+// drawn, and the server sends none before: so a slow window gets fewer frames, always the newest.
+
+/** What tells this tab from others, also after its page is loaded again: the controls wait for it. */
+function ownTab() {
+  const fresh = () => Math.random().toString(36).slice(2);
+  try {
+    return (sessionStorage["amorsim.tab"] ??= fresh() + fresh());
+  } catch {
+    return ""; // nothing may be stored
+  }
+}
+
+export class Connection {
+  /** @param on `{frame(buffer), news(message), open(), lost()}` */
+  constructor(on) {
+    this.on = on;
+    this.waiting = new Map();
+    this.next = 1;
+    this.delay = 300;
+    this.tab = ownTab();
+    this.connect();
+  }
+
+  connect() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket${location.pathname}?tab=${this.tab}`);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => {
+      this.delay = 300;
+      this.on.open();
+    };
+    this.socket.onmessage = ({ data }) => {
+      if (typeof data !== "string") {
+        this.on.frame(data);
+        return;
+      }
+      const message = JSON.parse(data);
+      if (message.answer === undefined) {
+        this.on.news(message);
+        return;
+      }
+      this.waiting.get(message.answer)?.(message.said);
+      this.waiting.delete(message.answer);
+    };
+    this.socket.onclose = () => {
+      for (const answer of this.waiting.values()) answer({ ok: false, error: "The connection is lost." });
+      this.waiting.clear();
+      this.on.lost();
+      setTimeout(() => this.connect(), this.delay);
+      this.delay = Math.min(this.delay * 2, 5000);
+    };
+  }
+
+  get isOpen() {
+    return this.socket.readyState === WebSocket.OPEN;
+  }
+
+  /** Say a command; a promise of its answer, which always comes, `ok` false with an `error` where it failed. */
+  ask(command) {
+    if (!this.isOpen) return Promise.resolve({ ok: false, error: "The connection is lost." });
+    const id = this.next++;
+    return new Promise((answer) => {
+      this.waiting.set(id, answer);
+      this.socket.send(JSON.stringify({ id, ...command }));
+    });
+  }
+
+  /** The frame of this number is drawn: the next may come. */
+  drawn(number) {
+    if (this.isOpen) this.socket.send(JSON.stringify({ drawn: number }));
+  }
+}

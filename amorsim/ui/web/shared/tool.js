@@ -1,0 +1,98 @@
+// Tools: what the pointer and the keys do on a canvas. A canvas has one at a time.
+
+/**
+ * Where a pointer is: in the world [m] and on the canvas [CSS pixels].
+ * @typedef {{x: number, y: number, left: number, top: number}} Place
+ */
+
+const STILL = 4; // pixels that a click may move
+
+/** A tool that does nothing. */
+export class Tool {
+  get cursor() {
+    return "default";
+  }
+
+  /** The pointer goes down.
+   * @param {Place} _place
+   * @param {PointerEvent} _event */
+  down(_place, _event) {}
+
+  /** The pointer moves, down or not.
+   * @param {Place} _place
+   * @param {PointerEvent} _event */
+  move(_place, _event) {}
+
+  /** The pointer is let go.
+   * @param {Place} _place
+   * @param {PointerEvent} _event */
+  up(_place, _event) {}
+
+  /** What was begun is given up: the pointer is lost, Escape pressed, or another tool taken. */
+  cancel() {}
+
+  /** A key is pressed on the canvas, with the middle of it in place of a pointer; whether the tool has used it.
+   * @param {KeyboardEvent} _event
+   * @param {Place} _middle
+   * @returns {boolean} */
+  key(_event, _middle) {
+    return false;
+  }
+}
+
+/** The hand: drags the camera, and a click points at what is there. Enter points at what is in the middle. */
+export class Hand extends Tool {
+  /**
+   * @param {import("./camera.js").Camera} camera
+   * @param {{clicked?: (place: Place) => void, panned?: () => void}} on
+   */
+  constructor(camera, on) {
+    super();
+    this.camera = camera;
+    this.on = on;
+    /** @type {{left: number, top: number} | null} */
+    this.from = null;
+    this.moved = 0;
+  }
+
+  get cursor() {
+    return this.from ? "grabbing" : "grab";
+  }
+
+  /** @param {Place} place */
+  down({ left, top }) {
+    this.from = { left, top };
+    this.moved = 0;
+  }
+
+  /** @param {Place} place */
+  move({ left, top }) {
+    if (!this.from) return;
+    const [right, down] = [left - this.from.left, top - this.from.top];
+    this.moved += Math.abs(right) + Math.abs(down);
+    this.from = { left, top };
+    if (this.moved <= STILL) return;
+    this.on.panned?.();
+    this.camera.pan(right, down);
+  }
+
+  /** @param {Place} place
+   * @param {PointerEvent} event */
+  up(place, event) {
+    const isClick = this.from !== null && this.moved <= STILL && event.button === 0;
+    this.from = null;
+    if (isClick) this.on.clicked?.(place);
+  }
+
+  cancel() {
+    this.from = null;
+  }
+
+  /** @param {KeyboardEvent} event
+   * @param {Place} middle */
+  key(event, middle) {
+    if (event.key !== "Enter") return false;
+    this.on.clicked?.(middle);
+    return true;
+  }
+}

@@ -1,0 +1,42 @@
+// What happened, newest first; a click goes to its moment and place.
+
+import { h } from "../shared/dom.js";
+
+const MOST = 300; // shown at once
+
+export class Events {
+  /** @param on `{go(event), stack(event), back()}` */
+  constructor(list, on) {
+    this.list = list;
+    this.on = on;
+    this.clear();
+  }
+
+  clear() {
+    this.next = 0;
+    this.list.replaceChildren();
+  }
+
+  /** Add events, in their order. */
+  add(events) {
+    for (const event of events) {
+      if (event.number <= this.next) continue;
+      this.next = event.number;
+      const serious = ["collision", "fault", "hang"].includes(event.kind);
+      const go = h(
+        "button",
+        { class: "event", title: "go to this moment", onclick: () => this.on.go(event) },
+        h("span", { class: "when" }, `${event.time.toFixed(1)} s`),
+        h("span", { class: serious ? "what serious" : "what" }, event.text.replace(/[._](?=\w)/g, "$&\u200b")),
+      );
+      const stack = event.stack ? h("button", { class: "quiet", onclick: () => this.on.stack(event) }, "stack") : null;
+      // Only what was left last is kept.
+      if (event.kind === "continued") this.list.querySelector(".back")?.remove();
+      const back = event.kind === "continued" && !event.text.includes(" kept in ")
+        ? h("button", { class: "quiet back", title: "take up again what was left", onclick: () => this.on.back() }, "back to it")
+        : null;
+      this.list.prepend(h("li", {}, go, stack, back));
+    }
+    while (this.list.children.length > MOST) this.list.lastChild.remove();
+  }
+}

@@ -1,0 +1,70 @@
+// The keys of the window, except those that drive.
+
+import { showKeys } from "../shared/dialogs.js";
+import { takesKeys } from "./drive.js";
+
+/** Who uses the mouse wants the keys for the simulator: what was clicked does not keep them. */
+function freeKeysAfterMouse() {
+  let byMouse = false;
+  const free = (event, kinds) => {
+    const one = event.target.closest?.(kinds);
+    if (byMouse && one && !one.closest("dialog")) setTimeout(() => one.blur());
+  };
+  window.addEventListener("pointerdown", () => (byMouse = true), true);
+  window.addEventListener("keydown", () => (byMouse = false), true);
+  window.addEventListener("pointerup", (event) => free(event, "button, input[type=range]"));
+  window.addEventListener("change", (event) => free(event, "select"));
+}
+
+export function listenToKeys(simulator) {
+  freeKeysAfterMouse();
+  const { stage, timebar, driving } = simulator;
+  const flip = (name) => stage.setOption(name, !stage.options[name]);
+  const pan = (right, down) => {
+    stage.setOption("follow", false);
+    stage.camera.pan(right, down);
+  };
+  const plain = {
+    " ": () => timebar.toggle(),
+    ".": () => timebar.doStep(),
+    R: () => timebar.doReset(),
+    m: () => driving.toggle(),
+    x: () => driving.isByHand && driving.stop(),
+    o: () => flip("overlay"),
+    f: () => flip("follow"),
+    t: () => flip("trails"),
+    g: () => flip("grid"),
+    0: () => stage.fit(),
+    "+": () => stage.camera.zoom(1.3),
+    "=": () => stage.camera.zoom(1.3),
+    "-": () => stage.camera.zoom(1 / 1.3),
+    n: () => simulator.nextRobot(1),
+    p: () => simulator.nextRobot(-1),
+    l: () => simulator.toggleTheme(),
+    "?": showKeys,
+    Escape: () => stage.selection.clear(),
+  };
+  const shifted = {
+    ArrowLeft: () => pan(60, 0),
+    ArrowRight: () => pan(-60, 0),
+    ArrowUp: () => pan(0, 60),
+    ArrowDown: () => pan(0, -60),
+  };
+  window.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const target = /** @type {HTMLInputElement} */ (event.target);
+    if (takesKeys(target)) {
+      // What is typed the form looks after; a slider or a list gives the keyboard back itself.
+      const isDone = ["Enter", "Escape"].includes(event.key) && target.type !== "text" && !target.closest("dialog");
+      if (isDone) target.blur();
+      return;
+    }
+    // Space presses a button and opens a group; elsewhere it runs and pauses.
+    if (event.key === " " && ["BUTTON", "SUMMARY"].includes(target.tagName)) return;
+    const does = event.shiftKey && shifted[event.key] ? shifted[event.key] : plain[event.key];
+    if (!does) return;
+    event.preventDefault();
+    if (event.repeat && event.key !== "." && !shifted[event.key] && !"+-=".includes(event.key)) return;
+    does();
+  });
+}

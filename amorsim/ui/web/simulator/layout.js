@@ -1,0 +1,120 @@
+// The window's elements, as they stand; `simulator.js` gives them life.
+
+import { h } from "../shared/dom.js";
+
+const swatch = (kind) => h("span", { class: `swatch ${kind}`, "aria-hidden": "true" });
+const panel = (name, ...children) => h("section", { class: `panel ${name}`, "aria-labelledby": `${name}-title` }, children);
+const head = (name, ...children) => h("div", { class: "head" }, h("h2", { id: `${name}-title` }, children));
+
+const scroll = (name, child) => h("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": name }, child);
+
+export const TOOLS = [
+  ["overlay", "overlay", "both panes in one (O)"],
+  ["follow", "follow", "keep the robot in the middle (F)"],
+  ["trails", "trails", "paths driven so far (T)"],
+  ["ellipse", "95 %", "where the robot believes to be, with 95 %"],
+  ["grid", "grid", "lines of a round distance (G)"],
+];
+
+export function build({ stage, timebar, driving, form }) {
+  const parts = {};
+  const make = (name, element) => (parts[name] = element);
+  parts.tools = new Map(
+    TOOLS.map(([name, label, title]) => [name, h("button", { class: "tool", "aria-pressed": "false", title, "data-tool": name }, label)]),
+  );
+  parts.zoom = {
+    out: h("button", { class: "tool", "aria-label": "zoom out (−)", title: "zoom out (−)" }, "−"),
+    in: h("button", { class: "tool", "aria-label": "zoom in (+)", title: "zoom in (+)" }, "+"),
+    fit: h("button", { class: "tool", "aria-label": "see all (0)", title: "see all (0)" }, "all"),
+  };
+  const header = h(
+    "header",
+    { class: "bar" },
+    h("h1", {}, "amorsim"),
+    make("scenario", h("span", { class: "scenario" })),
+    make("robot", h("select", { class: "robots", "aria-label": "robot" })),
+    timebar.element,
+    make("controls", h("button", { class: "controls", hidden: true })),
+    h(
+      "div",
+      { class: "menu" },
+      make("saveRun", h("button", { class: "holders-only" }, "save run")),
+      make("saveScenario", h("button", { class: "holders-only", title: "the scenario with its present parameters" }, "save as…")),
+      make("picture", h("button", { title: "a picture of the view" }, "picture")),
+      make("film", h("button", { title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
+      make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),
+      make("keys", h("button", { class: "icon", "aria-label": "keys (?)", title: "keys (?)" }, "?")),
+    ),
+  );
+  const robot = panel(
+    "robot",
+    h(
+      "div",
+      { class: "head" },
+      h("h2", { id: "robot-title" }, swatch("true"), make("robotName", h("span", {}, "Robot"))),
+      make("robotNote", h("span", { class: "note" }, "what is true")),
+      h("div", { class: "tools", role: "group", "aria-label": "view" }, [...parts.tools.values(), ...Object.values(parts.zoom)]),
+    ),
+    stage.robot.element,
+  );
+  const control = panel(
+    "control",
+    h(
+      "div",
+      { class: "head" },
+      h("h2", { id: "control-title" }, swatch("estimated"), "Control"),
+      h("span", { class: "note", title: "its readings, drawn from its estimated pose" }, "what it knows"),
+      make("sensors", h("div", { class: "tools", role: "group", "aria-label": "sensors that are drawn" })),
+    ),
+    stage.control.element,
+  );
+  const side = panel(
+    "errors",
+    h(
+      "div",
+      { class: "head" },
+      make("errorsTitle", h("h2", { id: "errors-title" }, "Errors")),
+      make("asInFile", h("button", { class: "tool holders-only", title: "all parameters as in the scenario" }, "as in file")),
+    ),
+    scroll("parameters", form.element),
+    driving.element,
+  );
+  const column = (kind) => h("th", { scope: "col", class: kind }, swatch(kind), kind);
+  const numbers = panel(
+    "numbers",
+    scroll(
+      "quantities",
+      h(
+        "table",
+        {},
+        h(
+          "thead",
+          {},
+          h("tr", {}, make("numbersTitle", h("th", { scope: "col", id: "numbers-title" }, "quantity")), column("true"), column("measured"), column("estimated"), h("th", { scope: "col", class: "difference" }, "difference")),
+        ),
+        make("table", h("tbody", {})),
+      ),
+    ),
+  );
+  const plot = panel(
+    "plot",
+    h("div", { class: "head" }, make("plotTitle", h("h2", { id: "plot-title" }, "Over time")), make("plotHead", h("div", { class: "tools" }))),
+    h("div", { class: "plot-area" }, make("plot", h("div", { class: "chart", role: "group", "aria-label": "plot" }))),
+  );
+  const events = panel(
+    "events",
+    head("events", "Events"),
+    scroll("events", make("events", h("ol", { class: "events-list" }))),
+  );
+  parts.element = h(
+    "div",
+    { class: "window" },
+    header,
+    make("banner", h("div", { class: "banner", role: "alert", hidden: true })),
+    h("div", { class: "panels" }, robot, control, side, numbers, plot, events),
+    timebar.past,
+    make("hint", h("div", { class: "hint", role: "status", "aria-live": "polite" })),
+    make("card", h("div", { class: "card", role: "status", hidden: true })),
+  );
+  return parts;
+}

@@ -1,0 +1,116 @@
+// Every quantity of the selected robot as true, measured, estimated: the rows of the table and the curves of the plot.
+
+import { wrap } from "../shared/dom.js";
+import { isRange } from "./readings.js";
+
+const DEGREES = 180 / Math.PI;
+export const KINDS = ["true", "measured", "estimated", "difference"];
+
+/**
+ * The quantities of a robot: `{key, label, unit, decimals, of(frame, i)}`, where `of` gives `[true, measured,
+ * estimated, difference]` with NaN for what there is not. The difference is estimated less true, or measured less true
+ * of what nobody estimates.
+ */
+export function quantitiesOf(robot) {
+  const metres = robot.reach < 0.1 ? 4 : 3; // a robot for the table is told to a tenth of a millimetre
+  const find = (kind) => robot.sensors.findIndex((sensor) => sensor.kind === kind && sensor.size === 1);
+  const [compass, gyro] = [find("compass"), find("gyro")];
+  // A receiver at the base point measures the pose itself; elsewhere its readings are rows of their own.
+  const gps = robot.sensors.findIndex(({ kind, mounts: [[x, y]] }) => kind === "gps" && x === 0 && y === 0);
+  const fix = (frame, k) => (gps >= 0 ? (frame.sensors[gps]?.measured[k] ?? NaN) : NaN);
+  const reading = (frame, s, which) => (s >= 0 ? (frame.sensors[s]?.[which][0] ?? NaN) : NaN);
+  const list = [
+    plain("x", named("x", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i], fix(f, 0), f.estimatedPoses[3 * i]]),
+    plain("y", named("y", robot, gps), "m", metres, (f, i) => [f.truePoses[3 * i + 1], fix(f, 1), f.estimatedPoses[3 * i + 1]]),
+    angle("heading", named("heading", robot, compass), (f, i) => [
+      f.truePoses[3 * i + 2],
+      reading(f, compass, "measured"),
+      f.estimatedPoses[3 * i + 2],
+    ]),
+    {
+      key: "apart",
+      label: "apart",
+      unit: "m",
+      decimals: metres,
+      of: (f, i) => {
+        const gap = Math.hypot(
+          f.estimatedPoses[3 * i] - f.truePoses[3 * i],
+          f.estimatedPoses[3 * i + 1] - f.truePoses[3 * i + 1],
+        );
+        return [NaN, NaN, believed(f.covariances, i), gap];
+      },
+    },
+    plain("forward", "speed ahead", "m/s", metres, (f) => [f.trueTwist[0], NaN, f.estimatedTwist[0]]),
+  ];
+  if (robot.twist[1] > 0) {
+    list.push(plain("left", "speed to the left", "m/s", metres, (f) => [f.trueTwist[1], NaN, f.estimatedTwist[1]]));
+  }
+  list.push(
+    degrees("turn", named("turning", robot, gyro), "°/s", (f) => [
+      f.trueTwist[2],
+      reading(f, gyro, "measured"),
+      f.estimatedTwist[2],
+    ]),
+  );
+  robot.joints.forEach((joint, j) => {
+    const label = joint.replaceAll("_", " ");
+    list.push(plain(`joint.${joint}`, label, "rad/s", 3, (f) => [f.trueRates[j], f.measuredRates[j], NaN]));
+  });
+  robot.sensors.forEach((sensor, s) => {
+    if (s === compass || s === gyro || s === gps) return;
+    if (isRange(sensor)) {
+      const least = (values) => (values?.length ? values.reduce((a, b) => (b < a || Number.isNaN(a) ? b : a)) : NaN);
+      const of = (f) => [least(f.sensors[s]?.true), least(f.sensors[s]?.measured), NaN];
+      list.push(plain(`sensor.${sensor.name}`, `${sensor.name}, nearest`, sensor.unit, metres, of));
+      return;
+    }
+    // Of a table its first line, which is that of the nearest thing; of many values the first.
+    for (let k = 0; k < Math.min(sensor.size, sensor.columns.length || 8); k++) {
+      const [name, unit] = sensor.columns[k] ?? [valueName(robot, sensor, k), sensor.unit];
+      const of = (f) => [f.sensors[s]?.true[k] ?? NaN, f.sensors[s]?.measured[k] ?? NaN, NaN];
+      const key = `sensor.${sensor.name}.${k}`;
+      const label = `${sensor.name} ${name}`.trim();
+      if (unit === "rad") list.push(angle(key, label, of));
+      else if (unit === "rad/s") list.push(degrees(key, label, "°/s", of));
+      else list.push(plain(key, label, unit, ["m", "m/s", "m/s^2"].includes(unit) ? metres : 0, of));
+    }
+  });
+  return list;
+}
+
+/** What a value of several is called: by the joint that is counted, or by its number. */
+function valueName(robot, sensor, k) {
+  if (sensor.size === 1) return "";
+  return robot.joints.length === sensor.size ? robot.joints[k].replaceAll("_", " ") : String(k);
+}
+
+const named = (label, robot, sensor) => (sensor >= 0 ? `${label} (${robot.sensors[sensor].name})` : label);
+
+const apart = ([t, m, e]) => (Number.isNaN(e) ? m - t : e - t);
+
+function plain(key, label, unit, decimals, of) {
+  const whole = (frame, i) => {
+    const three = of(frame, i);
+    return [...three, apart(three)];
+  };
+  return { key, label, unit, decimals, of: whole };
+}
+
+function degrees(key, label, unit, of) {
+  return plain(key, label, unit, 2, (frame, i) => of(frame, i).map((value) => value * DEGREES));
+}
+
+/** Angles are shown in (-180, 180], and so is their difference. */
+function angle(key, label, of) {
+  const whole = (frame, i) => {
+    const three = of(frame, i);
+    return [...three.map(wrap), wrap(apart(three))].map((value) => value * DEGREES);
+  };
+  return { key, label, unit: "°", decimals: 2, of: whole };
+}
+
+/** How far off the robot believes to be with 95 %: the long half axis of its ellipse. */
+function believed(covariances, i) {
+  const [xx, xy, yy] = [covariances[6 * i], covariances[6 * i + 1], covariances[6 * i + 3]];
+  return Math.sqrt(5.991 * Math.max((xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy), 0));
+}

@@ -1,0 +1,76 @@
+// What of the window is kept: the run, the scenario with its present parameters, a picture, a film.
+
+import { Film, download, savePicture } from "../shared/capture.js";
+import { askName } from "../shared/dialogs.js";
+import { say } from "../shared/dom.js";
+
+export class Saving {
+  /** @param {import("./simulator.js").Simulator} simulator */
+  constructor(simulator) {
+    this.simulator = simulator;
+    /** @type {Film | null} */
+    this.film = null; // while one is recorded
+  }
+
+  get fileName() {
+    const { scene, newest } = this.simulator;
+    return `${scene?.scenario.replace(/\.[a-z]+$/, "") ?? "amorsim"}-${(newest?.time ?? 0).toFixed(1)}s`;
+  }
+
+  async run() {
+    const { simulator } = this;
+    const places = await simulator.ask({ do: "places" });
+    if (!places.ok) return;
+    askName("Save the run", "folder", places.run, `As \`amorsim run\` leaves it, in ${places.project}`, async (name) => {
+      const said = await simulator.connection.ask({ do: "save_run", name: name || null });
+      if (said.ok) simulator.hint(`Saved as ${said.folder}.${said.same === false ? " It does not run the same again." : ""}`);
+      return said;
+    });
+  }
+
+  async scenario() {
+    const { simulator } = this;
+    const places = await simulator.ask({ do: "places" });
+    if (!places.ok) return;
+    askName("Save as a scenario", "file", places.scenario, `With the parameters as they are now, in ${places.project}`, async (file) => {
+      const said = await simulator.connection.ask({ do: "save_scenario", name: file });
+      if (said.ok) simulator.hint(`Saved as ${said.file}.`);
+      return said;
+    });
+  }
+
+  picture() {
+    const { stage } = this.simulator;
+    return savePicture(stage.canvases, stage.theme, this.fileName);
+  }
+
+  /** Called after each drawing.
+   * @param {number} now */
+  look(now) {
+    this.film?.look(now);
+  }
+
+  async toggleFilm() {
+    const { stage, parts } = this.simulator;
+    if (!this.film) {
+      this.film = new Film(stage.canvases, () => stage.theme);
+      parts.film.setAttribute("aria-pressed", "true");
+      say(parts.film, "stop GIF");
+      return;
+    }
+    const taken = this.film;
+    this.film = null;
+    parts.film.setAttribute("aria-pressed", "false");
+    say(parts.film, "GIF");
+    if (!taken.frames.length) {
+      this.simulator.hint("Nothing was drawn meanwhile.");
+      return;
+    }
+    this.simulator.hint("The GIF is being made.");
+    try {
+      download(await taken.finish(), `${this.fileName}.gif`);
+    } catch (problem) {
+      this.simulator.hint(String(problem.message ?? problem));
+    }
+  }
+}

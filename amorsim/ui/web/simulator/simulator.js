@@ -1,0 +1,345 @@
+// The Simulator's window: elements, connection and what the one says to the other.
+
+import { showKeys, tell } from "../shared/dialogs.js";
+import { colourChip, h, say } from "../shared/dom.js";
+import { Driving } from "./drive.js";
+import { Events } from "./events.js";
+import { Form } from "../shared/forms.js";
+import { listenToKeys } from "./keys.js";
+import { build } from "./layout.js";
+import { Numbers } from "./numbers.js";
+import { FLAG, ROBOT, readFrame, readScene } from "./protocol.js";
+import { isDrawn } from "./readings.js";
+import { Saving } from "./saving.js";
+import { Connection } from "../shared/socket.js";
+import { Stage } from "./stage.js";
+import { startTheme } from "../shared/theme.js";
+import { TimeBar } from "./timebar.js";
+import { Warnings } from "./warnings.js";
+
+const TABLE_EVERY = 90; // milliseconds: faster nobody reads
+const STATE_EVERY = 1000;
+
+export class Simulator {
+  constructor(root) {
+    this.root = root;
+    this.toggleTheme = startTheme(root);
+    const ask = (command) => this.ask(command);
+    this.stage = new Stage(root, {
+      picked: (pane, place) => this.picked(pane, place),
+      option: (name, value) => this.showOption(name, value),
+      drawn: (...what) => this.drawn(...what),
+    });
+    this.timebar = new TimeBar(ask);
+    this.driving = new Driving(ask, (text) => this.hint(text));
+    this.form = new Form({
+      set: (path, value) => this.connection.ask({ do: "set", robot: this.robot.name, path, value }).then((said) => this.formSaid(said)),
+      restore: (path) => this.connection.ask({ do: "restore", robot: this.robot.name, path }).then((said) => this.formSaid(said)),
+    });
+    this.parts = build(this);
+    root.replaceChildren(this.parts.element);
+    this.numbers = new Numbers(this.parts.table, this.parts.plotHead, this.parts.plot);
+    this.numbers.changed = () => this.drawNumbers();
+    this.events = new Events(this.parts.events, {
+      go: (event) => this.go(event),
+      back: () => this.ask({ do: "go_back" }),
+      stack: (event) => tell("What the controller raised", h("pre", { tabindex: "0" }, event.stack)),
+    });
+    this.stage.selection.listen((selection) => (this.parts.card.hidden = !selection.only));
+    this.warnings = new Warnings(this.parts.banner, ask);
+    this.saving = new Saving(this);
+    this.timings = { draws: [], intervals: [] };
+    this.listen();
+    this.connection = new Connection({
+      frame: (buffer) => this.frameCame(buffer),
+      news: (message) => this.newsCame(message),
+      open: () => this.opened(),
+      lost: () => this.warnings.show({ status: "lost" }),
+    });
+    for (const [name, value] of Object.entries(this.stage.options)) this.showOption(name, value);
+  }
+
+  // ------------------------------------------------------------------------------------------------- what comes in
+
+  opened() {
+    this.warnings.show({ status: "" });
+    this.scene = null;
+    this.loadScene();
+  }
+
+  async loadScene() {
+    if (this.loading) return;
+    this.loading = true;
+    const said = await this.connection.ask({ do: "scene" });
+    this.loading = false;
+    if (!said.ok) return;
+    this.scene = readScene(said.scene);
+    this.selected = -1;
+    this.epoch = undefined;
+    say(this.parts.scenario, this.scene.scenario);
+    this.parts.scenario.title = this.scene.scenario;
+    document.title = `${this.scene.scenario} · amorsim`;
+    this.parts.robot.replaceChildren(...this.scene.robots.map((robot, i) => h("option", { value: String(i) }, robot.name)));
+    this.stage.setScene(this.scene, (name) => this.image(name));
+    this.askState();
+  }
+
+  async image(name) {
+    const said = await this.connection.ask({ do: "image", name });
+    return said.ok ? `data:image/png;base64,${said.png}` : null;
+  }
+
+  frameCame(buffer) {
+    const frame = readFrame(buffer, this.scene);
+    this.newest = frame;
+    if (!this.scene || frame.version !== this.scene.version) {
+      this.loadScene();
+      this.connection.drawn(frame.number);
+      return;
+    }
+    if (frame.epoch !== this.epoch || frame.selected !== this.selected) this.turn(frame);
+    this.stage.setFrame(frame);
+    if (!(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
+    this.timebar.show(frame, this.scene);
+    this.driving.isRunning = Boolean(frame.states & FLAG.running);
+    this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
+    this.unacknowledged = frame.number;
+    if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
+    if (frame.states !== this.states) {
+      this.askState();
+      if (frame.states & FLAG.ended) this.hint("The scenario's duration is over. To run goes on all the same.");
+      if (frame.states & FLAG.running) this.hint(""); // whoever runs it knows how
+      if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
+    }
+    this.states = frame.states;
+  }
+
+  /** Another robot, or another course of events: what was kept of the one before goes, its history comes. */
+  turn(frame) {
+    const isOther = frame.selected !== this.selected;
+    if (frame.epoch !== this.epoch) {
+      this.events.clear();
+      this.stage.mark = null; // in this course of events it has not happened
+    }
+    this.epoch = frame.epoch;
+    this.selected = frame.selected;
+    this.robot = this.scene.robots[frame.selected];
+    this.stage.clearTrails();
+    this.stage.trueSensors = [];
+    if (isOther && this.robot) this.showRobot();
+    this.numbers.clear();
+    this.readHistory();
+    this.readParameters();
+    this.readEvents();
+  }
+
+  showRobot() {
+    this.parts.robot.value = String(this.selected);
+    const chip = () => (this.robot.colour ? colourChip(this.robot.colour) : null);
+    this.parts.errorsTitle.replaceChildren(...[chip(), `Errors of ${this.robot.name}`].filter(Boolean));
+    this.parts.numbersTitle.replaceChildren(...[chip(), this.robot.name].filter(Boolean));
+    this.parts.plotTitle.replaceChildren(...[chip(), "Over time"].filter(Boolean));
+    const lack = this.robot.knowledge ? "" : `${this.robot.name} has no map (robots.knowledge.map)`;
+    say(this.stage.control.lack, lack);
+    this.numbers.setRobot(this.robot);
+    this.driving.setRobot(this.robot);
+    const ranges = this.robot.sensors.filter(isDrawn);
+    this.parts.sensors.replaceChildren(
+      ...ranges.map((sensor) => {
+        const button = h("button", { class: "tool", "aria-pressed": String(!this.stage.hidden.has(sensor.name)) }, sensor.name);
+        button.addEventListener("click", () => {
+          const { hidden } = this.stage;
+          const shows = hidden.delete(sensor.name);
+          if (!shows) hidden.add(sensor.name);
+          button.setAttribute("aria-pressed", String(shows));
+          this.stage.redraw();
+        });
+        return button;
+      }),
+    );
+  }
+
+  async readHistory() {
+    const [epoch, selected] = [this.epoch, this.selected];
+    const said = await this.connection.ask({ do: "history", robot: this.robot.name, max_points: 3000 });
+    if (!said.ok || epoch !== this.epoch || selected !== this.selected) return;
+    this.stage.trueTrail.load(said.ticks, said.true);
+    this.stage.estimatedTrail.load(said.ticks, said.estimated);
+    this.numbers.load(said, this.robot, this.scene.dt);
+    this.stage.redraw();
+  }
+
+  async readParameters() {
+    const robot = this.robot;
+    const said = await this.connection.ask({ do: "parameters", robot: robot.name });
+    if (!said.ok || robot !== this.robot) return;
+    this.form.show(said.parameters);
+    this.stage.trueSensors = said.sensors;
+    this.stage.redraw();
+  }
+
+  async readEvents() {
+    this.readingEvents = true;
+    const said = await this.connection.ask({ do: "events", after: this.events.next });
+    this.readingEvents = false;
+    if (!said.ok || (said.epoch !== undefined && said.epoch !== this.epoch)) return;
+    this.events.add(said.events);
+    if (said.events.some((event) => /parameter|restore/.test(event.kind))) this.readParameters();
+  }
+
+  async askState() {
+    const state = await this.connection.ask({ do: "state" });
+    if (!state.ok) return;
+    this.state = state;
+    this.timebar.setState(state);
+    this.warnings.show(state);
+    this.showControls();
+  }
+
+  newsCame(message) {
+    if (message.window) this.window = message.window;
+  }
+
+  // ------------------------------------------------------------------------------------------------ what goes out
+
+  /** Say a command; what went wrong is shown. */
+  async ask(command) {
+    const said = await this.connection.ask(command);
+    if (!said.ok) this.hint(said.error);
+    return said;
+  }
+
+  async restoreAll() {
+    const said = await this.ask({ do: "restore", robot: this.robot.name });
+    if (said.ok) this.form.forget();
+    this.formSaid(said);
+  }
+
+  formSaid(said) {
+    clearTimeout(this.parametersSoon);
+    this.parametersSoon = setTimeout(() => this.readParameters(), 120);
+    return said;
+  }
+
+  async go(event) {
+    if (event.point) {
+      this.stage.mark = { point: event.point, tick: event.tick };
+      this.stage.setOption("follow", false);
+      this.stage.camera.centre(...event.point);
+    }
+    const index = this.scene.robots.findIndex((robot) => robot.name === event.robot);
+    if (index >= 0 && index !== this.selected) await this.ask({ do: "select", robot: index });
+    if (this.newest.tick !== event.tick) await this.ask({ do: "scrub", tick: event.tick });
+  }
+
+  /** Something was pointed at, or nothing: tell what it is, and turn to a robot. */
+  picked(pane, { left, top }) {
+    const found = this.stage.selection.only;
+    if (!found) return;
+    this.parts.card.replaceChildren(h("strong", {}, found.title), ...found.lines.map((line) => h("div", {}, line)));
+    const box = pane.canvas.getBoundingClientRect();
+    this.parts.card.style.left = `${Math.min(box.left + left + 14, innerWidth - 330)}px`;
+    this.parts.card.style.top = `${Math.min(box.top + top + 14, innerHeight - 150)}px`;
+    if (found.robot !== undefined && found.robot !== this.selected) this.ask({ do: "select", robot: found.robot });
+  }
+
+  nextRobot(step) {
+    if (!this.scene || this.scene.robots.length < 2) return;
+    const count = this.scene.robots.length;
+    this.ask({ do: "select", robot: (this.selected + step + count) % count });
+  }
+
+  // --------------------------------------------------------------------------------------------------- what is shown
+
+  drawn(frame, isNew, now, began) {
+    if (!frame) return;
+    if (now - (this.tableAt ?? 0) > TABLE_EVERY || !isNew) {
+      this.tableAt = now;
+      if (isNew) this.showNumbers(frame);
+      this.drawNumbers();
+    }
+    this.saving.look(now);
+    if (!isNew) return;
+    this.connection.drawn(this.unacknowledged);
+    this.timings.draws.push(performance.now() - began);
+    if (this.drawnAt !== undefined) this.timings.intervals.push(now - this.drawnAt);
+    this.drawnAt = now;
+    for (const list of Object.values(this.timings)) if (list.length > 3000) list.splice(0, 1500);
+    // What comes between two looks at the table must be shown at the end, too.
+    clearTimeout(this.tableSoon);
+    this.tableSoon = setTimeout(() => {
+      this.showNumbers(frame);
+      this.drawNumbers();
+    }, 2 * TABLE_EVERY);
+  }
+
+  showNumbers(frame) {
+    this.numbers.show(frame);
+    say(this.stage.control.note, this.numbers.velocities(frame));
+  }
+
+  drawNumbers() {
+    if (this.stage.frame) this.numbers.draw(this.stage.theme, this.stage.frame);
+  }
+
+  showOption(name, value) {
+    this.parts.tools.get(name)?.setAttribute("aria-pressed", String(value));
+    if (name !== "overlay") return;
+    this.parts.element.classList.toggle("overlaid", value);
+    say(this.parts.robotName, value ? "Robot and Control" : "Robot");
+    say(this.parts.robotNote, value ? "what is true, and over it what it knows" : "what is true");
+  }
+
+  showControls() {
+    const { holder, asking = [] } = this.state;
+    const isMine = holder === this.window;
+    if (this.isMine !== undefined && isMine !== this.isMine) {
+      if (isMine) this.hint("You have the controls now.");
+      else this.hint(holder ? "Another window has the controls now. You watch." : "You do not have the controls any more.");
+    }
+    this.isMine = isMine;
+    this.root.classList.toggle("watching", !this.isMine);
+    const { reset, run, step, speed, line, toEnd } = this.timebar;
+    for (const one of [reset, run, step, speed, line, toEnd, this.driving.switch]) one.disabled = !this.isMine;
+    if (!this.isMine) this.timebar.carryOn.disabled = true;
+    this.parts.controls.hidden = this.isMine && !asking.length;
+    let words = "another window asks: give it the controls";
+    if (!this.isMine) words = holder ? "you watch: ask for the controls" : "take the controls";
+    if (asking.includes(this.window)) words = "you watch: asked for the controls";
+    say(this.parts.controls, words);
+  }
+
+  hint(text) {
+    say(this.parts.hint, text ?? "");
+    clearTimeout(this.hintGone);
+    this.hintGone = setTimeout(() => say(this.parts.hint, ""), 5000);
+  }
+
+  // ---------------------------------------------------------------------------------------------------- what is clicked
+
+  listen() {
+    const { parts, stage } = this;
+    for (const [name, button] of parts.tools) button.addEventListener("click", () => stage.setOption(name, !stage.options[name]));
+    parts.zoom.in.addEventListener("click", () => stage.camera.zoom(1.3));
+    parts.zoom.out.addEventListener("click", () => stage.camera.zoom(1 / 1.3));
+    parts.zoom.fit.addEventListener("click", () => stage.fit());
+    parts.robot.addEventListener("change", () => this.ask({ do: "select", robot: Number(parts.robot.value) }));
+    parts.theme.addEventListener("click", () => this.toggleTheme());
+    parts.keys.addEventListener("click", showKeys);
+    parts.asInFile.addEventListener("click", () => this.restoreAll());
+    parts.controls.addEventListener("click", () => this.askControls());
+    parts.saveRun.addEventListener("click", () => this.saving.run());
+    parts.saveScenario.addEventListener("click", () => this.saving.scenario());
+    parts.picture.addEventListener("click", () => this.saving.picture());
+    parts.film.addEventListener("click", () => this.saving.toggleFilm());
+    listenToKeys(this);
+    setInterval(() => !document.hidden && this.connection.isOpen && this.askState(), STATE_EVERY);
+  }
+
+  askControls() {
+    return this.ask({ do: "controls", want: this.isMine ? "give" : "ask", to: this.isMine ? this.state.asking[0] : undefined }).then(() => this.askState());
+  }
+}
+
+const root = /** @type {HTMLElement & {simulator?: Simulator}} */ (document.querySelector(".amorsim"));
+root.simulator = new Simulator(root);

@@ -1,0 +1,190 @@
+// The Simulator's canvases with what they share: camera, scene, newest frame, trails, colours. Draws when something changed.
+
+import { Camera } from "../shared/camera.js";
+import { Canvas } from "../shared/canvas.js";
+import { h } from "../shared/dom.js";
+import { GridLayer } from "../shared/ground.js";
+import { Selection } from "../shared/selection.js";
+import { readTheme } from "../shared/theme.js";
+import { Hand } from "../shared/tool.js";
+import { BodiesLayer, KnownLayer, MarkLayer, NamesLayer, RobotLayer, SelectionLayer, WorldLayer } from "./layers.js";
+import { Picker } from "./pick.js";
+import { Pictures } from "./pictures.js";
+import { Trail } from "./trail.js";
+
+const HELP = "Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.";
+
+/** A canvas with what is said on it. */
+class Pane extends Canvas {
+  /** @param {ConstructorParameters<typeof Canvas>[0]} what */
+  constructor(what) {
+    super({ ...what, label: `${what.label}. ${HELP}` });
+    this.note = h("output", { class: "note", "aria-hidden": "true" }); // what the table tells, too
+    this.lack = h("p", { class: "lack", role: "status" }); // why there is less to see than one might expect
+    this.element.append(this.lack, this.note);
+    /** @type {import("./layers.js").View[]} */
+    this.views = []; // what is pointed at first comes first
+  }
+}
+
+export class Stage {
+  /**
+   * @param {HTMLElement} root
+   * @param {{
+   *   picked: (pane: Pane, place: import("../shared/tool.js").Place) => void,
+   *   option: (name: string, value: boolean) => void,
+   *   drawn: (frame: object | undefined, isNew: boolean, now: number, began: number) => void,
+   * }} on
+   */
+  constructor(root, on) {
+    this.root = root;
+    this.on = on;
+    this.camera = new Camera();
+    this.camera.changed = () => this.redraw();
+    this.theme = readTheme(root);
+    this.options = { trails: true, ellipse: true, grid: true, follow: false, overlay: false };
+    this.hidden = new Set(); // names of sensors that are not drawn
+    this.trueTrail = new Trail();
+    this.estimatedTrail = new Trail();
+    this.trueSensors = []; // of the selected robot, as they are by their true parameters
+    this.pictures = new Pictures(() => this.redraw());
+    this.picker = new Picker();
+    /** @type {Selection<import("./pick.js").Found>} */
+    this.selection = new Selection();
+    this.selection.listen(() => this.redraw());
+    this.mark = null;
+    this.robot = this.pane("pane-robot", "Robot: the true world");
+    this.control = this.pane("pane-control", "Control: what the robot knows");
+    this.arrange();
+    root.addEventListener("theme", () => {
+      this.robot.theme = this.control.theme = this.theme = readTheme(root);
+      this.redraw();
+    });
+    for (const pane of [this.robot, this.control]) new ResizeObserver(() => this.resize()).observe(pane.element);
+  }
+
+  /** @param {string} id
+   * @param {string} label */
+  pane(id, label) {
+    const pane = new Pane({ id, label, camera: this.camera, theme: this.theme });
+    const hand = new Hand(this.camera, {
+      clicked: (place) => this.pick(pane, place),
+      panned: () => this.setOption("follow", false),
+    });
+    pane.panning = hand;
+    pane.take(hand);
+    pane.canvas.addEventListener("dblclick", () => this.fit());
+    return pane;
+  }
+
+  /** Give the panes their layers. What is known lies under what is true, so that an overlay shows both. */
+  arrange() {
+    const { overlay } = this.options;
+    const grid = new GridLayer(() => this.options.grid);
+    const [known, belief] = [new KnownLayer(this), new RobotLayer(this, "estimated")];
+    const [mark, seenOnes, knownOnes] = [new MarkLayer(this), new SelectionLayer(this, "true"), new SelectionLayer(this, "estimated")];
+    const seen = [new WorldLayer(this), new BodiesLayer(this), new RobotLayer(this, "true")];
+    this.robot.layers = overlay
+      ? [grid, known, ...seen, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
+      : [grid, ...seen, seenOnes, mark, new NamesLayer(this, "true")];
+    this.robot.views = overlay ? ["estimated", "true"] : ["true"];
+    this.control.layers = [grid, known, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
+    this.control.views = ["estimated"];
+  }
+
+  get canvases() {
+    return [this.robot.canvas, this.control.canvas];
+  }
+
+  /** @param {import("./layers.js").View} view */
+  posesOf(view) {
+    return view === "true" ? this.frame.truePoses : this.frame.estimatedPoses;
+  }
+
+  setScene(scene, pictureOf) {
+    this.scene = scene;
+    this.pictures.reset(pictureOf);
+    this.picker.setScene(scene);
+    this.selection.clear();
+    this.mark = null;
+    this.resize();
+    this.fit();
+  }
+
+  setFrame(frame) {
+    this.frame = frame;
+    const i = frame.selected;
+    if (this.scene?.robots[i] && !(frame.states & 4)) {
+      this.trueTrail.add(frame.tick, frame.truePoses[3 * i], frame.truePoses[3 * i + 1]);
+      this.estimatedTrail.add(frame.tick, frame.estimatedPoses[3 * i], frame.estimatedPoses[3 * i + 1]);
+    }
+    if (this.options.follow) {
+      this.camera.x = frame.truePoses[3 * i];
+      this.camera.y = frame.truePoses[3 * i + 1];
+    }
+    this.redraw(true);
+  }
+
+  clearTrails() {
+    this.trueTrail.clear();
+    this.estimatedTrail.clear();
+  }
+
+  setOption(name, value) {
+    if (this.options[name] === value) return;
+    this.options[name] = value;
+    if (name === "overlay") this.arrange();
+    if (name === "follow" && value && this.frame) this.setFrame(this.frame);
+    this.on.option(name, value);
+    this.resize();
+  }
+
+  pick(pane, place) {
+    const { scene, frame, camera, hidden, trueSensors } = this;
+    const near = { x: place.x, y: place.y, scale: camera.scale };
+    const found = scene && frame ? this.picker.pick(frame, pane.views, near, { hidden, trueSensors }) : null;
+    this.selection.set(found ? [found] : []);
+    this.on.picked(pane, place);
+  }
+
+  fit() {
+    this.setOption("follow", false);
+    if (!this.scene) return;
+    this.camera.fit(this.scene.map.extent);
+    const { x, y, scale } = this.camera;
+    this.fitted = { x, y, scale };
+  }
+
+  /** Whether all is seen, as fitted, and nobody has moved it since. */
+  get isFitted() {
+    return ["x", "y", "scale"].every((part) => this.fitted?.[part] === this.camera[part]);
+  }
+
+  resize() {
+    const [width, height] = this.robot.resize();
+    if (!this.options.overlay) this.control.resize();
+    const isChanged = width !== this.camera.width || height !== this.camera.height;
+    const isFirst = this.camera.width === 1;
+    this.camera.resize(width, height);
+    if (isChanged && (isFirst || (this.isFitted && !this.options.follow))) this.fit();
+    this.redraw();
+  }
+
+  redraw(isFrame = false) {
+    this.hasFrame ||= isFrame;
+    if (this.asked) return;
+    this.asked = requestAnimationFrame((now) => {
+      this.asked = 0;
+      this.draw(now);
+    });
+  }
+
+  draw(now) {
+    const began = performance.now();
+    this.robot.draw();
+    if (!this.options.overlay) this.control.draw();
+    const isNew = this.hasFrame;
+    this.hasFrame = false;
+    this.on.drawn(this.frame, isNew, now, began);
+  }
+}

@@ -1,0 +1,40 @@
+// The line below the header: what went wrong with a controller, the simulation or the connection, and what to do.
+
+import { tell } from "../shared/dialogs.js";
+import { h } from "../shared/dom.js";
+
+const WORDS = {
+  lost: "The connection to amorsim is lost; trying again.",
+  compiling: "Kernels are being compiled, once after installing: some ten seconds. It goes on by itself.",
+  restarting: "The simulation is being restarted …",
+  gone: "The simulation's process has ended.",
+  hang: "No sign of life from the simulation: a controller may hang.",
+};
+
+export class Warnings {
+  constructor(banner, ask) {
+    this.banner = banner;
+    this.ask = ask;
+    this.shown = "";
+  }
+
+  show(state) {
+    const fault = state.fault;
+    const trouble = WORDS[state.status] !== undefined || state.status === "fault";
+    const signature = trouble ? `${state.status} ${fault?.number ?? ""}` : "";
+    if (signature === this.shown) return;
+    this.shown = signature;
+    this.banner.hidden = !trouble;
+    this.banner.className = `banner ${state.status}`;
+    if (!trouble) return;
+    const parts = [h("span", {}, fault && state.status !== "lost" ? fault.text : WORDS[state.status])];
+    if (fault?.stack) parts.push(h("button", { onclick: () => tell("Where it was", h("pre", { tabindex: "0" }, fault.stack)) }, "show the stack"));
+    if (["fault", "hang", "gone"].includes(state.status)) {
+      const without = fault?.robot ? [fault.robot] : [];
+      const label = without.length ? `go on with ${fault.robot} driven by hand` : "restart";
+      parts.push(h("button", { class: "main", onclick: () => this.ask({ do: "restart", without }) }, label));
+      if (without.length) parts.push(h("button", { onclick: () => this.ask({ do: "restart", without: [] }) }, "restart with it"));
+    }
+    this.banner.replaceChildren(...parts);
+  }
+}

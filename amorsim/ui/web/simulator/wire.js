@@ -1,0 +1,303 @@
+// Made by tools/make_wire.py from amorsim/ui/simulator/{protocol, packing, messages}.py: change it there.
+
+/** How the simulation stands in a frame. */
+export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loading: 32, posesOnly: 64 };
+
+/** How a robot stands in a frame. */
+export const ROBOT = { touching: 1, ended: 2, byHand: 4 };
+
+export const MAGIC = 0x31666d61; // the first four bytes, little endian
+export const HEADER_SIZE = 88; // bytes
+
+/** Where the numbers of a frame's header lie: name, kind, byte.
+ * @type {[string, "Uint32" | "Int32" | "Float32" | "Float64", number][]} */
+export const HEADER = [
+  ["version", "Uint32", 4],
+  ["number", "Uint32", 8],
+  ["epoch", "Uint32", 12],
+  ["time", "Float64", 16],
+  ["speed", "Float32", 24],
+  ["achieved", "Float32", 28],
+  ["tick", "Uint32", 32],
+  ["newest", "Uint32", 36],
+  ["states", "Uint32", 40],
+  ["events", "Uint32", 44],
+  ["robotCount", "Uint32", 48],
+  ["obstacleCount", "Uint32", 52],
+  ["selected", "Int32", 56],
+  ["valueCount", "Uint32", 60],
+  ["sensorCount", "Uint32", 64],
+  ["jointCount", "Uint32", 68],
+  ["channelCount", "Uint32", 72],
+  ["oldest", "Uint32", 76],
+  ["partCount", "Uint32", 80],
+];
+
+/** What follows it: name, kind, which number of the header counts it, how many for each.
+ * @type {[string, Float64ArrayConstructor | Float32ArrayConstructor | Uint8ArrayConstructor, string, number][]} */
+export const BLOCKS = [
+  ["trueValues", Float64Array, "valueCount", 1],
+  ["measuredValues", Float64Array, "valueCount", 1],
+  ["ages", Float64Array, "sensorCount", 1],
+  ["trueRates", Float64Array, "jointCount", 1],
+  ["measuredRates", Float64Array, "jointCount", 1],
+  ["trueTwist", Float64Array, "", 3],
+  ["estimatedTwist", Float64Array, "", 3],
+  ["command", Float64Array, "channelCount", 1],
+  ["believedParts", Float64Array, "partCount", 3],
+  ["truePoses", Float32Array, "robotCount", 3],
+  ["estimatedPoses", Float32Array, "robotCount", 3],
+  ["covariances", Float32Array, "robotCount", 6],
+  ["obstacles", Float32Array, "obstacleCount", 3],
+  ["flags", Uint8Array, "robotCount", 1],
+];
+
+/**
+ * A moment, of one robot all; `sensors` are its readings.
+ * @typedef {object} Frame
+ * @property {number} version
+ * @property {number} number
+ * @property {number} epoch
+ * @property {number} time
+ * @property {number} speed
+ * @property {number} achieved
+ * @property {number} tick
+ * @property {number} newest
+ * @property {number} states
+ * @property {number} events
+ * @property {number} robotCount
+ * @property {number} obstacleCount
+ * @property {number} selected
+ * @property {number} valueCount
+ * @property {number} sensorCount
+ * @property {number} jointCount
+ * @property {number} channelCount
+ * @property {number} oldest
+ * @property {number} partCount
+ * @property {Float64Array} trueValues
+ * @property {Float64Array} measuredValues
+ * @property {Float64Array} ages
+ * @property {Float64Array} trueRates
+ * @property {Float64Array} measuredRates
+ * @property {Float64Array} trueTwist
+ * @property {Float64Array} estimatedTwist
+ * @property {Float64Array} command
+ * @property {Float64Array} believedParts
+ * @property {Float32Array} truePoses
+ * @property {Float32Array} estimatedPoses
+ * @property {Float32Array} covariances
+ * @property {Float32Array} obstacles
+ * @property {Uint8Array} flags
+ * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
+ */
+
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "places" | "save_scenario" | "save_run" | "restart"} CommandName */
+
+/** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
+
+/**
+ * A channel of a drive's command, or of a device that takes commands.
+ * @typedef {object} Channel
+ * @property {string} name
+ * @property {string} unit
+ * @property {number | null} low
+ * @property {number | null} high
+ */
+
+/**
+ * How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
+ * @typedef {object} Drawing
+ * @property {string} [style]
+ * @property {number} [half_angle]
+ * @property {number} [reach]
+ * @property {number[]} [span]
+ * @property {number[][][]} [lines]
+ * @property {string[]} [colours]
+ * @property {string[]} [names]
+ */
+
+/**
+ * Something that happened; `number` counts from 1 within an epoch.
+ * @typedef {object} EventLine
+ * @property {number} number
+ * @property {number} tick
+ * @property {number} time
+ * @property {string} kind
+ * @property {string} robot
+ * @property {string} text
+ * @property {number[] | null} point
+ * @property {string} stack
+ */
+
+/**
+ * What there is in the world besides walls and bodies; robots may know of it or not.
+ * @typedef {object} Floor
+ * @property {number[][]} landmarks
+ * @property {number[][]} lights
+ * @property {number[][][]} zones
+ * @property {FloorPatch[]} patches
+ */
+
+/**
+ * A line or an area on the floor, as `amorsim.core.patches.Patch`.
+ * @typedef {object} FloorPatch
+ * @property {number[][]} points
+ * @property {number} width
+ * @property {string} colour
+ */
+
+/**
+ * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
+ * @typedef {object} History
+ * @property {boolean} ok
+ * @property {number} epoch
+ * @property {number[]} ticks
+ * @property {number[][]} true
+ * @property {number[][]} estimated
+ * @property {Past} past
+ */
+
+/**
+ * A picture of a map; `name` is what the command ``image`` takes. Occupied cells are black, free ones clear.
+ * @typedef {object} Image
+ * @property {string} name
+ * @property {number[]} extent
+ */
+
+/**
+ * What robots of one kind have in common.
+ * @typedef {object} Kind
+ * @property {string} model
+ * @property {string} drive
+ * @property {Outline} footprint
+ * @property {number[][]} wheels
+ * @property {Channel[]} channels
+ * @property {string[]} joints
+ * @property {number[]} twist
+ * @property {SensorShape[]} sensors
+ * @property {string[]} estimators
+ */
+
+/**
+ * What a robot was told of the world.
+ * @typedef {object} Knowledge
+ * @property {number | null} map
+ * @property {number[][]} landmarks
+ */
+
+/**
+ * A map as it is drawn: lines, or a picture where there are none.
+ * @typedef {object} MapShape
+ * @property {string} name
+ * @property {number[]} origin
+ * @property {number[]} size
+ * @property {number[]} extent
+ * @property {number[][] | null} segments
+ * @property {Image | null} image
+ */
+
+/**
+ * An obstacle, or after all of those a part of a robot.
+ * @typedef {object} ObstacleShape
+ * @property {string} name
+ * @property {Outline} footprint
+ * @property {boolean} moves
+ * @property {string} part_of
+ * @property {string} colour
+ */
+
+/**
+ * A footprint in its body's frame: a circle about the base point, or a polygon.
+ * @typedef {object} Outline
+ * @property {number} [circle]
+ * @property {number[][]} [polygon]
+ */
+
+/**
+ * A parameter that may be changed while the simulation runs, as a form shows it.
+ * @typedef {object} ParameterForm
+ * @property {string} path
+ * @property {string} group
+ * @property {string} label
+ * @property {string} unit
+ * @property {string} help
+ * @property {string} type
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {boolean[]} is_open
+ * @property {number[]} slider
+ * @property {number | null} value
+ * @property {number | null} scenario
+ * @property {string} drawn
+ * @property {number | null} nominal
+ * @property {number | null} true
+ * @property {string} kind
+ */
+
+/**
+ * What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
+ * @typedef {object} Past
+ * @property {number[]} ticks
+ * @property {string} values
+ */
+
+/**
+ * A robot: `kind` is a place in the scene's `kinds`.
+ * @typedef {object} RobotEntry
+ * @property {string} name
+ * @property {number} kind
+ * @property {string} controller
+ * @property {Knowledge} knowledge
+ * @property {string} colour
+ */
+
+/**
+ * All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
+ * @typedef {object} Scene
+ * @property {number} version
+ * @property {string} scenario
+ * @property {number} dt
+ * @property {number} duration
+ * @property {number} seed
+ * @property {MapShape[]} maps
+ * @property {number} map
+ * @property {Kind[]} kinds
+ * @property {RobotEntry[]} robots
+ * @property {ObstacleShape[]} obstacles
+ * @property {Floor} floor
+ */
+
+/**
+ * A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
+ * @typedef {object} SensorShape
+ * @property {string} name
+ * @property {string} kind
+ * @property {string} unit
+ * @property {string[][]} columns
+ * @property {number} size
+ * @property {number[][]} mounts
+ * @property {number[] | null} bearings
+ * @property {number | null} range_max
+ * @property {number | null} half_angle
+ * @property {Drawing | null} drawing
+ */
+
+/**
+ * How the simulation stands.
+ * @typedef {object} State
+ * @property {boolean} ok
+ * @property {number} version
+ * @property {number} epoch
+ * @property {string} status
+ * @property {number} tick
+ * @property {number} newest
+ * @property {number} time
+ * @property {number | null} speed
+ * @property {number} achieved
+ * @property {number} selected
+ * @property {string[]} by_hand
+ * @property {boolean} can_continue
+ * @property {string} reason
+ * @property {EventLine | null} fault
+ * @property {string} holder
+ */

@@ -1,0 +1,109 @@
+"""Forms of a robot's parameters: sliders that start from something sensible, and names that say what a number is."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+import amorsim as am
+from amorsim.noise.quantize import Quantize
+from amorsim.ui.forms.live import forms_of
+from amorsim.ui.simulator.inputs import Input
+from amorsim.ui.simulator.protocol import ParameterForm
+from tests import building
+
+
+def form_of(error: Any, path: str = "errors.drive.track.scale", **robot: Any) -> ParameterForm:
+    errors = {} if error is None else {".".join(path.split(".")[1:-1]): error}
+    simulation = am.Simulation(building.scenario(building.robot(errors=errors, **robot)))
+    return next(form for form in forms_of(simulation, "rover") if form["path"] == path)
+
+
+def normal(mean: float, std: float) -> am.Distribution:
+    return am.Distribution(kind="normal", values=(mean, std))
+
+
+def test_the_slider_of_a_drawn_factor_is_centred_on_its_mean() -> None:
+    form = form_of(am.Deviation(scale=normal(1.0, 0.01)))
+    assert form["value"] is None
+    assert form["slider"] == pytest.approx([0.9, 1.1])
+
+
+def test_the_slider_of_a_drawn_factor_covers_what_may_be_drawn() -> None:
+    # Three standard deviations; none of it is 0 or less, for no track is.
+    assert form_of(am.Deviation(scale=normal(1.02, 0.1)))["slider"] == pytest.approx([0.72, 1.32])
+    low, high = form_of(am.Deviation(scale=normal(1.0, 0.8)))["slider"]
+    assert low > 0.0
+    assert (low + high) / 2.0 == pytest.approx(1.0)
+    uniform = am.Distribution(kind="uniform", values=(0.8, 1.4))
+    assert form_of(am.Deviation(scale=uniform))["slider"] == pytest.approx([0.8, 1.4])
+
+
+def test_a_drawn_value_keeps_its_slider_when_it_is_set() -> None:
+    simulation = am.Simulation(
+        building.scenario(building.robot(errors={"drive.track": am.Deviation(scale=normal(1.02, 0.1))}))
+    )
+    simulation.set("rover", "errors.drive.track.scale", 1.05)
+    form = next(form for form in forms_of(simulation, "rover") if form["path"] == "errors.drive.track.scale")
+    assert form["value"] == 1.05
+    assert form["slider"] == pytest.approx([0.72, 1.32])
+
+
+def test_a_drawn_offset_stays_within_what_its_parameter_allows() -> None:
+    path = "errors.drive.track.add"
+    track = building.robot().drive.track  # type: ignore[attr-defined]
+    low, high = form_of(am.Deviation(add=normal(0.01, 2.0)), path)["slider"]
+    assert (low + high) / 2.0 == pytest.approx(0.01)
+    assert low + track > 0.0
+
+
+def test_the_limit_of_a_rate_deviates_by_a_factor_and_what_is_nominally_0_by_a_sum() -> None:
+    errors = [form for form in forms_of(am.Simulation(am.load("demo")), "rover") if form["kind"] == "systematic"]
+    told = {form["label"]: (form["value"], form["unit"]) for form in errors if form["group"] == "drive"}
+    # "rate max 0" would be a limit of 0.
+    assert told["rate max"] == (1.0, "×")
+    assert told["acceleration max"] == (1.0, "×")
+    assert told["lag error"] == (0.0, "s")
+    for form in errors:
+        assert form["label"].endswith(" error") == form["path"].endswith(".add")
+
+
+def test_no_end_of_a_slider_is_absurd_or_refused() -> None:
+    simulation = am.Simulation(am.load("demo"))
+    for form in forms_of(simulation, "rover"):
+        low, high = form["slider"]
+        for end in (low, high):
+            simulation.set("rover", form["path"], int(end) if form["type"] == "int" else end)
+        simulation.set("rover", form["path"], form["value"])
+        if form["kind"] == "nominal" and form["low"] == 0.0 and form["is_open"][0]:
+            assert low == pytest.approx(form["value"] / 2.0), form["path"]
+
+
+def test_the_slider_of_a_noise_is_of_the_size_of_the_noise() -> None:
+    path = "sensors.encoder.noise.quantize.step"
+    sensors = {
+        "encoder": am.MountedSensor(sensor=building.encoder(), noise=building.chain(Quantize(step=0.000268))),
+    }
+    low, high = form_of(None, path, sensors=sensors)["slider"]
+    assert 0.0 <= low < 0.000268 < high < 0.003
+
+
+def test_a_drawn_value_is_told_in_words() -> None:
+    drawn = normal(1.0, 0.01)
+    assert form_of(am.Deviation(scale=drawn))["drawn"] == "normal(1, 0.01)"
+    simulation = am.Simulation(building.scenario(building.robot(errors={"drive.track": am.Deviation(scale=drawn)})))
+    simulation.set("rover", "errors.drive.track.scale", 1.05)
+    simulation.set("rover", "errors.drive.track.scale", drawn)
+    assert str(simulation.events[-1]).endswith("rover: errors.drive.track.scale = normal(1, 0.01)")
+
+
+def test_a_drawn_value_that_was_given_back_can_be_given_again() -> None:
+    drawn = normal(1.0, 0.01)
+    errors = {"drive.track": am.Deviation(scale=drawn)}
+    given = Input(tick=0, do="set", robot="rover", path="errors.drive.track.scale", value=drawn)
+    simulation = am.Simulation(building.scenario(building.robot(errors=errors)))
+    again = Input.from_json(json.loads(json.dumps(given.to_json())))
+    assert again == given
+    again.give(simulation)

@@ -1,0 +1,31 @@
+"""Pages of a server: several, each with a name of its own."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from amorsim.core.errors import AmorsimError
+from amorsim.ui.serve.pages import KINDS, Pages
+from tests.ui.stub import StubSession
+
+
+def test_sessions_have_names_of_their_own_that_need_no_quoting() -> None:
+    pages = Pages()
+    names = ["demo", "demo", "my room (2)", "../../etc", "ü", "", "a/b"]
+    added = [pages.add("run", name, StubSession()) for name in names]
+    assert [page.name for page in added[:4]] == ["demo", "demo-2", "my-room-2", "etc"]
+    assert len({page.path for page in added}) == len(names)
+    for page in added:
+        assert re.fullmatch(r"/run/[A-Za-z0-9_][A-Za-z0-9_.-]*", page.path)
+        assert pages.find("run", page.name) is page
+    assert list(pages) == added
+    assert pages.find("run", "nothing") is None
+
+
+def test_a_page_is_of_a_kind_that_there_is() -> None:
+    with pytest.raises(AmorsimError, match="expected a kind of page, 'run', got 'fly'"):
+        Pages().add("fly", "demo", StubSession())
+    for kind in KINDS:
+        assert Pages().add(kind, "demo", StubSession()).file.is_file()

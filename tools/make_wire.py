@@ -1,0 +1,115 @@
+"""Write what the window's scripts know of the messages: the layout of frames, the names of commands, types of tables.
+
+``python tools/make_wire.py``, after a change of ``protocol.py``, ``packing.py`` or ``messages.py`` in
+``amorsim/ui/simulator``. A test says when it was forgotten.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import types
+import typing
+from enum import IntFlag
+from pathlib import Path
+from typing import Any
+
+from amorsim.ui.simulator import packing, protocol
+from amorsim.ui.simulator.messages import COMMANDS
+
+FILE = Path(__file__).parent.parent / "amorsim" / "ui" / "web" / "simulator" / "wire.js"
+HEAD = """// Made by tools/make_wire.py from amorsim/ui/simulator/{protocol, packing, messages}.py: change it there.
+"""
+READERS = {"I": "Uint32", "i": "Int32", "f": "Float32", "d": "Float64"}
+ARRAYS = {"f8": "Float64Array", "f4": "Float32Array", "u1": "Uint8Array"}
+PLAIN = {str: "string", int: "number", float: "number", bool: "boolean", types.NoneType: "null"}
+
+
+def camel(name: str) -> str:
+    """A name as scripts have it."""
+    return re.sub(r"_(\w)", lambda match: match[1].upper(), name.lower())
+
+
+def flags_of(name: str, flags: type[IntFlag]) -> str:
+    """A table of flags."""
+    entries = ", ".join(f"{camel(flag.name or '')}: {flag.value}" for flag in flags)
+    return f"export const {name} = {{ {entries} }};"
+
+
+def type_of(hint: Any) -> str:
+    """A type as JSDoc has it."""
+    if hint in PLAIN:
+        return PLAIN[hint]
+    origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if origin is list:
+        one = type_of(inner[0])
+        return f"({one})[]" if "|" in one else f"{one}[]"
+    if origin in (types.UnionType, typing.Union):
+        return " | ".join(type_of(one) for one in inner)
+    if typing.is_typeddict(hint):
+        return str(hint.__name__)
+    raise TypeError(f"no type of scripts is known for {hint!r}")
+
+
+def typedef(table: Any) -> str:
+    """A table's type."""
+    hints = typing.get_type_hints(table)
+    lines = [f"/**\n * {(table.__doc__ or '').splitlines()[0]}\n * @typedef {{object}} {table.__name__}"]
+    for name, hint in hints.items():
+        shown = f"[{name}]" if name in table.__optional_keys__ else name
+        lines.append(f" * @property {{{type_of(hint)}}} {shown}")
+    return "\n".join([*lines, " */"])
+
+
+def frame_type() -> str:
+    """A frame's type, as `readFrame` makes it of its bytes."""
+    lines = ["/**", " * A moment, of one robot all; `sensors` are its readings.", " * @typedef {object} Frame"]
+    lines += [f" * @property {{number}} {camel(name)}" for name, form in packing.HEADER if form in READERS]
+    lines += [f" * @property {{{ARRAYS[form]}}} {camel(name)}" for name, form, _, _ in packing.BLOCKS]
+    return "\n".join(
+        [*lines, " * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors", " */"]
+    )
+
+
+def script() -> str:
+    """The whole file."""
+    fields, at = [], 0
+    for name, form in packing.HEADER:
+        if form in READERS:
+            fields.append(f'  ["{camel(name)}", "{READERS[form]}", {at}],')
+        at += struct.calcsize(f"<{form}")
+    blocks = [
+        f'  ["{camel(name)}", {ARRAYS[form]}, "{camel(counted)}", {each}],'
+        for name, form, counted, each in packing.BLOCKS
+    ]
+    constructor = " | ".join(f"{kind}Constructor" for kind in ARRAYS.values())
+    names = " | ".join(f'"{name}"' for name in COMMANDS)
+    tables = [getattr(protocol, name) for name in protocol.__all__]
+    magic = int.from_bytes(packing.MAGIC, "little")
+    parts = [
+        HEAD,
+        "/** How the simulation stands in a frame. */\n" + flags_of("FLAG", packing.FrameFlag),
+        "\n/** How a robot stands in a frame. */\n" + flags_of("ROBOT", packing.RobotFlag),
+        f"\nexport const MAGIC = {magic:#x}; // the first four bytes, little endian",
+        f"export const HEADER_SIZE = {packing.FRAME_HEADER.size}; // bytes",
+        "\n/** Where the numbers of a frame's header lie: name, kind, byte.",
+        ' * @type {[string, "Uint32" | "Int32" | "Float32" | "Float64", number][]} */',
+        "export const HEADER = [",
+        *fields,
+        "];",
+        "\n/** What follows it: name, kind, which number of the header counts it, how many for each.",
+        f" * @type {{[string, {constructor}, string, number][]}} */",
+        "export const BLOCKS = [",
+        *blocks,
+        "];\n",
+        frame_type(),
+        f"\n/** @typedef {{{names}}} CommandName */",
+        '\n/** @typedef {{"do": CommandName, [key: string]: unknown}} Command */\n',
+        "\n\n".join(typedef(table) for table in tables),
+        "",
+    ]
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    FILE.write_text(script(), encoding="utf-8")
