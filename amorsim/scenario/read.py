@@ -20,12 +20,12 @@ from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_recording
-from amorsim.scenario.document import document_of
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.floor_file import read_floor
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
+from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
@@ -199,7 +199,7 @@ def _read(
         book.fault((error.name,), error.problem)
         book.raise_if_any()
         raise
-    return attrs.evolve(scenario, document=document_of(scenario, registry=registry))
+    return attrs.evolve(scenario, resolved=resolved_table(scenario, registry=registry))
 
 
 def _values(

@@ -1,4 +1,4 @@
-"""Scenarios on the disk: documents written as readable TOML, with copies of the files that they name."""
+"""Scenarios on the disk: their tables written as readable TOML, with copies of the files that they name."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from amorsim.core.whole_files import copy_file, write_text
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.beside import files_beside
 from amorsim.scenario.controller_files import is_controller_file
-from amorsim.scenario.document import document_of
 from amorsim.scenario.maps import companions_of, save_map
+from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.starts import series_of
 
-__all__ = ["document_of", "document_text", "with_copies", "with_maps", "write_document"]
+__all__ = ["resolved_table", "table_text", "with_copies", "with_maps", "write_table"]
 
 # Tables of a robot that get a header of their own; whatever else holds keys stands on one line.
 _HEADED = (
@@ -42,24 +42,24 @@ _HEADED = (
 _LINE = 100
 
 
-def write_document(document: Mapping[str, Any], path: str | Path) -> None:
-    """Write a document as TOML; numbers as the shortest decimals that read as the same bits.
+def write_table(table: Mapping[str, Any], path: str | Path) -> None:
+    """Write a scenario's table as TOML; numbers as the shortest decimals that read as the same bits.
 
     Raises
     ------
     RunError
         If the file cannot be written; one that was there is there still.
     """
-    write_text(path, document_text(document))
+    write_text(path, table_text(table))
 
 
-def document_text(document: Mapping[str, Any], *, with_remarks: bool = False) -> str:
-    """A document as TOML: a table a thing, mounts, poses and noise on a line each.
+def table_text(table: Mapping[str, Any], *, with_remarks: bool = False) -> str:
+    """A scenario as TOML: a table a thing, mounts, poses and noise on a line each.
 
     With remarks it also says, in comments, that a sensor has no rate; TOML has no word for that.
     """
     root = tomlkit.document()
-    for key, value in document.items():
+    for key, value in table.items():
         if key in ("robots", "obstacles", "landmarks", "lights", "zones"):
             array = tomlkit.aot()
             for item in value:
@@ -130,7 +130,7 @@ def _value(value: Any) -> Item:
 
 
 def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
-    """The document of a scenario, its map and controller files copied into a folder and named there.
+    """The table of a scenario, its map and controller files copied into a folder and named there.
 
     A map that was made in Python gets a file there. Each file is copied once; files of the same name from different
     places get numbers. A map of several files gets a folder of its own, for the files name each other.
@@ -140,35 +140,35 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     RunError
         If a file cannot be read, or its copy not be written.
     ScenarioError
-        As for `document_of`; nothing has been copied then.
+        As for `resolved_table`; nothing has been copied then.
     """
     copies = _Copies(Path(folder))
-    document_of(scenario, maps_in_files=False)  # complains before anything is written
+    resolved_table(scenario, maps_in_files=False)  # complains before anything is written
     scenario = _with_files(scenario, copies)
-    document = document_of(scenario)
-    document["world"]["map"] = copies.of_map(scenario.map)
-    for (robot, *_), written in zip(series_of(scenario.robots), document["robots"], strict=True):
+    table = resolved_table(scenario)
+    table["world"]["map"] = copies.of_map(scenario.map)
+    for (robot, *_), written in zip(series_of(scenario.robots), table["robots"], strict=True):
         if robot.knowledge.map is not None:
             written["knowledge"]["map"] = copies.of_map(robot.knowledge.map)
         copies.of_program(written.get("controller", {}))
-    for (first, *_), written in zip(series_of(scenario.obstacles), document.get("obstacles", ()), strict=True):
+    for (first, *_), written in zip(series_of(scenario.obstacles), table.get("obstacles", ()), strict=True):
         copies.of_program(written.get("motion", {}))
         _copy_files(first.motion, written.get("motion", {}), copies)
-    return document
+    return table
 
 
 def with_maps(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
-    """The document of a scenario, the maps that were made in Python written into a folder; other files stay in place.
+    """The table of a scenario, the maps that were made in Python written into a folder; other files stay in place.
 
     Raises
     ------
     RunError
         If a map cannot be written.
     ScenarioError
-        As for `document_of`; nothing has been written then.
+        As for `resolved_table`; nothing has been written then.
     """
-    document_of(scenario, maps_in_files=False)
-    return document_of(_with_files(scenario, _Copies(Path(folder))))
+    resolved_table(scenario, maps_in_files=False)
+    return resolved_table(_with_files(scenario, _Copies(Path(folder))))
 
 
 def _with_files(scenario: Scenario, copies: _Copies) -> Scenario:

@@ -19,7 +19,7 @@ from amorsim.motions.user import UserMotion
 from amorsim.runs.session import run_name
 from amorsim.scenario.controller_files import reference_to
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import with_maps, write_document
+from amorsim.scenario.write import with_maps, write_table
 from amorsim.ui.orphan import is_child
 from amorsim.ui.pipes import python_for
 from amorsim.ui.recipe import Recipe
@@ -77,7 +77,7 @@ def view(
         file = ""
         if isinstance(scenario, Scenario):
             path = Path(passing).resolve() / f"{run_name(scenario)}.toml"
-            write_document(with_maps(_named(scenario), path.parent), path)
+            write_table(with_maps(_named(scenario), path.parent), path)
             file = str(path)
             recipe = Recipe(name=file, passing=str(path.parent))
         else:

@@ -1,4 +1,4 @@
-"""Documents of scenarios: all that a file needs to say for the same scenario to be read from it again."""
+"""Scenarios as tables: all that a file needs to say for the same scenario to be read from it again."""
 
 from __future__ import annotations
 
@@ -22,16 +22,18 @@ from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, R
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
 
-__all__ = ["document_of", "resolved"]
+__all__ = ["resolved", "resolved_table"]
 
 
 def resolved(scenario: Scenario) -> dict[str, Any]:
-    """The complete document of a scenario: the one it was read with, or else `document_of` it."""
-    return dict(scenario.document) if scenario.document is not None else document_of(scenario)
+    """The complete table of a scenario: the one it was read with, or else `resolved_table`."""
+    return dict(scenario.resolved) if scenario.resolved is not None else resolved_table(scenario)
 
 
-def document_of(scenario: Scenario, *, registry: Registry | None = None, maps_in_files: bool = True) -> dict[str, Any]:
-    """The complete document of a scenario: no models, every default filled in, files by their absolute paths.
+def resolved_table(
+    scenario: Scenario, *, registry: Registry | None = None, maps_in_files: bool = True
+) -> dict[str, Any]:
+    """The complete table of a scenario: no models, every default filled in, files by their absolute paths.
 
     Unless `maps_in_files`, a map that was made in Python may be among them, and is left out.
 
@@ -42,10 +44,10 @@ def document_of(scenario: Scenario, *, registry: Registry | None = None, maps_in
         controller that is in no file, a shape that no table describes.
     """
     writer = _Writer(registry or default_registry(), maps_in_files)
-    document = writer.scenario(scenario)
+    table = writer.scenario(scenario)
     if writer.faults:
         raise ScenarioError(writer.faults)
-    return document
+    return table
 
 
 _ONE_QUANTITY: Mapping[str, str] = types.MappingProxyType({})
@@ -60,8 +62,8 @@ class _Writer:
         self.faults: list[Fault] = []
 
     def scenario(self, scenario: Scenario) -> dict[str, Any]:
-        """The whole document."""
-        document = {
+        """The whole table."""
+        table = {
             "format": FORMAT,
             "world": self._map(scenario.map, "world"),
             "simulation": write_fields(scenario, names=("dt", "duration", "seed")),
@@ -72,18 +74,18 @@ class _Writer:
             ],
         }
         if scenario.obstacles:
-            document["obstacles"] = [
+            table["obstacles"] = [
                 self._series(series, self._obstacle(series[0], f"obstacles.{i}"))
                 for i, series in enumerate(series_of(scenario.obstacles))
             ]
         for key, things in (("landmarks", scenario.landmarks), ("lights", scenario.lights)):
             if things:
-                document[key] = [write_fields(thing) for thing in things]
+                table[key] = [write_fields(thing) for thing in things]
         if scenario.zones:
-            document["zones"] = [self._zone(zone, f"zones.{i}") for i, zone in enumerate(scenario.zones)]
+            table["zones"] = [self._zone(zone, f"zones.{i}") for i, zone in enumerate(scenario.zones)]
         if scenario.floor != Floor():
-            document["floor"] = write_floor(scenario.floor, self._shape)
-        return document
+            table["floor"] = write_floor(scenario.floor, self._shape)
+        return table
 
     def _fault(self, path: str, message: str) -> None:
         self.faults.append(Fault(file="", path=path, message=message))
