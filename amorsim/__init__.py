@@ -49,6 +49,7 @@ if TYPE_CHECKING:
         ComponentError,
         ContactError,
         ControllerError,
+        DocumentError,
         MapError,
         PluginError,
         RunError,
@@ -66,6 +67,7 @@ if TYPE_CHECKING:
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
     from amorsim.scenario.devices import load_device
+    from amorsim.scenario.document import Document, open_document
     from amorsim.scenario.maps import load_map, save_map
     from amorsim.scenario.read import load
     from amorsim.scenario.robots import load_robot
@@ -102,8 +104,8 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError MapError PluginError RunError ScenarioError "
-        "SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError DocumentError MapError PluginError RunError "
+        "ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -114,6 +116,7 @@ _MODULES = {
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map save_map",
     "amorsim.scenario.devices": "load_device",
+    "amorsim.scenario.document": "Document open_document",
     "amorsim.scenario.robots": "load_robot",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
@@ -145,6 +148,8 @@ __all__ = [
     "ControllerError",
     "Deviation",
     "Distribution",
+    "Document",
+    "DocumentError",
     "Draws",
     "Drive",
     "Drop",
@@ -215,6 +220,7 @@ __all__ = [
     "logarithm",
     "motions",
     "noise",
+    "open_document",
     "parameter",
     "record",
     "relative",

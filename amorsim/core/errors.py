@@ -15,6 +15,7 @@ __all__ = [
     "ComponentError",
     "ContactError",
     "ControllerError",
+    "DocumentError",
     "Fault",
     "MapError",
     "PluginError",
@@ -51,6 +52,10 @@ class ControllerError(AmorsimError):
     def __init__(self, message: str, robot: str = "") -> None:
         self.robot = robot
         super().__init__(message)
+
+
+class DocumentError(AmorsimError):
+    """A path that leads nowhere in a document, or a change that its file cannot take."""
 
 
 class SnapshotError(AmorsimError):

@@ -1,0 +1,267 @@
+"""Documents: scenarios' files as their authors wrote them, which can be changed in places and saved."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from amorsim.core.errors import DocumentError, did_you_mean
+from amorsim.core.reading import read_bytes, reason
+from amorsim.core.whole_files import write_bytes
+from amorsim.plugins.manager import default_registry
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.editing import Editor, Splice
+from amorsim.scenario.faults import shown
+from amorsim.scenario.layout import MISSING, Path_, found_at
+from amorsim.scenario.names_in_lists import index_of
+from amorsim.scenario.toml_values import plain
+from amorsim.scenario.written import BadLine, read_written
+
+__all__ = ["Document", "open_document"]
+
+Change = list[Splice]
+
+
+def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
+    """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
+
+    Raises
+    ------
+    DocumentError
+        If there is no such file, or it is no text in UTF-8.
+    """
+    registry = registry or default_registry()
+    file = Path(path)
+    names = registry.names("scenario")
+    if str(path) in names and not file.is_file():
+        file = registry.file("scenario", str(path))
+    try:
+        data = read_bytes(file)
+        return Document(data.decode(), file, registry=registry)
+    except FileNotFoundError:
+        raise DocumentError(f"{path}: there is no such file.{did_you_mean(str(path), names)}") from None
+    except UnicodeDecodeError as error:
+        byte = f"byte {error.start} is {error.object[error.start]:#04x}"
+        raise DocumentError(f"{path}: not a text file in UTF-8: {byte}") from None
+    except (OSError, ValueError) as error:
+        raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
+
+
+class Document:
+    """A scenario's file as its author wrote it: read, changed in places, checked and saved; made by `open_document`.
+
+    A path leads to a value as in ``--set``: ``"robots.rover.drive.track"``, with the names or the numbers of robots
+    and of other things in lists. A change touches the lines that say what it is about, and no others: comments, order,
+    blank lines and the spelling of numbers stay.
+    """
+
+    def __init__(self, text: str, path: str | os.PathLike[str], *, registry: Registry | None = None) -> None:
+        self._path = Path(path)
+        self._registry = registry or default_registry()
+        self._bom = "\N{BOM}" if text.startswith("\N{BOM}") else ""
+        written = read_written(text.removeprefix("\N{BOM}"))
+        self._bad = written.bad
+        self._editor = Editor(written.statements, written.values)
+        self._opened = written.values
+        self._done: list[Change] = []
+        self._undone: list[Change] = []
+
+    def __repr__(self) -> str:
+        return f"<document {str(self._path)!r}>"
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
+
+    @property
+    def text(self) -> str:
+        """The file's text, as `save` would write it."""
+        return self._bom + self._editor.text
+
+    @property
+    def faulty_lines(self) -> tuple[BadLine, ...]:
+        """The lines that are no TOML; what they say counts for nothing, and they stay as they are."""
+        return self._bad
+
+    # ---------------------------------------------------------------------------------------------------------- values
+
+    def get(self, path: str) -> Any:
+        """The value at a path, as a file says it: angles in degrees, tables as dicts.
+
+        Raises
+        ------
+        DocumentError
+            If there is none.
+        """
+        at = self._at(path)
+        value = found_at(self._editor.values, at)
+        if value is MISSING:
+            raise DocumentError(f"{path}: the file says nothing of it")
+        return plain(value)
+
+    def set(self, path: str, value: Any) -> None:
+        """Say a value at a path, in the place of the one that is there.
+
+        Of a table or a list, only what differs is written. Another ``use`` is another component: the keys of the one
+        before go.
+
+        Raises
+        ------
+        DocumentError
+            If the path leads nowhere, or TOML has no such value.
+        """
+        value = plain(value)
+        with self._changing():
+            self._set(self._at(path), value)
+
+    def _set(self, at: Path_, value: Any) -> None:
+        if not at:
+            raise DocumentError("expected a path, as 'robots.rover.drive.track', got an empty one")
+        holder = found_at(self._editor.values, at[:-1])
+        if at[-1] == "use" and isinstance(holder, dict) and holder.get("use", value) != value:
+            self._editor.set(at[:-1], {"use": value})
+        else:
+            self._editor.set(at, value)
+
+    def remove(self, path: str) -> None:
+        """Leave out what the file says at a path: a value, a table or an item of a list.
+
+        Raises
+        ------
+        DocumentError
+            If the file says nothing of it.
+        """
+        at = self._at(path)
+        if not at or found_at(self._editor.values, at) is MISSING:
+            raise DocumentError(f"{path}: the file says nothing of it")
+        with self._changing():
+            self._editor.remove(at)
+
+    def add(self, path: str, value: Any, index: int | None = None) -> str:
+        """Put an item into the list at a path, which is begun where there is none; returns the item's path.
+
+        Parameters
+        ----------
+        path
+            Of the list: ``"obstacles"``.
+        value
+            The item: ``{"name": "box", "shape": {"circle": 0.2}}``.
+        index
+            Before which item of the list; at its end if none is given.
+
+        Raises
+        ------
+        DocumentError
+            If there is something else than a list, or TOML has no such value.
+        """
+        at, value = self._at(path), plain(value)
+        there = found_at(self._editor.values, at)
+        if there is not MISSING and not isinstance(there, list):
+            raise DocumentError(f"{path}: expected a list, to which something can be added; it is {shown(there)}")
+        count = 0 if there is MISSING else len(there)
+        place = self._place(path, count if index is None else index, count + 1)
+        with self._changing():
+            if there is MISSING:
+                self._editor.begin_list(at, value)
+            else:
+                self._editor.insert(at, place, value)
+        return ".".join(map(str, (*at, place)))
+
+    def move(self, path: str, index: int) -> str:
+        """Put an item of a list elsewhere in it, with all that the file says of it; returns its path there.
+
+        Raises
+        ------
+        DocumentError
+            If the path leads to no item of a list, or the list has no such place.
+        """
+        at = self._at(path)
+        there = found_at(self._editor.values, at[:-1]) if at else MISSING
+        if not isinstance(there, list):
+            raise DocumentError(f"{path}: expected an item of a list, as 'robots.rover'")
+        place = self._place(path, index, len(there))
+        with self._changing():
+            self._editor.move(at, place)
+        return ".".join(map(str, (*at[:-1], place)))
+
+    @staticmethod
+    def _place(path: str, index: int, count: int) -> int:
+        if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < count:
+            raise DocumentError(f"{path}: index: expected a whole number from 0 to {count - 1}, got {shown(index)}")
+        return index
+
+    def _at(self, path: str | Sequence[str | int]) -> Path_:
+        """A path with numbers in the places of names."""
+        parts = path.split(".") if isinstance(path, str) else [str(part) for part in path]
+        place: Any = self._editor.values
+        at: Path_ = ()
+        for number, part in enumerate(parts):
+            if isinstance(path, str) and not part.strip():
+                raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
+            part = part.strip() if isinstance(path, str) else part
+            if isinstance(place, list):
+                index = index_of(place, part)
+                if isinstance(index, str):
+                    raise DocumentError(f"{'.'.join(map(str, (*at, part)))}: {index}")
+                place, at = place[index], (*at, index)
+                continue
+            if place is not MISSING and not isinstance(place, dict):
+                where = ".".join(map(str, at))
+                raise DocumentError(f"{'.'.join(parts[: number + 1])}: nothing is under {where}: it is {shown(place)}")
+            place = place.get(part, MISSING) if place is not MISSING else MISSING
+            at = (*at, part)
+        return at
+
+    # --------------------------------------------------------------------------------------------------------- journal
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[None]:
+        """What changes within it is one step of `undo`; if it raises, nothing has changed."""
+        log = self._editor.log = []
+        try:
+            yield
+        except BaseException:
+            for splice in reversed(log):
+                self._editor.apply(splice, back=True)
+            raise
+        if log:
+            self._done.append(log)
+            self._undone.clear()
+
+    def undo(self) -> bool:
+        """Take the last change back, to the byte; false if there is none."""
+        if not self._done:
+            return False
+        change = self._done.pop()
+        for splice in reversed(change):
+            self._editor.apply(splice, back=True)
+        self._undone.append(change)
+        return True
+
+    def redo(self) -> bool:
+        """Make the change again that was taken back last; false if there is none."""
+        if not self._undone:
+            return False
+        change = self._undone.pop()
+        for splice in change:
+            self._editor.apply(splice)
+        self._done.append(change)
+        return True
+
+    # ------------------------------------------------------------------------------------------------------------ file
+
+    def save(self, path: str | os.PathLike[str] | None = None) -> Path:
+        """Write the file, whole or not at all; returns where it is.
+
+        Raises
+        ------
+        RunError
+            If it cannot be written; what was there is there still.
+        """
+        file = self._path if path is None else Path(path)
+        write_bytes(file, self.text.encode())
+        return file
