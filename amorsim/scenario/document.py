@@ -64,7 +64,7 @@ class Document:
         self._bom = "\N{BOM}" if text.startswith("\N{BOM}") else ""
         written = read_written(text.removeprefix("\N{BOM}"))
         self._bad = written.bad
-        self._editor = Editor(written.statements, written.values)
+        self._editor = Editor(list(written.statements), written.values)
         self._opened = written.values
         self._done: list[Change] = []
         self._undone: list[Change] = []

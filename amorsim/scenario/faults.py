@@ -10,6 +10,7 @@ import attrs
 
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
 from amorsim.plugins.checks import check_name
+from amorsim.scenario.lines import with_lines
 
 __all__ = ["Book", "Node", "Source"]
 
@@ -44,8 +45,12 @@ class Book:
         self._root = _Branch(source)
         self._faults: dict[Fault, None] = {}  # in order
         self._count = 0
+        self.places: list[Path_] = []
+        """Where in the whole document the faults are, each as often as it was found."""
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
+        self.has_lost_lines = False
+        """Whether lines that are no TOML were left out; what is missing may stand there, and is no fault of its own."""
         self.document: Any = None
         """The whole document, for the names of what stands in its lists."""
         self.warnings: tuple[str, ...] = ()
@@ -71,11 +76,17 @@ class Book:
         assert found is not None
         return found
 
-    def fault(self, path: Path_, message: str) -> None:
-        """Note what is wrong at `path`."""
+    def fault(self, path: Path_, message: str, value: Any = None) -> None:
+        """Note what is wrong at `path`, with the value that is there."""
         source = self.source(path)
+        self.places.append(path)
+        if self.has_lost_lines and message.startswith("missing"):
+            self._count += 1
+            return
         place, named = (".".join(parts[source.depth :]) for parts in (path, self._named(path)))
-        self.add(Fault(file=source.file, path=place, message=message, named="" if named == place else named))
+        self.add(
+            Fault(file=source.file, path=place, message=message, named="" if named == place else named, value=value)
+        )
 
     def _named(self, path: Path_) -> Path_:
         """A path with the name of a robot, obstacle or zone in the place of its number, if no other is called so."""
@@ -103,9 +114,9 @@ class Book:
         return self._count
 
     def raise_if_any(self) -> None:
-        """Raise `ScenarioError` with all faults, if there are any."""
+        """Raise `ScenarioError` with all faults and their lines, if there are any."""
         if self._faults:
-            raise ScenarioError(self._faults, self.warnings)
+            raise ScenarioError(with_lines(self._faults), self.warnings)
 
 
 @attrs.frozen
@@ -118,7 +129,7 @@ class Node:
 
     def fault(self, message: str) -> None:
         """Note what is wrong with this value."""
-        self.book.fault(self.path, message)
+        self.book.fault(self.path, message, self.value)
 
     @property
     def folder(self) -> Path:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-import re
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,10 +10,20 @@ from typing import Any
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.core.reading import read_text, reason
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Node, Source, shown
+from amorsim.scenario.written import Written, read_written
 
-__all__ = ["FORMAT", "LOOKS", "MODEL_KEYS", "check_format", "drop_removed", "merge_models", "read_layers", "read_toml"]
+__all__ = [
+    "FORMAT",
+    "LOOKS",
+    "MODEL_KEYS",
+    "check_format",
+    "drop_removed",
+    "merge_models",
+    "read_file",
+    "read_layers",
+    "read_toml",
+]
 
 FORMAT = 1
 LOOKS = ("fiducial", "height", "colour")  # of a robot or an obstacle
@@ -39,7 +47,18 @@ _NAMED = ("sensors", "estimators")
 
 
 def read_toml(path: Path) -> dict[str, Any] | str:
-    """The document in a TOML file, or a text that says why there is none."""
+    """The table in a TOML file, or a text that says why there is none."""
+    written = read_file(path)
+    if isinstance(written, str):
+        return written
+    if written.bad:
+        first = written.bad[0]
+        return f"line {first.line}: {first.message}"
+    return written.values
+
+
+def read_file(path: Path) -> Written | str:
+    """What a TOML file says, and which of its lines are no TOML; or a text that says why it cannot be read."""
     try:
         text = read_text(path)
     except FileNotFoundError:
@@ -48,23 +67,7 @@ def read_toml(path: Path) -> dict[str, Any] | str:
         return f"not a text file in UTF-8: byte {error.start} is {error.object[error.start]:#04x}"
     except (OSError, ValueError) as error:
         return f"cannot be read: {'it is a folder' if isinstance(error, IsADirectoryError) else reason(error)}"
-    try:
-        return tomllib.loads(text.removeprefix("\N{BOM}"), parse_float=parse_float)
-    except (ValueError, RecursionError) as error:
-        return _toml_problem(error)
-
-
-def _toml_problem(error: Exception) -> str:
-    """What is wrong with a file's TOML; what Python tells only in words of its own is said plainly."""
-    text = str(error)
-    place = re.search(r"\(at (line \d+), column \d+\)", text)
-    where = f"{place[1]}: " if place else ""
-    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
-        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
-        return f"{where}the table [{name}] stands in this file already; put what is here under the first one"
-    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
-        return f"{where}this key has a value already; leave one of the two out"
-    return f"not valid TOML: {error}"
+    return read_written(text.removeprefix("\N{BOM}"))
 
 
 def check_format(node: Node) -> None:
@@ -166,7 +169,7 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
             return None
     model = read_toml(path)
     if isinstance(model, str):
-        node.fault(f"the model {path}: {model}" if "TOML" not in model else f"the model {path} is {model}")
+        node.fault(f"the model {path}: {model}")
         return None
     if path.resolve() in seen:
         node.fault(f"{name} builds on itself")

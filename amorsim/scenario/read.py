@@ -23,13 +23,14 @@ from amorsim.scenario.components import read_recording
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.floor_file import read_floor
-from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
+from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_file, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
+from amorsim.scenario.written import Written
 
 __all__ = ["check_words", "is_model", "load", "loads", "scenario_for_map", "scenario_for_model"]
 
@@ -57,30 +58,40 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
         With all the faults that were found, each with file, key path, and what would be right.
     """
     registry = registry or default_registry()
-    path, document = find_document(source, registry)
-    origin = Source(file=str(path), folder=path.parent)
-    return _read(document, Book(origin), overrides, registry, path)
+    path, book, table = _find(source, registry)
+    return _read(table, book, overrides, registry, path)
 
 
-def find_document(source: str | Path, registry: Registry) -> tuple[Path, dict[str, Any]]:
+def _find(source: str | Path, registry: Registry) -> tuple[Path, Book, dict[str, Any]]:
     """The file that is meant by a path or by the name of a registered scenario, and the table in it.
+
+    The book has the faults of lines that are no TOML. Nothing in the table has been looked at.
 
     Raises
     ------
     ScenarioError
-        If there is no such file, or it is not TOML. Nothing in the table has been looked at.
+        If there is no such file, or it is no text.
     """
     path = Path(source)
     names = registry.names("scenario")
     if str(source) in names and not is_file(path):
         path = registry.file("scenario", str(source))
-    document = read_toml(path)
-    if isinstance(document, str):
+    written = read_file(path)
+    if isinstance(written, str):
         hint = did_you_mean(str(source), names)
         if not path.suffix:
-            document += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
-        raise ScenarioError([Fault(file=str(source), path="", message=document)])
-    return path, document
+            written += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
+        raise ScenarioError([Fault(file=str(source), path="", message=written)])
+    return path, book_of(written, path), written.values
+
+
+def book_of(written: Written, path: Path) -> Book:
+    """A book for what a file says, with the faults of its lines that are no TOML."""
+    book = Book(Source(file=str(path), folder=path.parent))
+    book.has_lost_lines = bool(written.bad)
+    for fault in written.faults(str(path)):
+        book.add(fault)
+    return book
 
 
 def loads(
@@ -150,12 +161,10 @@ def check_words(
     registry = registry or default_registry()
     path = Path(source)
     if of_map is None:
-        path, document = find_document(source, registry)
-        origin = Source(file=str(path), folder=path.parent)
+        path, book, table = _find(source, registry)
     else:
-        document, origin = _map_alone(path, of_map), Source(file="", folder=path.parent)
-    book = Book(origin)
-    _values(document, book, overrides, registry, Maps(registry, are_read=False), False, False)
+        table, book = _map_alone(path, of_map), Book(Source(file="", folder=path.parent))
+    _values(table, book, overrides, registry, Maps(registry, are_read=False), False, False)
     book.raise_if_any()
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import attrs
 
+from amorsim.core.errors import Fault
 from amorsim.scenario.inline import find
 from amorsim.scenario.layout import Layout, Path_
 from amorsim.scenario.statements import Statement, cut, value_end
@@ -15,7 +16,7 @@ from amorsim.scenario.toml_values import parse
 
 __all__ = ["BadLine", "Written", "line_of", "read_written", "toml_problem"]
 
-_MOST_FAULTS = 100
+_MOST = 20  # of bad lines, that are told
 
 
 @attrs.frozen
@@ -27,48 +28,62 @@ class BadLine:
     message: str
 
 
-@attrs.frozen
 class Written:
-    """What is left of a file's text without its bad lines, and these."""
+    """What a file's text means without its bad lines, and these."""
 
-    statements: list[Statement]
-    values: dict[str, Any]
-    bad: tuple[BadLine, ...]
+    def __init__(
+        self, text: str, values: dict[str, Any], statements: list[Statement] | None = None, bad: Iterable[BadLine] = ()
+    ) -> None:
+        self.values = values
+        self.bad = tuple(bad)
+        self._text = text
+        self._statements = statements
+
+    @property
+    def statements(self) -> list[Statement]:
+        """The text in its statements, those of bad lines being "bad"."""
+        if self._statements is None:  # which only changes and faults ask for
+            self._statements = cut(self._text)
+        return self._statements
+
+    def faults(self, file: str) -> list[Fault]:
+        """The bad lines as faults of the file."""
+        return [Fault(file=file, path="", message=each.message, line=each.line, value=each.text) for each in self.bad]
 
 
 def read_written(text: str) -> Written:
-    """The statements of a text and what they mean; those that TOML does not take are told, and mean nothing."""
-    statements = cut(text)
+    """What a text means; of lines that TOML does not take it is said what is wrong, and they mean nothing."""
     try:
-        return Written(statements, parse(text), ())
+        return Written(text, parse(text))
     except (ValueError, RecursionError):
         pass
+    statements = cut(text)
     bad: dict[int, str] = {}
     is_open = False  # whether the lines before are of a value that does not end
-    for index, statement in enumerate(statements):
+    for index, statement in enumerate(tuple(statements)):
         if statement.kind != "bad":
             is_open = False
         elif not is_open:
             bad[index] = _problem_of(statement.text)
             is_open = _is_open(statement.text)
             _leave_out_body(statements, index, statement.text)
-    while len(bad) < _MOST_FAULTS:
+    values: dict[str, Any] = {}
+    while len(bad) < _MOST:
         try:
             values = parse(_sound(statements))
             break
         except (ValueError, RecursionError) as error:
-            index = _first_bad(statements)
+            index = _first_bad(statements, str(error))
             bad[index] = toml_problem(error)
             old = statements[index]
             statements[index] = Statement(old.text, "bad")
             if old.kind != "pair":
                 _leave_out_body(statements, index, old.text)
-    else:
-        values = {}
+    else:  # this is no file of TOML
         statements = [Statement(each.text, "bad") for each in statements]
     lines = _line_numbers(statements)
-    found = [BadLine(lines[index], statements[index].text.strip(), bad[index]) for index in sorted(bad)]
-    return Written(statements, values, tuple(found))
+    told = sorted(bad)[:_MOST]
+    return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in told])
 
 
 def _is_open(text: str) -> bool:
@@ -93,15 +108,34 @@ def _leave_out_body(statements: list[Statement], index: int, text: str) -> None:
             statements[i] = Statement(statements[i].text, "bad")
 
 
-def _first_bad(statements: Sequence[Statement]) -> int:
+def _first_bad(statements: Sequence[Statement], problem: str) -> int:
     """The statement with which the file stops being TOML: up to it, all is."""
+
+    def is_sound(count: int) -> bool:
+        try:
+            parse(_sound(statements[:count]))
+        except (ValueError, RecursionError):
+            return False
+        return True
+
     sound, faulty = 0, len(statements)  # how many of the first are sound, and are not
+    place = re.search(r"\(at line (\d+)", problem)
+    if place:  # where TOML's reader has noticed it is mostly where it is
+        line, wanted = 1, int(place[1])
+        for index, statement in enumerate(statements):
+            if statement.kind != "bad":
+                line += statement.text.count("\n")
+            if line > wanted:
+                if is_sound(index):
+                    sound = index
+                if not is_sound(index + 1):
+                    faulty = index + 1
+                break
     while faulty - sound > 1:
         middle = (sound + faulty) // 2
-        try:
-            parse(_sound(statements[:middle]))
+        if is_sound(middle):
             sound = middle
-        except (ValueError, RecursionError):
+        else:
             faulty = middle
     return faulty - 1
 

@@ -158,8 +158,8 @@ def test_the_manual_of_a_component_names_fields_as_files_do(amorsim: Command) ->
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("\n[simulation]\nseed = 2\n", "line {line}: the table [simulation] stands in this file already"),
-        ("\n[robots.errors]\n", "line {line}: the table [robots.errors] stands in this file already"),
+        ("\n[simulation]\nseed = 2\n", "scenario.toml:{line}: the table [simulation] stands in this file already"),
+        ("\n[robots.errors]\n", "scenario.toml:{line}: the table [robots.errors] stands in this file already"),
     ],
 )
 def test_a_table_given_twice_is_told_in_plain_words(amorsim: Command, study: Path, text: str, says: str) -> None:

@@ -248,7 +248,8 @@ def test_every_file_that_ships_can_be_changed_anywhere_and_back(path: Path, tmp_
     document = Document(data.decode(), path)
     assert document.save(tmp_path / path.name).read_bytes() == data
     values = parse(data.decode())
-    for at, there in places(values)[1:]:
+    found = places(values)[1:]
+    for at, there in found[:: len(found) // 50 + 1]:
         if not isinstance(there, (dict, list)) and at[-1] != "use":
             document.set(at, "another")
             after = copy.deepcopy(values)
