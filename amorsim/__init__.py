@@ -92,8 +92,8 @@ if TYPE_CHECKING:
     )
     from amorsim.simulation.events import Event
     from amorsim.simulation.phases import PHASES
+    from amorsim.simulation.sensing.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.simulation import Simulation
-    from amorsim.simulation.stages import KeptStages, Stage, keep_stages
     from amorsim.ui.view import view
 
 _MODULES = {
@@ -129,7 +129,7 @@ _MODULES = {
     "amorsim.runs.session": "RunSession RunSummary record",
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
-    "amorsim.simulation.stages": "KeptStages Stage keep_stages",
+    "amorsim.simulation.sensing.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
 _PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")

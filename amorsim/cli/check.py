@@ -35,7 +35,7 @@ def command(
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
     from amorsim.scenario.read import is_model, scenario_for_model
-    from amorsim.simulation.advice import advice
+    from amorsim.simulation.lint import advice
 
     read = None
     try:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from amorsim.contracts import Mount, RobotModel, SensorModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
-from amorsim.kernels import poses
+from amorsim.kernels.kinematics import poses
 
 __all__ = ["beams_of", "range_sensor", "turned_beams", "with_directions"]
 

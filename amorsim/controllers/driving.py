@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Estimate, Joint, Measurement, RobotModel, State
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
-from amorsim.kernels.heading_for import head_for
+from amorsim.kernels.behaviours.go_to_pose import head_for
 
 __all__ = [
     "Course",

@@ -22,8 +22,8 @@ from amorsim.contracts import (
 from amorsim.controllers.driving import Course, abilities
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
-from amorsim.kernels.poses import directions
-from amorsim.kernels.pursuing import follow_trail
+from amorsim.kernels.behaviours.pure_pursuit import follow_trail
+from amorsim.kernels.kinematics.poses import directions
 
 __all__ = ["Follow"]
 

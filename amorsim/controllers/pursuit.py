@@ -22,7 +22,7 @@ from amorsim.contracts import (
 from amorsim.controllers.driving import Course, abilities, at_rest, heading_poses
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
-from amorsim.kernels.pursuing import pursue
+from amorsim.kernels.behaviours.pure_pursuit import pursue
 
 __all__ = ["Pursuit"]
 

@@ -23,7 +23,7 @@ from amorsim.contracts import (
 from amorsim.controllers.beams import beams_of, range_sensor, turned_beams
 from amorsim.controllers.driving import command_along, curvature_max, joints_of, twist_limits
 from amorsim.core.errors import ComponentError
-from amorsim.kernels.wall_following import follow_wall
+from amorsim.kernels.behaviours.wall_following import follow_wall
 
 __all__ = ["FollowWall"]
 

@@ -32,8 +32,8 @@ from amorsim.controllers.driving import (
 )
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import wrap_angle
-from amorsim.kernels import wandering, wandering_car
-from amorsim.kernels.philox import fill_uniform
+from amorsim.kernels.behaviours import wandering, wandering_car
+from amorsim.kernels.random.philox import fill_uniform
 
 __all__ = ["Wander"]
 

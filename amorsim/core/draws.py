@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.workers import Workers
-from amorsim.kernels import philox
+from amorsim.kernels.random import philox
 
 __all__ = ["Draws", "Medians", "check_collisions", "stream_key"]
 
@@ -118,7 +118,7 @@ class Draws:
     def reserve(self, k: int) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.uint32], int]:
         """What a kernel draws the next `k` numbers of each row by: keys, counter, and the number of their first block.
 
-        As `normal` and `uniform` do, see `amorsim.kernels.philox.pairs`; neither array is to be changed.
+        As `normal` and `uniform` do, see `amorsim.kernels.random.philox.pairs`; neither array is to be changed.
         """
         if self._round != self._rounds[0]:
             self._round = self._rounds[0]

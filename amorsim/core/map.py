@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from amorsim.core.errors import MapError
-from amorsim.kernels.draft import grid_from_array
-from amorsim.kernels.grid import Grid, occupied_boxes
-from amorsim.kernels.lines import Lines
-from amorsim.kernels.lines_of import lines_of, no_lines
-from amorsim.kernels.outlines import outline_lines
-from amorsim.kernels.rasterise import MOST_CELLS, grid_from_segments, snapped
-from amorsim.kernels.rays import occupied_points
-from amorsim.kernels.scans import cast_scans
+from amorsim.kernels.grid.draft import grid_from_array
+from amorsim.kernels.grid.grid import Grid, occupied_boxes
+from amorsim.kernels.grid.outlines import outline_lines
+from amorsim.kernels.grid.rasterise import MOST_CELLS, grid_from_segments, snapped
+from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
+from amorsim.kernels.grid.segments import SegmentIndex
+from amorsim.kernels.raycast.rays import occupied_points
+from amorsim.kernels.raycast.scans import cast_scans
 
 __all__ = ["Map"]
 
@@ -54,7 +54,7 @@ class Map:
     """The lower left corner in the world, and how far the map is turned about it."""
     segments: NDArray[np.float64] | None = None
     """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
-    lines: Lines = attrs.field(factory=no_lines)
+    segment_index: SegmentIndex = attrs.field(factory=no_segments)
     """Walls in the map's frame, as scans look them up: `segments`, or outlines of the cells; never written to."""
     start: Place | None = None
     """Where the map says a robot starts, in the world, or None."""
@@ -127,7 +127,9 @@ class Map:
             grid=grid,
             origin=(offset[0] * side, offset[1] * side, 0.0),
             segments=kept,
-            lines=lines_of(walls - np.tile(np.array(offset) * side, 2), int(rows), int(cols), side, grid=grid),
+            segment_index=index_segments(
+                walls - np.tile(np.array(offset) * side, 2), int(rows), int(cols), side, grid=grid
+            ),
             start=_start(start),
             warnings=tuple(warnings),
             name=name,
@@ -176,7 +178,7 @@ class Map:
         grid = grid_from_array(taken, side)
         return cls(
             grid=grid,
-            lines=outline_lines(grid, taken),
+            segment_index=outline_lines(grid, taken),
             origin=(place[0], place[1], place[2]),
             start=_start(start),
             warnings=tuple(warnings),
@@ -277,7 +279,7 @@ class Map:
         with np.errstate(invalid="ignore"):  # an infinite bearing has no cosine, and so no distance: nan
             cosines, sines = np.cos(angles)[None], np.sin(angles)[None]
         reach = np.array([range_max], dtype=np.float64)
-        cast_scans(self.grid, self.lines, *self.origin, places, cosines, sines, reach, out)
+        cast_scans(self.grid, self.segment_index, *self.origin, places, cosines, sines, reach, out)
         return out
 
     def __eq__(self, other: object) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.parameters import parameter
-from amorsim.kernels import poses as kernels
+from amorsim.kernels.kinematics import poses as kernels
 
 __all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]
 

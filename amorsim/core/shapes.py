@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from amorsim.kernels.bodies import Bodies
+from amorsim.kernels.collision.footprints import Bodies
 
 __all__ = ["Shape", "pack"]
 

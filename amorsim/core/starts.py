@@ -13,7 +13,7 @@ from amorsim.core.free_places import freest_place, roomy_places
 from amorsim.core.map import Map
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape, pack
-from amorsim.kernels.contact import map_gaps
+from amorsim.kernels.collision.clearance import map_gaps
 
 __all__ = ["freest_start", "least_gaps", "out_of_reach", "outside", "overlap_with_walls", "wall_gaps"]
 

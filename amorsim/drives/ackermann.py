@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
 from amorsim.drives.motors import Steered, own_first
-from amorsim.kernels import steering
+from amorsim.kernels.kinematics import steering
 
 __all__ = ["Ackermann"]
 

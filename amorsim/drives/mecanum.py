@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
 from amorsim.drives.motors import Motors, own_first
-from amorsim.kernels import odometry
+from amorsim.kernels.kinematics import odometry
 
 __all__ = ["Mecanum"]
 

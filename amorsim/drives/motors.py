@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Drive, parameter
 from amorsim.core.poses import logarithm
-from amorsim.kernels import poses
+from amorsim.kernels.kinematics import poses
 
 __all__ = ["Motors", "Steered", "Winding", "over_rows", "own_first"]
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
 from amorsim.drives.motors import Winding, over_rows, own_first
-from amorsim.kernels import synchro
+from amorsim.kernels.kinematics import synchro
 
 __all__ = ["Synchro"]
 

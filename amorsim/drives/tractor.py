@@ -16,7 +16,7 @@ from amorsim.core.poses import compose, logarithm
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.drives.motors import own_first
-from amorsim.kernels import trailer
+from amorsim.kernels.kinematics import trailer
 
 __all__ = ["Tractor"]
 

@@ -25,7 +25,7 @@ from amorsim.contracts import (
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
 from amorsim.drives.differential import Differential
-from amorsim.kernels import odometry
+from amorsim.kernels.kinematics import odometry
 from amorsim.sensors.encoder import Encoder
 
 __all__ = ["DeadReckoning"]

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Motion, State, View, parameter
-from amorsim.kernels.social_force import NEGLIGIBLE, social_forces
+from amorsim.kernels.behaviours.social_force import NEGLIGIBLE, social_forces
 from amorsim.motions.ways import blocked_for, displacement, facing
 
 __all__ = ["Pedestrian"]

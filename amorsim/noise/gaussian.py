@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Context, Draws, Noise, State, parameter
-from amorsim.kernels import readings
+from amorsim.kernels.sensing import readings
 
 __all__ = ["Gaussian"]
 

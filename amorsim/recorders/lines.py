@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.decimals import EMPTY, EXACT, MISSING, NAME, SPAN, WIDEST, write_lines
-from amorsim.kernels.shortest import powers_of_ten
+from amorsim.kernels.text.decimals import EMPTY, EXACT, MISSING, NAME, SPAN, WIDEST, write_lines
+from amorsim.kernels.text.shortest import powers_of_ten
 
 __all__ = ["EXACT", "MISSING", "NAME", "NOTHING", "Columns", "Lines", "Printer", "Span"]
 

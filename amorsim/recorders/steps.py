@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Bundle, Frame
-from amorsim.kernels.keeping import keep_step
+from amorsim.kernels.text.step_lines import keep_step
 from amorsim.recorders.lines import Span
 
 __all__ = ["BodySteps", "RobotSteps", "Steps"]

@@ -16,7 +16,7 @@ from amorsim.core.memory import too_large
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape, pack
 from amorsim.core.starts import outside, overlap_with_walls, wall_gaps
-from amorsim.kernels.bodies import body_gaps
+from amorsim.kernels.collision.footprints import body_gaps
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose, read_shape
 from amorsim.scenario.faults import Book, Node, shown

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View
-from amorsim.kernels import readings
+from amorsim.kernels.sensing import readings
 
 __all__ = ["Compass"]
 

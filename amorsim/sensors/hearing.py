@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import View
-from amorsim.kernels import sounds
+from amorsim.kernels.sensing import acoustics as sounds
 
 __all__ = ["SOUND", "hear"]
 

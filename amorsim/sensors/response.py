@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, View
 from amorsim.core.parameters import ParameterError
-from amorsim.kernels import readings
+from amorsim.kernels.sensing import readings
 from amorsim.sensors.sweep import poses_at
 
 __all__ = ["check_table", "respond", "ring_poses", "ring_size"]

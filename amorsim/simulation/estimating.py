@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.contracts import Context, Estimate, State
 from amorsim.core.trouble import RAISED
-from amorsim.simulation.whose import array_problem, is_finite
+from amorsim.simulation.blame import array_problem, is_finite
 
 if TYPE_CHECKING:
     from amorsim.simulation.group import Group
@@ -40,7 +40,7 @@ def estimates_of(group: Group) -> dict[str, Estimate]:
                 group.robot,
                 group.readings,
                 group.command,
-                group.moment.elapsed,
+                group.row_clock.elapsed,
                 group.estimator_states[name],
                 group.estimator_draws[name],
             )

@@ -16,14 +16,14 @@ from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
 from amorsim.simulation.alike import group_key
-from amorsim.simulation.bodies import World
-from amorsim.simulation.contact import WALL
+from amorsim.simulation.contact.resolve import WALL
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.placing import draw_starts, with_start
-from amorsim.simulation.surroundings import Surroundings
-from amorsim.simulation.zones import zone_streams
+from amorsim.simulation.world.placing import draw_starts, with_start
+from amorsim.simulation.world.surroundings import Surroundings
+from amorsim.simulation.world.world import World
+from amorsim.simulation.world.zones import zone_streams
 
 __all__ = ["Fleet"]
 
@@ -175,15 +175,15 @@ class Fleet:
         """Let everyone know the present ticks and episodes, and start the tick's draws."""
         for group in self.everything:
             index = self.world.replica_index[group.bodies]
-            group.moment.set_tick(self.ticks[index][:, None])
-            group.moment.set_episode(self.episodes[index])
+            group.row_clock.set_tick(self.ticks[index][:, None])
+            group.row_clock.set_episode(self.episodes[index])
             group.streams.rewind()
 
     def advance(self) -> None:
         """Go to the next tick in all replicas, and start the tick's draws."""
         self.ticks = self.ticks + 1
         for group in self.everything:
-            group.moment.advance()
+            group.row_clock.advance()
             group.streams.rewind()
 
     def part_from_all(self, body: int) -> None:

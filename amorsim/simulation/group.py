@@ -23,25 +23,25 @@ from amorsim.contracts import (
 from amorsim.core.poses import compose, exponential, logarithm
 from amorsim.core.rows import stack, take
 from amorsim.core.trouble import RAISED
-from amorsim.kernels import digest
-from amorsim.kernels.paths import ARC, OTHER
-from amorsim.kernels.poses import mean_twists
+from amorsim.kernels.collision.paths import ARC, OTHER
+from amorsim.kernels.kinematics.poses import mean_twists
+from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import poses_of, reading_size, robot_model
-from amorsim.simulation.bodies import World
-from amorsim.simulation.chain import Chain, Streams
-from amorsim.simulation.driving import command_of, command_of_some, start_controller
+from amorsim.simulation.blame import Whose, is_finite, of_drive
+from amorsim.simulation.contact.moved_parts import Parts
+from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
+from amorsim.simulation.controlling import command_of, command_of_some, start_controller
 from amorsim.simulation.estimating import estimates_of, start_estimators
-from amorsim.simulation.moment import Moment
-from amorsim.simulation.parts import Parts
-from amorsim.simulation.plan import SensePlan
-from amorsim.simulation.sensing import SensorUnit
-from amorsim.simulation.showing import Showing
-from amorsim.simulation.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
+from amorsim.simulation.frames import Showing
+from amorsim.simulation.row_clock import RowClock
+from amorsim.simulation.sensing.noise_chain import Chain, Streams
+from amorsim.simulation.sensing.plan import SensePlan
+from amorsim.simulation.sensing.sensor_unit import SensorUnit
 from amorsim.simulation.truth import true_robots
-from amorsim.simulation.view import GroupView
-from amorsim.simulation.whose import Whose, is_finite, of_drive
-from amorsim.simulation.zones import Zones
+from amorsim.simulation.world.sensor_view import GroupView
+from amorsim.simulation.world.world import World
+from amorsim.simulation.world.zones import Zones
 
 __all__ = ["Group"]
 
@@ -74,13 +74,13 @@ class Group:
         self.bodies = bodies
         self.dt = dt
         self.seed = seed
-        self.moment = Moment(replica, dt)
-        self.whose = Whose("robot", self.names, self.moment)
+        self.row_clock = RowClock(replica, dt)
+        self.whose = Whose("robot", self.names, self.row_clock)
         self.view = GroupView(world, bodies, dt)
         self.world = world
         first = robots[0]
         self.ends_on_collision = first.on_collision == "end"
-        self.streams = Streams(seed, self.names, self.moment.counter, world.workers)
+        self.streams = Streams(seed, self.names, self.row_clock.counter, world.workers)
         self.drive_draws = self.streams.draws("drive")
         self.ground = Chain(first.ground, self.streams, self.whose, "ground")
         self.zones = Zones(zones, self.rows, self.streams, self.whose)
@@ -116,7 +116,7 @@ class Group:
 
     def set_parameters(self) -> None:
         """Make the stacked components anew from what is specified of every row."""
-        true = true_robots(self.specified, self.moment.replica, self.seed)
+        true = true_robots(self.specified, self.row_clock.replica, self.seed)
         self.true = true
         self.drive = stack([robot.drive for robot in true])
         self.ground.set_parameters([robot.ground for robot in true])
@@ -231,7 +231,7 @@ class Group:
             if slide is not None:
                 self._slide = slide if self._slide is None else self._slide + slide
 
-    # The group as a mover (`amorsim.simulation.contact.Mover`): its bodies go where their wheels roll them.
+    # The group as a mover (`amorsim.simulation.contact.resolve.Mover`): its bodies go where their wheels roll them.
 
     @of_drive
     def travel(self) -> Array:
@@ -319,7 +319,7 @@ class Group:
     def look(self) -> None:
         """Show the sensors where the robot is now."""
         view = self.view
-        view.tick = self.moment.tick
+        view.tick = self.row_clock.tick
         view.body_pose = self.true_pose
         view.twist = self.true_twist
         view.joints = self.joints
@@ -327,9 +327,9 @@ class Group:
 
     def sense(self) -> None:
         """Read all sensors."""
-        self.sensing.read(self.view, self.moment)
+        self.sensing.read(self.view, self.row_clock)
         for unit in self.sensing.others:
-            unit.sample(self.view, self.moment)
+            unit.sample(self.view, self.row_clock)
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""

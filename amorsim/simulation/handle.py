@@ -79,7 +79,7 @@ class RobotHandle:
     @property
     def replica(self) -> int:
         """The number of the replica it is in."""
-        return int(self._group.moment.replica[self._row])
+        return int(self._group.row_clock.replica[self._row])
 
     @property
     def true_pose(self) -> Array:

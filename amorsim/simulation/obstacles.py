@@ -12,14 +12,14 @@ from amorsim.contracts import Context, Motion, ObstacleFrame, State
 from amorsim.core.poses import compose
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
-from amorsim.kernels import digest
-from amorsim.kernels.paths import LINE
+from amorsim.kernels.collision.paths import LINE
+from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Obstacle
-from amorsim.simulation.bodies import World
-from amorsim.simulation.chain import Streams
-from amorsim.simulation.moment import Moment
-from amorsim.simulation.view import GroupView
-from amorsim.simulation.whose import Whose, array_problem, is_finite
+from amorsim.simulation.blame import Whose, array_problem, is_finite
+from amorsim.simulation.row_clock import RowClock
+from amorsim.simulation.sensing.noise_chain import Streams
+from amorsim.simulation.world.sensor_view import GroupView
+from amorsim.simulation.world.world import World
 
 __all__ = ["ObstacleGroup"]
 
@@ -37,10 +37,10 @@ class ObstacleGroup:
         self.names = [obstacle.name for obstacle in obstacles]
         self.specified = self.obstacles
         self.bodies = bodies
-        self.moment = Moment(replica, dt)
-        self.whose = Whose("obstacle", self.names, self.moment)
+        self.row_clock = RowClock(replica, dt)
+        self.whose = Whose("obstacle", self.names, self.row_clock)
         self.view = GroupView(world, bodies, dt)
-        self.streams = Streams(seed, [obstacle.name for obstacle in obstacles], self.moment.counter)
+        self.streams = Streams(seed, [obstacle.name for obstacle in obstacles], self.row_clock.counter)
         self.draws = self.streams.draws("motion")
         self.state: State = {}
         motions = [obstacle.motion for obstacle in obstacles if obstacle.motion is not None]
@@ -57,7 +57,7 @@ class ObstacleGroup:
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
             nobody: Any = None  # an obstacle is no robot, and is told nothing
-            context = Context(rows=rows, dt=self.moment.dt, pose=self.true_pose, robot=nobody, names=self.names)
+            context = Context(rows=rows, dt=self.row_clock.dt, pose=self.true_pose, robot=nobody, names=self.names)
             try:
                 self.state = dict(self.motion.start(context))
             except RAISED as error:
@@ -67,13 +67,13 @@ class ObstacleGroup:
         """Ask the motions where the obstacles want to go."""
         if self.motion is None:
             return
-        self.view.tick = self.moment.tick
+        self.view.tick = self.row_clock.tick
         self.view.body_pose = self.true_pose
         self.view.mount = np.zeros_like(self.true_pose)
         self.view.twist = self.true_twist
         self.view.free = self.free
         try:
-            proposed = self.motion.propose(self.view, self.moment.dt, self.state, self.draws)
+            proposed = self.motion.propose(self.view, self.row_clock.dt, self.state, self.draws)
         except RAISED as error:
             self.whose.blame("motion", self.motion, error)
         if problem := array_problem(proposed, "displacements", self.true_pose.shape):
@@ -100,7 +100,7 @@ class ObstacleGroup:
         # Whoever wanted nothing was denied nothing, even if somebody ran into him.
         wanted = (self.proposed != 0.0).any(axis=1)
         self.free = np.where(wanted, stop, 1.0)[:, None]
-        self.true_twist = self.proposed * stop[:, None] / self.moment.dt
+        self.true_twist = self.proposed * stop[:, None] / self.row_clock.dt
         self.true_pose = poses
 
     def record(self) -> None:
@@ -111,9 +111,9 @@ class ObstacleGroup:
         """The step as recorders get it."""
         return ObstacleFrame(
             names=self.names,
-            replica=self.moment.replica,
-            tick=self.moment.tick[:, 0],
-            time=self.moment.time[:, 0],
+            replica=self.row_clock.replica,
+            tick=self.row_clock.tick[:, 0],
+            time=self.row_clock.time[:, 0],
             true_pose=self.true_pose,
             true_twist=self.true_twist,
             moves=self.motion is not None,

@@ -9,14 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
-from amorsim.simulation.contact import WALL, Contact, Mover, move
-from amorsim.simulation.emissions import collect
+from amorsim.simulation.blame import is_finite
+from amorsim.simulation.contact.contact_ends import still_near
+from amorsim.simulation.contact.resolve import WALL, Contact, Mover, move
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.parting import still_near
-from amorsim.simulation.whose import is_finite
+from amorsim.simulation.world.emissions import collect
 
 Array = npt.NDArray[np.float64]
 

@@ -21,13 +21,13 @@ from amorsim.scenario.paths import with_value
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation import phases
 from amorsim.simulation.alike import group_key
-from amorsim.simulation.contact import WALL
+from amorsim.simulation.contact.resolve import WALL
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
-from amorsim.simulation.occupancy import occupancy
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
+from amorsim.simulation.world.occupancy import occupancy
 
 __all__ = ["MOST_STEPS", "Simulation"]
 

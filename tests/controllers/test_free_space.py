@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from amorsim.controllers.beams import with_directions
-from amorsim.kernels.free_space import (
+from amorsim.kernels.behaviours.free_space import (
     choose_direction,
     directions_within,
     find_opening,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.kernels.actuation import respond
+from amorsim.kernels.kinematics.actuation import respond
 
 INF = math.inf
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from amorsim.kernels.body_hash import BodyHash, hash_bodies, pairs_within, run_of_bodies, window
+from amorsim.kernels.collision.body_hash import BodyHash, hash_bodies, pairs_within, run_of_bodies, window
 
 
 def table_of(poses, reach, first, buckets, side):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.kernels.body_normals import normals_of
+from amorsim.kernels.raycast.body_normals import normals_of
 from tests.kernels.test_body_rays import SHAPES, Scene
 
 STEP = 1e-6  # [rad] to either side

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from shapely.affinity import affine_transform
 
 from amorsim.core.shapes import Shape, pack
-from amorsim.kernels.body_hash import BodyHash, hash_bodies
-from amorsim.kernels.body_rays import cast_bodies
+from amorsim.kernels.collision.body_hash import BodyHash, hash_bodies
+from amorsim.kernels.raycast.body_rays import cast_bodies
 
 SHAPES = [
     Shape.circle(0.25),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import amorsim as am
-from amorsim.kernels.bresenham import bresenham_cells
+from amorsim.kernels.raycast.bresenham import bresenham_cells
 from tests import building
 
 CELL = st.integers(-60, 60)

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.core.map import Map
-from amorsim.kernels import poses as pose_kernels
-from amorsim.kernels import rays
-from amorsim.kernels.cones import cast_cones
-from amorsim.kernels.lines_of import lines_of
-from amorsim.simulation.view import cone_bearings
+from amorsim.kernels.grid.segment_boxes import index_segments
+from amorsim.kernels.kinematics import poses as pose_kernels
+from amorsim.kernels.raycast import rays
+from amorsim.kernels.raycast.cones import cast_cones
+from amorsim.simulation.world.sensor_view import cone_bearings
 from tests.kernels.test_outlines import random_cells
 from tests.kernels.test_scans import random_poses, random_walls
 
@@ -28,7 +28,7 @@ def both(map_: Map, poses: np.ndarray, half_angle: float, range_max: float) -> t
     limits = np.full(len(poses), range_max)
     every, least = np.empty((len(poses), bearings.shape[1])), np.empty(len(poses))
     rays.cast(map_.grid, *map_.origin, poses, cos_b, sin_b, limits, every)
-    cast_cones(map_.grid, map_.lines, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least)
+    cast_cones(map_.grid, map_.segment_index, *map_.origin, poses, half_angle, cos_b, sin_b, limits, least)
     return least, every.min(axis=1)
 
 
@@ -124,8 +124,8 @@ def test_walls_are_believed() -> None:
     poses = somewhere(map_, 4, 20)
     least, expected = both(map_, poses, 0.26, 5.0)
     np.testing.assert_array_equal(least, expected)
-    wrong = lines_of(np.empty((0, 4)), map_.shape[0] * 2, map_.shape[1] * 2, map_.resolution)
-    assert (both(attrs.evolve(map_, lines=wrong), poses, 0.26, 5.0)[0] != expected).mean() > 0.5
+    wrong = index_segments(np.empty((0, 4)), map_.shape[0] * 2, map_.shape[1] * 2, map_.resolution)
+    assert (both(attrs.evolve(map_, segment_index=wrong), poses, 0.26, 5.0)[0] != expected).mean() > 0.5
 
 
 def test_boxes_are_believed() -> None:
@@ -134,10 +134,10 @@ def test_boxes_are_believed() -> None:
     pose = np.array([[2.0, 2.0, 0.0]])
     least, expected = both(map_, pose, 0.26, 5.0)
     np.testing.assert_array_equal(least, expected)
-    walls = map_.lines.walls.copy()
+    walls = map_.segment_index.walls.copy()
     (east,) = np.flatnonzero((walls[6] < walls[8]) & (walls[6] > 500) & (walls[6] < map_.shape[1]))
     walls[6, east] -= 100.0
-    wrong = attrs.evolve(map_, lines=map_.lines._replace(walls=walls))
+    wrong = attrs.evolve(map_, segment_index=map_.segment_index._replace(walls=walls))
     assert both(wrong, pose, 0.26, 5.0)[0] == pytest.approx(expected - 1.0)
 
 

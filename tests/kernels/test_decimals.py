@@ -10,8 +10,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from amorsim.kernels.decimals import write_lines
-from amorsim.kernels.shortest import powers_of_ten
+from amorsim.kernels.text.decimals import write_lines
+from amorsim.kernels.text.shortest import powers_of_ten
 from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
 
 

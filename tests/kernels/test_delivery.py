@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from amorsim.kernels.delivery import TOLERANCE, Reading, UnderWay, deliver, due_rows, take_due
+from amorsim.kernels.sensing.delivery import TOLERANCE, Reading, UnderWay, deliver, due_rows, take_due
 
 DT = 0.1
 VALUES = 3

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.kernels.digest import absorb, absorb_together
+from amorsim.kernels.text.digest import absorb, absorb_together
 
 MASK = 2**64 - 1
 

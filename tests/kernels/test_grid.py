@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from amorsim.kernels.draft import grid_from_array
-from amorsim.kernels.grid import (
+from amorsim.kernels.grid.draft import grid_from_array
+from amorsim.kernels.grid.grid import (
     Grid,
     box_is_free,
     is_occupied,

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.kernels.normals import normals
+from amorsim.kernels.random.normals import normals
 
 STEP = 2.0**-54  # the least uniform draw
 # Of a normal draw: what its own last place, those of a logarithm and a root, and those of a sine add up to.

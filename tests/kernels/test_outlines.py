@@ -12,9 +12,9 @@ from hypothesis.extra import numpy as hnp
 from PIL import Image
 
 from amorsim.core.map import Map
-from amorsim.kernels.draft import grid_from_array
-from amorsim.kernels.outlines import strips_of
-from amorsim.kernels.rays import cast
+from amorsim.kernels.grid.draft import grid_from_array
+from amorsim.kernels.grid.outlines import strips_of
+from amorsim.kernels.raycast.rays import cast
 from tests import naive
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "ros"
@@ -178,5 +178,5 @@ def test_a_bitmap_has_walls_that_scans_look_up() -> None:
     cells = np.zeros((100, 100), dtype=np.uint8)
     cells[10:90, 60] = 1
     world = Map.from_array(cells, resolution=0.1)
-    assert world.lines.walls.shape[1] == 1 + 4  # and the border
+    assert world.segment_index.walls.shape[1] == 1 + 4  # and the border
     assert world.cast_rays([[1.0, 5.0, 0.0]], np.zeros(20), 8.0) == pytest.approx(np.full((1, 20), 5.0))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from amorsim.kernels.philox import _unit, fill_normal, fill_uniform, philox
+from amorsim.kernels.random.philox import _unit, fill_normal, fill_uniform, philox
 
 # From the known-answer vectors that accompany the authors' Random123 library: counter, key, result.
 KNOWN = [

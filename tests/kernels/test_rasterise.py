@@ -8,8 +8,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from amorsim.kernels.grid import Grid, occupied_boxes
-from amorsim.kernels.rasterise import SNAP, grid_from_segments, snapped
+from amorsim.kernels.grid.grid import Grid, occupied_boxes
+from amorsim.kernels.grid.rasterise import SNAP, grid_from_segments, snapped
 
 SIDE = 24
 COLUMN, ROW = np.meshgrid(np.arange(SIDE), np.arange(SIDE))

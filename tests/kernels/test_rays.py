@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from amorsim.kernels.draft import grid_from_array
-from amorsim.kernels.grid import Grid, occupied_boxes
-from amorsim.kernels.rasterise import grid_from_segments
-from amorsim.kernels.rays import cast, cast_ray, occupied_points
+from amorsim.kernels.grid.draft import grid_from_array
+from amorsim.kernels.grid.grid import Grid, occupied_boxes
+from amorsim.kernels.grid.rasterise import grid_from_segments
+from amorsim.kernels.raycast.rays import cast, cast_ray, occupied_points
 from tests import naive
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps"

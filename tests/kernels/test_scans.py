@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from amorsim.core.map import Map
-from amorsim.kernels.lines_of import lines_of, no_lines
-from amorsim.kernels.rays import cast
-from amorsim.kernels.scans import cast_scans
+from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
+from amorsim.kernels.raycast.rays import cast
+from amorsim.kernels.raycast.scans import cast_scans
 from amorsim.maps.wld import Wld
 from tests import naive
 
@@ -26,7 +26,7 @@ def scanned(world: Map, poses: np.ndarray, bearings: np.ndarray, range_max: floa
     cosines, sines = np.cos(bearings), np.sin(bearings)
     reach = np.atleast_1d(np.asarray(range_max, dtype=np.float64))
     out, alone = np.full((2, len(poses), bearings.shape[1]), -1.0)
-    cast_scans(world.grid, world.lines, *world.origin, poses, cosines, sines, reach, out)
+    cast_scans(world.grid, world.segment_index, *world.origin, poses, cosines, sines, reach, out)
     cast(world.grid, *world.origin, poses, cosines, sines, reach, alone)
     differ = np.argwhere(out.view(np.int64) != alone.view(np.int64))
     for n, k in differ[:1]:
@@ -143,9 +143,9 @@ def test_walls_are_believed_and_no_beam_starts_at_its_pose() -> None:
     poses = np.array([[1.0, 2.0, 0.3], [4.0, 3.0, -2.0]])
     right = scanned(room, poses, FAN)
     # Walls told to be farther than they are make beams start behind them: so what agrees elsewhere is not the march.
-    wrong = lines_of(np.empty((0, 4)), room.shape[0] * 2, room.shape[1] * 2, room.resolution)
+    wrong = index_segments(np.empty((0, 4)), room.shape[0] * 2, room.shape[1] * 2, room.resolution)
     out = np.empty_like(right)
-    for lines, same in ((no_lines(), True), (wrong, False)):
+    for lines, same in ((no_segments(), True), (wrong, False)):
         cast_scans(room.grid, lines, *room.origin, poses, np.cos(FAN)[None], np.sin(FAN)[None], np.array([8.0]), out)
         assert bool((out == right).all()) == same
 
@@ -186,7 +186,7 @@ def test_a_large_world_of_many_walls() -> None:
     angle, length = rng.random(6000) * 7, rng.random(6000) * 3
     ends = start + length[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     world = Map.from_segments(np.column_stack([start, ends]), resolution=0.005)
-    assert world.lines.boxes.shape[1] > 100
+    assert world.segment_index.boxes.shape[1] > 100
     poses = random_poses(rng, world, 60)
     assert np.isfinite(scanned(world, poses, FAN)).mean() > 0.2
     # So many walls are within this range that beams go alone.
@@ -196,7 +196,7 @@ def test_a_large_world_of_many_walls() -> None:
 def test_every_wall_is_in_one_block_and_its_cells_in_the_box() -> None:
     rng = np.random.default_rng(5)
     walls = random_walls(rng, 500, 20.0, 0.05)
-    lines = lines_of(walls, 400, 400, 0.05)
+    lines = index_segments(walls, 400, 400, 0.05)
     assert lines.first[0] == 0
     assert lines.first[-1] == lines.walls.shape[1] == len(walls) + 4  # and the border
     assert (np.diff(lines.first) > 0).all()

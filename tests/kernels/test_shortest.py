@@ -11,7 +11,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from amorsim.kernels.shortest import powers_of_ten
+from amorsim.kernels.text.shortest import powers_of_ten
 from amorsim.recorders.lines import EXACT, Columns, Printer, Span
 
 

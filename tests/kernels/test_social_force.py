@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from amorsim.kernels.social_force import social_forces
+from amorsim.kernels.behaviours.social_force import social_forces
 
 NUMBERS = (2.1, 0.3, 2.0, 10.0, 0.2, math.cos(math.radians(100.0)), 0.5)
 

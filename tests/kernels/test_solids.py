@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from amorsim.core.map import Map
-from amorsim.kernels.lines_of import lines_of, no_lines
+from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from tests.kernels.test_outlines import random_cells
 from tests.kernels.test_scans import random_walls
 
 
 def boxes_of(map_: Map) -> np.ndarray:
     """Grid lines (M, 4) of the walls that are said to be such boxes, the map's border not among them."""
-    boxes = map_.lines.walls[6:].T
+    boxes = map_.segment_index.walls[6:].T
     rows, cols = map_.shape
     solid = (boxes[:, 0] < boxes[:, 2]) & (boxes[:, 1] < boxes[:, 3])
     inside = (boxes[:, :2] >= 0).all(axis=1) & (boxes[:, 2] <= cols) & (boxes[:, 3] <= rows)
@@ -69,8 +69,8 @@ def test_a_wall_with_a_gap_is_no_box() -> None:
     walls = np.array([[0.275, 1.025, 1.725, 1.025]])
     margins = np.array([0.025 + 1e-8])
     for map_, solid in ((whole, 1), (gap, 0)):
-        lines = lines_of(walls, 40, 40, 0.05, margins, map_.grid)
+        lines = index_segments(walls, 40, 40, 0.05, margins, map_.grid)
         assert (lines.walls[6] < lines.walls[8]).sum() == 4 + solid
     # Nothing is known without the cells.
-    assert (lines_of(walls, 40, 40, 0.05, margins).walls[6] > 0).all()
-    assert no_lines().walls.shape == lines.walls[:, :0].shape
+    assert (index_segments(walls, 40, 40, 0.05, margins).walls[6] > 0).all()
+    assert no_segments().walls.shape == lines.walls[:, :0].shape

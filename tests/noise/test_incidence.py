@@ -11,8 +11,8 @@ from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.sensors.incidence import PATCH
 from amorsim.sensors.side import Side
-from amorsim.simulation.bodies import World
-from amorsim.simulation.view import GroupView
+from amorsim.simulation.world.sensor_view import GroupView
+from amorsim.simulation.world.world import World
 from tests import building
 
 CELL = 0.001

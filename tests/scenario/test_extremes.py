@@ -137,7 +137,8 @@ def test_a_step_that_looks_for_contacts_without_end_says_who_goes_too_far(
     has_company: bool, drive: type[Differential], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if drive is Other:
-        monkeypatch.setattr("amorsim.simulation.contact.MOST_LOOKS", 200)  # in NumPy each takes a hundred times as long
+        # In NumPy each look takes a hundred times as long.
+        monkeypatch.setattr("amorsim.simulation.contact.resolve.MOST_LOOKS", 200)
     # Along a wall at 3e-9 m from it, it has to be looked at every 0.25 mm of 8 km.
     made = drive(**attrs.asdict(building.drive(), recurse=False))
     robot = building.robot(drive=made, shape=Shape.circle(0.2), pose=am.Pose(x=0.5, y=0.001 / 2 + 0.2 + 5.1e-4))

@@ -16,8 +16,8 @@ import amorsim as am
 from amorsim.contracts import Draws, Drive, Motion, State, View
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
-from amorsim.simulation import contact
-from amorsim.simulation.bodies import World
+from amorsim.simulation.contact import resolve as contact
+from amorsim.simulation.world.world import World
 from tests import building
 
 

@@ -13,7 +13,7 @@ from amorsim.core.errors import ComponentError, ControllerError
 from amorsim.core.shapes import Shape
 from amorsim.core.trouble import explain
 from amorsim.drives.differential import Differential
-from amorsim.kernels.paths import ARC, go_free
+from amorsim.kernels.collision.paths import ARC, go_free
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle
 from tests import building
 

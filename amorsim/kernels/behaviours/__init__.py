@@ -1,0 +1,1 @@
+"""What controllers and motions decide, row by row."""

@@ -1,0 +1,1 @@
+"""Footprints of bodies, their clearances, and when they meet on their paths."""

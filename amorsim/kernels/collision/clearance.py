@@ -1,0 +1,404 @@
+"""The gap between a body and the occupied cells of a grid.
+
+Interiors of a convex part and of a cell are disjoint if a side of either has all of the other on its outer
+side, in double precision as evaluated here, in the map's frame. Every operation of that test is monotone in
+the cell's sides, rounding included, so a box that holds several cells is never found farther away than one of
+them: whole pages, words and runs of cells can be ruled out without changing a bit of the result.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.kernels.collision.footprints import Bodies, most_vertices, place_body, rounding_slack
+from amorsim.kernels.compile import kernel
+from amorsim.kernels.grid.grid import Grid, box_is_free
+
+__all__ = ["map_gap", "map_gaps"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Box = tuple[float, float, float, float]
+
+FIRST_LOOK = 64.0
+"""How far around a body [cells] the first search goes; each later one goes four times as far."""
+
+
+@kernel
+def _bounds(edges: Floats, first: int, last: int) -> Box:
+    """Least x, least y, largest x, largest y [m] of the vertices of a part."""
+    low_x = math.inf
+    low_y = math.inf
+    high_x = -math.inf
+    high_y = -math.inf
+    for i in range(first, last):
+        low_x = min(low_x, edges[i, 0])
+        low_y = min(low_y, edges[i, 1])
+        high_x = max(high_x, edges[i, 0])
+        high_y = max(high_y, edges[i, 1])
+    return low_x, low_y, high_x, high_y
+
+
+@kernel
+def _separation(edges: Floats, first: int, last: int, bounds: Box, box: Box, enough: float) -> float:
+    """Separation [m] of a convex part and a box (x0, y0, x1, y1) along a side of either; negative: overlap.
+
+    Never more than their distance, and equal to it for a part of one vertex. Stops early at `enough` or more.
+    """
+    low_x, low_y, high_x, high_y = bounds
+    x0, y0, x1, y1 = box
+    across_x = max(x0 - high_x, low_x - x1)
+    across_y = max(y0 - high_y, low_y - y1)
+    most = max(across_x, across_y)
+    if last - first == 1:
+        if across_x > 0.0 and across_y > 0.0:
+            most = math.sqrt(across_x * across_x + across_y * across_y)
+        return most
+    for i in range(first, last):
+        if most >= enough:
+            break
+        nx = edges[i, 2]
+        ny = edges[i, 3]
+        # The corner farthest inward along the normal.
+        x = x0 if nx > 0.0 else x1
+        y = y0 if ny > 0.0 else y1
+        most = max(most, ((x - edges[i, 0]) * nx + (y - edges[i, 1]) * ny) * edges[i, 4])
+    return most
+
+
+@kernel
+def _distance(edges: Floats, first: int, last: int, box: Box) -> tuple[float, float, float]:
+    """Distance [m] between a convex part and a box that are apart, and the nearest point of the box."""
+    x0, y0, x1, y1 = box
+    square = math.inf
+    near_x = x0
+    near_y = y0
+    for i in range(first, last):
+        x = min(max(edges[i, 0], x0), x1)
+        y = min(max(edges[i, 1], y0), y1)
+        dx = x - edges[i, 0]
+        dy = y - edges[i, 1]
+        if dx * dx + dy * dy < square:
+            square = dx * dx + dy * dy
+            near_x = x
+            near_y = y
+    nearest = math.sqrt(square)
+    if last - first > 1:
+        for i in range(first, last):
+            nx = edges[i, 2]
+            ny = edges[i, 3]
+            # Of the box's points, only the corner farthest inward along the normal can be nearest to an
+            # edge's inside.
+            x = x0 if nx > 0.0 else x1
+            y = y0 if ny > 0.0 else y1
+            dx = x - edges[i, 0]
+            dy = y - edges[i, 1]
+            along = dy * nx - dx * ny
+            if 0.0 < along < nx * nx + ny * ny:
+                away = (dx * nx + dy * ny) * edges[i, 4]
+                if 0.0 <= away < nearest:
+                    nearest = away
+                    near_x = x
+                    near_y = y
+    return nearest, near_x, near_y
+
+
+@kernel
+def _try_word(
+    word: Any,
+    row: int,
+    col: int,
+    resolution: float,
+    edges: Floats,
+    first: int,
+    last: int,
+    bounds: Box,
+    overlap: float,
+    nearest: Floats,
+) -> None:
+    """Lower `nearest` (distance, x, y) to that of the occupied cells of a word that begins at (row, col).
+
+    Stops at the first cell that is nearer than `overlap` [m].
+    """
+    low = 0
+    while (word >> np.uint64(8 * low)) & np.uint64(255) == np.uint64(0):
+        low += 1
+    high = 7
+    while (word >> np.uint64(8 * high)) & np.uint64(255) == np.uint64(0):
+        high -= 1
+    fold = word | (word >> np.uint64(32))
+    fold |= fold >> np.uint64(16)
+    fold |= fold >> np.uint64(8)
+    columns = np.int64(fold & np.uint64(255))
+    left = 0
+    while (columns >> left) & 1 == 0:
+        left += 1
+    right = 7
+    while (columns >> right) & 1 == 0:
+        right -= 1
+    tight = (
+        (col + left) * resolution,
+        (row + low) * resolution,
+        (col + right + 1) * resolution,
+        (row + high + 1) * resolution,
+    )
+    if _separation(edges, first, last, bounds, tight, nearest[0]) >= nearest[0]:
+        return
+    for i in range(low, high + 1):
+        bits = np.int64((word >> np.uint64(8 * i)) & np.uint64(255))
+        start = left
+        while (bits >> start) != 0:
+            while (bits >> start) & 1 == 0:
+                start += 1
+            stop = start + 1
+            while (bits >> stop) & 1 == 1:
+                stop += 1
+            run = (
+                (col + start) * resolution,
+                (row + i) * resolution,
+                (col + stop) * resolution,
+                (row + i + 1) * resolution,
+            )
+            start = stop
+            apart = _separation(edges, first, last, bounds, run, nearest[0])
+            if apart >= nearest[0]:
+                continue
+            if apart >= 0.0:
+                distance, x, y = _distance(edges, first, last, run)
+                apart = max(apart, distance)
+                if apart >= nearest[0]:
+                    continue
+            else:
+                x = 0.5 * (max(run[0], bounds[0]) + min(run[2], bounds[2]))
+                y = 0.5 * (max(run[1], bounds[1]) + min(run[3], bounds[3]))
+            nearest[0] = apart
+            nearest[1] = x
+            nearest[2] = y
+            if apart < overlap:
+                return
+
+
+@kernel
+def _try_cells(
+    grid: Grid,
+    cells: tuple[int, int, int, int],
+    edges: Floats,
+    first: int,
+    last: int,
+    overlap: float,
+    nearest: Floats,
+) -> None:
+    """Lower `nearest` as `_try_word` does, for one part and all words of a box of cells inside the map."""
+    row0, col0, row1, col1 = cells
+    bounds = _bounds(edges, first, last)
+    word_side = 8.0 * grid.resolution
+    for page_row in range(row0 >> 6, (row1 >> 6) + 1):
+        for page_col in range(col0 >> 6, (col1 >> 6) + 1):
+            table = grid.supers[(page_row >> 6) * grid.super_cols + (page_col >> 6)]
+            if table < 0:
+                continue
+            page = grid.tables[table, (page_row & 63) * 64 + (page_col & 63)]
+            if page < 0:
+                continue
+            word_row0 = max(row0 >> 3, page_row * 8)
+            word_row1 = min(row1 >> 3, page_row * 8 + 7)
+            word_col0 = max(col0 >> 3, page_col * 8)
+            word_col1 = min(col1 >> 3, page_col * 8 + 7)
+            # Multiples of eight times the resolution are the cells' own sides to the bit: eight is a power of
+            # two.
+            box = (
+                word_col0 * word_side,
+                word_row0 * word_side,
+                (word_col1 + 1) * word_side,
+                (word_row1 + 1) * word_side,
+            )
+            if _separation(edges, first, last, bounds, box, nearest[0]) >= nearest[0]:
+                continue
+            for word_row in range(word_row0, word_row1 + 1):
+                for word_col in range(word_col0, word_col1 + 1):
+                    word = grid.pages[page, (word_row & 7) * 8 + (word_col & 7)]
+                    if word == np.uint64(0):
+                        continue
+                    _try_word(
+                        word,
+                        word_row * 8,
+                        word_col * 8,
+                        grid.resolution,
+                        edges,
+                        first,
+                        last,
+                        bounds,
+                        overlap,
+                        nearest,
+                    )
+                    if nearest[0] < overlap:
+                        return
+
+
+@kernel
+def _try_outside(grid: Grid, edges: Floats, rows: int, nearest: Floats) -> None:
+    """Lower `nearest` to the distance of vertices 0 to `rows` - 1 to outside the map, negative there."""
+    width = grid.cols * grid.resolution
+    height = grid.rows * grid.resolution
+    for i in range(rows):
+        x = edges[i, 0]
+        y = edges[i, 1]
+        inside = min(min(x, width - x), min(y, height - y))
+        if inside < nearest[0]:
+            nearest[0] = inside
+            # The side that is nearest, or that the vertex is farthest beyond.
+            nearest[1] = min(max(x, 0.0), width)
+            nearest[2] = min(max(y, 0.0), height)
+            if inside == x:
+                nearest[1] = 0.0
+            elif inside == width - x:
+                nearest[1] = width
+            elif inside == y:
+                nearest[2] = 0.0
+            else:
+                nearest[2] = height
+
+
+@kernel
+def _cell(place: float, resolution: float, beyond: int, limit: int) -> int:
+    """Row or column `beyond` (0 to `limit` - 1) of that which holds `place` [m], kept within the map."""
+    return int(min(max(np.floor(place / resolution) + beyond, 0.0), limit - 1.0))
+
+
+@kernel
+def map_gap(
+    grid: Grid,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    bodies: Bodies,
+    body: int,
+    pose: Floats,
+    cap: float,
+    edges: Floats,
+    nearest: Floats,
+) -> None:
+    """Write the signed gap [m] of `body` at `pose` (3,), and where, to `nearest` (3,), as in `map_gaps`.
+
+    `edges` is scratch, (rows, 5) with `most_vertices` rows at least.
+    """
+    nearest[0] = math.nan
+    nearest[1] = math.nan
+    nearest[2] = math.nan
+    reach = bodies.reach[body]
+    if not abs(pose[0]) + abs(pose[1]) + abs(pose[2]) < math.inf:
+        return
+    cos = math.cos(yaw)
+    sin = math.sin(yaw)
+    dx = pose[0] - origin_x
+    dy = pose[1] - origin_y
+    # Twice, as who moves by the gap asks again; and the pose itself is rounded where it is far from the
+    # world's origin.
+    slack = rounding_slack(2.0 * (abs(dx) + abs(dy) + reach) + 0.5 * (abs(pose[0]) + abs(pose[1])))
+    x = cos * dx + sin * dy
+    y = cos * dy - sin * dx
+    heading = pose[2] - yaw
+    resolution = grid.resolution
+
+    # Most bodies are in the open: their circle settles it without placing a vertex.
+    around = reach + (cap + slack)
+    row0 = np.floor((y - around) / resolution) - 1.0
+    col0 = np.floor((x - around) / resolution) - 1.0
+    row1 = np.floor((y + around) / resolution) + 1.0
+    col1 = np.floor((x + around) / resolution) + 1.0
+    inside = row0 >= 0.0 and col0 >= 0.0 and row1 < grid.rows and col1 < grid.cols
+    if inside and box_is_free(grid, int(row0), int(col0), int(row1), int(col1)):
+        nearest[0] = cap
+        return
+
+    place_body(bodies, body, x, y, math.cos(heading), math.sin(heading), edges)
+    # Distances are those of the parts before rounding until the end, so that no comparison is itself rounded.
+    radius = bodies.radius[body]
+    nearest[0] = radius + (cap + slack)
+    base = bodies.vertex_first[bodies.part_first[body]]
+    rows = bodies.vertex_first[bodies.part_first[body + 1]] - base
+    _try_outside(grid, edges, rows, nearest)
+    low_x, low_y, high_x, high_y = _bounds(edges, 0, rows)
+    look = radius + FIRST_LOOK * resolution
+    while nearest[0] >= radius:
+        # A cell more on each side than the numbers say, as they are rounded.
+        around = min(look, nearest[0])
+        cells = (
+            _cell(low_y - around, resolution, -1, grid.rows),
+            _cell(low_x - around, resolution, -1, grid.cols),
+            _cell(high_y + around, resolution, 1, grid.rows),
+            _cell(high_x + around, resolution, 1, grid.cols),
+        )
+        if not box_is_free(grid, cells[0], cells[1], cells[2], cells[3]):
+            for part in range(bodies.part_first[body], bodies.part_first[body + 1]):
+                first = bodies.vertex_first[part] - base
+                last = bodies.vertex_first[part + 1] - base
+                _try_cells(grid, cells, edges, first, last, radius, nearest)
+                if nearest[0] < radius:
+                    break
+        if nearest[0] <= look:
+            break
+        look *= 4.0
+
+    near_x = nearest[1]
+    near_y = nearest[2]
+    if math.isnan(near_x):
+        nearest[0] = cap
+        return
+    nearest[1] = origin_x + (cos * near_x - sin * near_y)
+    nearest[2] = origin_y + (sin * near_x + cos * near_y)
+    gap = nearest[0] - radius
+    nearest[0] = gap if gap < 0.0 else max(0.0, min(cap, gap - slack))
+
+
+@kernel
+def map_gaps(
+    grid: Grid,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    bodies: Bodies,
+    body: Ints,
+    poses: Floats,
+    cap: Floats,
+    out: Floats,
+    where: Floats,
+) -> None:
+    """Write the signed gap [m] between each body and the nearest occupied cell, no more than `cap`.
+
+    A gap of 0 or more: no interior of a cell, nor the outside of the map, overlaps the body's, and the gap is
+    the Euclidean distance less what rounding may have added to it (about 4e-15 of the coordinates), so the
+    body may move so far without overlap. A negative gap: interiors overlap; its size is no measure of how
+    much. Touching gives 0, and a pose that is not finite gives nan.
+
+    Parameters
+    ----------
+    grid
+        The cells.
+    origin_x, origin_y, yaw
+        Pose of the lower left corner of cell (0, 0) in the world [m, m, rad].
+    bodies
+        The footprints.
+    body
+        Which body each query is about, int64 (Q,).
+    poses
+        Where it is: x [m], y [m], heading [rad] in the world, (Q, 3).
+    cap
+        Beyond which gap nobody cares [m], 0 or more, may be inf, (Q,).
+    out
+        The gaps [m], (Q,).
+    where
+        A point in the world [m] of the nearest cell, or of one that overlaps; nan where there is none within
+        the cap, (Q, 2).
+    """
+    edges = np.empty((most_vertices(bodies, body), 5))
+    nearest = np.empty(3)
+    for q in range(out.shape[0]):
+        map_gap(grid, origin_x, origin_y, yaw, bodies, body[q], poses[q], cap[q], edges, nearest)
+        out[q] = nearest[0]
+        where[q, 0] = nearest[1]
+        where[q, 1] = nearest[2]

@@ -1,0 +1,331 @@
+"""Wheels and the poses they lead to: two driven wheels on an axle, and how the doubt in a pose grows."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.kinematics.actuation import respond
+from amorsim.kernels.kinematics.poses import arc, displaced
+
+__all__ = ["drive_wheels", "grow_covariance", "reckon_rows", "reckon_wheels", "wheel_rates", "wheel_twists"]
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
+
+# Gauss and Legendre's nodes and weights on [0, 1]: exact for polynomials of degree 7. Along a straight step
+# the integrand of `grow_covariance` is of degree 2; on an arc of a [rad] a step the error is about 1e-7 * a**8
+# of the value.
+_NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
+_WEIGHTS = (0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692)
+
+_TURN = 2.0 * math.pi
+_SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is under 1e-21
+
+
+@kernel
+def drive_wheels(
+    joints: Floats,
+    rates: Floats,
+    command: Floats,
+    rate_max: Column,
+    acceleration_max: Column,
+    lag: Column,
+    dt: float,
+    out: Floats,
+) -> None:
+    """Wheels a step later, into `out` (2, N, w): angles [rad] and rates [rad/s].
+
+    A command `(N, w)` [rad/s] beyond `rate_max` (N, 1) is scaled down as a whole, which keeps the path's
+    curvature; then each wheel follows by itself (`amorsim.kernels.kinematics.actuation.respond`), its rate changing by
+    `acceleration_max` (N, 1) [rad/s^2] at most (inf for no limit), and with a `lag` (N, 1) [s].
+    """
+    for i in range(joints.shape[0]):
+        most = rate_max[i, 0]
+        fastest = 0.0
+        for j in range(joints.shape[1]):
+            fastest = max(fastest, abs(command[i, j]))
+        scale = most / fastest if fastest > most else 1.0
+        for j in range(joints.shape[1]):
+            target = min(max(command[i, j] * scale, -most), most)
+            rate, turned = respond(rates[i, j], target, acceleration_max[i, 0], lag[i, 0], dt)
+            out[0, i, j] = joints[i, j] + turned
+            out[1, i, j] = rate
+
+
+@kernel
+def wheel_twists(
+    before: Floats, after: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats
+) -> None:
+    """Motion (forward [m], left [m], turn [rad]) into `out` (N, 3) as a left and a right wheel turn.
+
+    `before` and `after` are the wheels' angles (N, 2) [rad]; radii and track [m] are (N, 1).
+    """
+    for i in range(before.shape[0]):
+        left = (after[i, 0] - before[i, 0]) * radius_left[i, 0]
+        right = (after[i, 1] - before[i, 1]) * radius_right[i, 0]
+        out[i, 0] = 0.5 * (left + right)
+        out[i, 1] = 0.0
+        out[i, 2] = (right - left) / track[i, 0]
+
+
+@kernel
+def wheel_rates(twists: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats) -> None:
+    """Rates [rad/s] of a left and a right wheel at which the body moves with `twists`, into `out` (N, 2).
+
+    The inverse of `wheel_twists` for `twists` (N, 3) in m/s and rad/s. The part to the left cannot be met, and
+    is left out.
+    """
+    for i in range(twists.shape[0]):
+        across = 0.5 * twists[i, 2] * track[i, 0]
+        out[i, 0] = (twists[i, 0] - across) / radius_left[i, 0]
+        out[i, 1] = (twists[i, 0] + across) / radius_right[i, 0]
+
+
+@kernel
+def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
+    """Where a constant twist leads (x, y) [m], in the frame that it began in."""
+    if abs(turn) < _SMALL:
+        square = turn * turn
+        along = 1.0 - square / 6.0 * (1.0 - square / 20.0)
+        across = turn / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0))
+    else:
+        half = math.sin(0.5 * turn)
+        along = math.sin(turn) / turn
+        across = 2.0 * half * half / turn
+    return forward * along - left * across, forward * across + left * along
+
+
+@part
+def _grow_row(
+    covariance: Floats,
+    heading: float,
+    forward: float,
+    left: float,
+    turn: float,
+    jacobian: Floats,
+    before: Floats,
+    after: Floats,
+    rolling: Ints,
+    radius: Floats,
+    variance: float,
+    out: Floats,
+) -> None:
+    """What `grow_covariance` does, for a row."""
+    end_x, end_y = _along_arc(forward, left, turn)
+    xx = 0.0
+    xy = 0.0
+    yy = 0.0
+    xt = 0.0
+    yt = 0.0
+    tt = 0.0
+    for node in range(4):
+        u = _NODES[node]
+        x, y = _along_arc(forward * u, left * u, turn * u)
+        c = math.cos(turn * u)
+        s = math.sin(turn * u)
+        for j in range(rolling.shape[0]):
+            joint = rolling[j]
+            travel = abs((after[joint] - before[joint]) * radius[j])
+            weight = _WEIGHTS[node] * variance * travel
+            ahead = jacobian[0, j]
+            aside = jacobian[1, j]
+            gt = jacobian[2, j]
+            # Turning by gt here swings the end about this point.
+            gx = c * ahead - s * aside - gt * (end_y - y)
+            gy = s * ahead + c * aside + gt * (end_x - x)
+            xx += weight * gx * gx
+            xy += weight * gx * gy
+            yy += weight * gy * gy
+            xt += weight * gx * gt
+            yt += weight * gy * gt
+            tt += weight * gt * gt
+
+    c = math.cos(heading)
+    s = math.sin(heading)
+    # An error e of the heading before moves the end by e * (swing_x, swing_y).
+    swing_x = -(s * end_x + c * end_y)
+    swing_y = c * end_x - s * end_y
+    p_xt = covariance[0, 2]
+    p_yt = covariance[1, 2]
+    p_tt = covariance[2, 2]
+    out[0, 0] = covariance[0, 0] + swing_x * (2.0 * p_xt + swing_x * p_tt)
+    out[0, 1] = covariance[0, 1] + swing_y * p_xt + swing_x * p_yt + swing_x * swing_y * p_tt
+    out[1, 1] = covariance[1, 1] + swing_y * (2.0 * p_yt + swing_y * p_tt)
+    out[0, 2] = p_xt + swing_x * p_tt
+    out[1, 2] = p_yt + swing_y * p_tt
+    out[2, 2] = p_tt + tt
+    out[0, 0] += c * (c * xx - s * xy) - s * (c * xy - s * yy)
+    out[0, 1] += s * (c * xx - s * xy) + c * (c * xy - s * yy)
+    out[1, 1] += s * (s * xx + c * xy) + c * (s * xy + c * yy)
+    out[0, 2] += c * xt - s * yt
+    out[1, 2] += s * xt + c * yt
+    out[1, 0] = out[0, 1]
+    out[2, 0] = out[0, 2]
+    out[2, 1] = out[1, 2]
+
+
+@part
+def reckon_rows(
+    counts: Floats,
+    counts_per_revolution: Floats,
+    radius_left: Column,
+    radius_right: Column,
+    track: Column,
+    variance: Column,
+    pose: Floats,
+    covariance: Floats,
+    before: Floats,
+    after: Floats,
+    begin: int,
+    end: int,
+    first: Floats,
+    radius: Floats,
+    jacobian: Floats,
+    both: Ints,
+    out: Floats,
+    grown: Floats,
+) -> None:
+    """What `reckon_wheels` does, with room to work in: (2,) twice, (3, 2), and 0 and 1."""
+    last = counts_per_revolution.shape[1] - 1
+    jacobian[0, 0] = 0.5
+    jacobian[0, 1] = 0.5
+    jacobian[1, 0] = 0.0
+    jacobian[1, 1] = 0.0
+    both[0] = 0
+    both[1] = 1
+    for i in range(begin, end):
+        radius[0] = radius_left[i, 0]
+        radius[1] = radius_right[i, 0]
+        jacobian[2, 0] = -1.0 / track[i, 0]
+        jacobian[2, 1] = 1.0 / track[i, 0]
+        for j in range(2):
+            after[i, j] = counts[i, j] / counts_per_revolution[i, min(j, last)] * _TURN
+            first[j] = after[i, j] if math.isnan(before[i, j]) else before[i, j]
+        at_left = (after[i, 0] - first[0]) * radius[0]
+        at_right = (after[i, 1] - first[1]) * radius[1]
+        forward = 0.5 * (at_left + at_right)
+        turn = (at_right - at_left) / track[i, 0]
+        _grow_row(
+            covariance[i],
+            pose[i, 2],
+            forward,
+            0.0,
+            turn,
+            jacobian,
+            first,
+            after[i],
+            both,
+            radius,
+            variance[i, 0],
+            grown[i],
+        )
+        ahead, left, turned = arc(forward, 0.0, turn, 1.0)
+        out[i, 0], out[i, 1], out[i, 2] = displaced(pose[i, 0], pose[i, 1], pose[i, 2], ahead, left, turned)
+
+
+@kernel
+def reckon_wheels(
+    counts: Floats,
+    counts_per_revolution: Floats,
+    radius_left: Column,
+    radius_right: Column,
+    track: Column,
+    variance: Column,
+    pose: Floats,
+    covariance: Floats,
+    before: Floats,
+    after: Floats,
+    begin: int,
+    end: int,
+    out: Floats,
+    grown: Floats,
+) -> None:
+    """Poses `out` (N, 3) and their covariances `grown` (N, 3, 3), by what the encoders of two wheels count (N, 2).
+
+    `pose` and `covariance` are those before, `before` the wheels' angles then (N, 2) [rad], nan for none yet; `after`
+    gets those of now. Parameters are (N, 1), as in `wheel_twists` and `grow_covariance`; counts in a turn are those of
+    each wheel (N, 2), or of both (N, 1). Rows begin..end-1 are worked on.
+    """
+    reckon_rows(
+        counts,
+        counts_per_revolution,
+        radius_left,
+        radius_right,
+        track,
+        variance,
+        pose,
+        covariance,
+        before,
+        after,
+        begin,
+        end,
+        np.empty(2),
+        np.empty(2),
+        np.empty((3, 2)),
+        np.empty(2, dtype=np.int64),
+        out,
+        grown,
+    )
+
+
+@kernel
+def grow_covariance(
+    covariance: Column,
+    headings: Floats,
+    twists: Floats,
+    jacobian: Floats,
+    before: Floats,
+    after: Floats,
+    rolling: Ints,
+    radius: Floats,
+    variance: Column,
+    out: Floats,
+) -> None:
+    """Covariance of the poses after a step, to first order, into `out` (N, 3, 3).
+
+    White noise acts on the travel of every rolling joint all along the step: where it acts, it displaces the
+    body by the `jacobian`, and what is left of the step carries that on. Integrated over the step instead of
+    lumped at one point of it, so the result does not depend on how many steps a path of constant curvature is
+    cut into.
+
+    Parameters
+    ----------
+    covariance
+        Before the step, (N, 3, 3).
+    headings
+        Poses (N, 3) before the step; only their headings [rad] count.
+    twists
+        The body's motion over the step (forward [m], left [m], turn [rad]), (N, 3).
+    jacobian
+        The body's motion (forward, left, turn) per metre of travel of each rolling joint, (N, 3, r).
+    before, after
+        Joints (N, j) [rad].
+    rolling
+        Which of the joints roll, (r,).
+    radius
+        Travel per radian of these, (N, r) [m].
+    variance
+        Of the travel, per metre of it, (N, 1) [m^2/m].
+    """
+    for i in range(covariance.shape[0]):
+        _grow_row(
+            covariance[i],
+            headings[i, 2],
+            twists[i, 0],
+            twists[i, 1],
+            twists[i, 2],
+            jacobian[i],
+            before[i],
+            after[i],
+            rolling,
+            radius[i],
+            variance[i, 0],
+            out[i],
+        )

@@ -1,0 +1,1 @@
+"""Draws that are a pure function of a key and a counter."""

@@ -1,0 +1,1 @@
+"""What rays and cones meet first: cells, walls and bodies."""

@@ -1,0 +1,334 @@
+"""Rays against the outlines of bodies: robots and obstacles as sensors see them.
+
+Every body is first turned and moved so that the ray starts at the origin. Circles around bodies, and a scan's
+order by angle, only ever leave out what cannot be hit, so neither changes a bit of the result.
+
+What is done for many bodies or many beams is done in loops without a branch, which compilers make several wide: the
+bodies near a scan are gathered, which beams might meet each is told for all of them, and then the beams of one body go
+together.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.kernels.collision.body_hash import BodyHash, run_of_bodies, window
+from amorsim.kernels.collision.footprints import Bodies, rounding_slack
+from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.raycast.meet_body import BEAM_ROWS, DX, DY, FOUND, meet_body
+
+__all__ = ["cast_bodies"]
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_SECTORS = 256  # of a turn, by which beams are found
+_PER_TURN = _SECTORS / 4.0  # `_turn` counts quarters
+_TOGETHER = 64  # bodies of which is told at once which beams might meet them
+_WIDE = 8  # beams
+
+# Rows of the room to work in for the bodies near a scan: where each is as seen from there, its circle [m], how far off
+# it is [m], and between which turns the beams are that might meet it.
+_X, _Y, _CIRCLE, _AWAY, _RIGHT, _LEFT = range(6)
+
+
+@part
+def _turn(cos: float, sin: float) -> float:
+    """A number in [0, 4] that grows with the angle of (cos, sin) over [0, 2 pi): cheap, for ordering only."""
+    along = cos / (abs(cos) + abs(sin))
+    return 1.0 - along if sin >= 0.0 else 3.0 + along
+
+
+@part
+def _order(cos_b: Floats, sin_b: Floats, row: int, starts: Ints) -> bool:
+    """Write which beam is the first of each sector, counted from that of the first; whether they are in that order."""
+    c = cos_b[row, 0]
+    s = sin_b[row, 0]
+    before = 0.0
+    sector = 0
+    for j in range(cos_b.shape[1]):
+        turn = _turn(c * cos_b[row, j] + s * sin_b[row, j], c * sin_b[row, j] - s * cos_b[row, j])
+        if not turn >= before:
+            return False
+        before = turn
+        while sector <= int(turn * _PER_TURN):
+            starts[sector] = j
+            sector += 1
+    starts[sector:] = cos_b.shape[1]
+    return True
+
+
+@part
+def _lower(found: Floats, limit: float, ranges: Floats) -> None:
+    for b in range(found.shape[0]):
+        nearer = (found[b] <= limit) & (found[b] < ranges[b])
+        ranges[b] = found[b] if nearer else ranges[b]
+
+
+@part
+def _lower_and_tell(found: Floats, limit: float, body: int, stride: int, ranges: Floats, hit: Ints) -> None:
+    for b in range(found.shape[0]):
+        k = b * stride
+        if found[b] <= limit:
+            # In whatever order bodies come, the same one wins.
+            if found[b] < ranges[k]:
+                ranges[k] = found[b]
+                if hit.shape[0] > 0:
+                    hit[k] = body
+            elif hit.shape[0] > 0 and found[b] == ranges[k] and body < hit[k]:
+                hit[k] = body
+
+
+@part
+def _find_beams(count: int, cos_0: float, sin_0: float, near: Floats) -> None:
+    """Write how far off bodies are, and between which turns from the direction (cos_0, sin_0) they lie."""
+    for c in range(count):
+        x = near[_X, c]
+        y = near[_Y, c]
+        away = math.sqrt(x * x + y * y)
+        circle = near[_CIRCLE, c]
+        # The circle's centre as seen from the first beam, then both its tangents; of no use from inside it.
+        sin_a = circle / away
+        cos_a = math.sqrt((1.0 - sin_a) * (1.0 + sin_a))
+        cos_c = cos_0 * x + sin_0 * y
+        sin_c = cos_0 * y - sin_0 * x
+        near[_RIGHT, c] = _turn(cos_c * cos_a + sin_c * sin_a, sin_c * cos_a - cos_c * sin_a)
+        near[_LEFT, c] = _turn(cos_c * cos_a - sin_c * sin_a, sin_c * cos_a + cos_c * sin_a)
+        near[_AWAY, c] = away
+
+
+@part
+def _meet_bodies(
+    bodies: Bodies,
+    body_pose: Floats,
+    which: Ints,
+    near: Floats,
+    starts: Ints,
+    in_order: bool,
+    limit: float,
+    edges: Floats,
+    beams: Floats,
+    ranges: Floats,
+    hit: Ints,
+) -> None:
+    """Let a scan meet the bodies gathered in `which` and `near`."""
+    count = beams.shape[1]
+    stride = 1 if ranges.shape[0] == count else 0
+    for c in range(which.shape[0]):
+        away = near[_AWAY, c]
+        circle = near[_CIRCLE, c]
+        start = 0
+        stop = count
+        resume = count
+        if in_order and circle < away:
+            right = near[_RIGHT, c]
+            left = near[_LEFT, c]
+            start = starts[int(right * _PER_TURN)]
+            stop = starts[int(left * _PER_TURN) + 1]
+            if right > left:  # the circle lies across the first beam
+                resume = max(start, stop)
+                start = 0
+        while True:
+            # Beams at either end that have met something nearer already.
+            while start < stop and ranges[start * stride] <= away - circle:
+                start += 1
+            while start < stop and ranges[(stop - 1) * stride] <= away - circle:
+                stop -= 1
+            if start < stop:
+                j = which[c]
+                meet_body(bodies, j, body_pose[j], near[_X, c], near[_Y, c], edges, beams, start, stop)
+                if stride == 1 and hit.shape[0] == 0:
+                    _lower(beams[FOUND, start:stop], limit, ranges[start:stop])
+                else:
+                    place = start * stride
+                    _lower_and_tell(beams[FOUND, start:stop], limit, j, stride, ranges[place:], hit[place:])
+            if resume >= count:
+                break
+            start = resume
+            stop = count
+            resume = count
+
+
+@part
+def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
+    """Write the least and the greatest x and y [m] that beams come to from the origin into the first of `box` (4, 8).
+
+    Eight beams side by side, and those eight in the end: a single least number would be a chain of comparisons, each of
+    which waits for the one before.
+    """
+    count = beams.shape[1]
+    box[:] = 0.0
+    stride = 1 if ranges.shape[0] == count else 0
+    for first in range(0, count, _WIDE):
+        for b in range(_WIDE):
+            # The last ones again where their number is no multiple of eight.
+            k = min(first, max(count - _WIDE, 0)) + min(b, count - 1)
+            far = ranges[k * stride]
+            far = far if far < limit else limit
+            x = far * beams[DX, k]
+            y = far * beams[DY, k]
+            box[0, b] = x if x < box[0, b] else box[0, b]
+            box[1, b] = x if x > box[1, b] else box[1, b]
+            box[2, b] = y if y < box[2, b] else box[2, b]
+            box[3, b] = y if y > box[3, b] else box[3, b]
+    for b in range(1, _WIDE):
+        for side in range(0, 4, 2):
+            box[side, 0] = min(box[side, 0], box[side, b])
+            box[side + 1, 0] = max(box[side + 1, 0], box[side + 1, b])
+
+
+@part
+def _cast_rows(
+    bodies: Bodies,
+    body_pose: Floats,
+    table: BodyHash,
+    widest: float,
+    replica: Ints,
+    own: Ints,
+    origins: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    edges: Floats,
+    starts: Ints,
+    beams: Floats,
+    which: Ints,
+    near: Floats,
+    box: Floats,
+    out: Floats,
+    hit: Ints,
+) -> None:
+    """What `cast_bodies` does, with room to work in."""
+    in_order = False
+    for i in range(out.shape[0]):
+        beam_row = min(i, cos_b.shape[0] - 1)
+        if beam_row == i:
+            in_order = _order(cos_b, sin_b, beam_row, starts)
+        limit = range_max[min(i, range_max.shape[0] - 1)]
+        origin_x = origins[i, 0]
+        origin_y = origins[i, 1]
+        cos_h = math.cos(origins[i, 2])
+        sin_h = math.sin(origins[i, 2])
+        for b in range(beams.shape[1]):
+            beams[DX, b] = cos_h * cos_b[beam_row, b] - sin_h * sin_b[beam_row, b]
+            beams[DY, b] = sin_h * cos_b[beam_row, b] + cos_h * sin_b[beam_row, b]
+        # Nobody counts who is out of the box that holds all beams, as far as they are free already.
+        _bounds(beams, out[i], limit, box)
+        slack = rounding_slack(abs(origin_x) + abs(origin_y))
+        around = widest * (1.0 + 1e-9) + slack
+        x0 = box[0, 0]
+        x1 = box[1, 0]
+        y0 = box[2, 0]
+        y1 = box[3, 0]
+        row0, rows = window(origin_y + 0.5 * (y0 + y1), 0.5 * (y1 - y0) + around, table.side, table.rows)
+        col0, cols = window(origin_x + 0.5 * (x0 + x1), 0.5 * (x1 - x0) + around, table.side, table.cols)
+        runs = 2 * rows if col0 + cols > table.cols else rows
+        run = 0
+        place = 0
+        last = 0
+        while True:
+            count = 0
+            while count < _TOGETHER:
+                if place == last:
+                    if run == runs:
+                        break
+                    place, last = run_of_bodies(table, replica[i], row0, rows, col0, cols, run)
+                    run += 1
+                    continue
+                end = min(last, place + _TOGETHER - count)
+                for n in range(place, end):
+                    x = table.disc[n, 0] - origin_x
+                    y = table.disc[n, 1] - origin_y
+                    # A circle around the body, larger than it needs to be by far more than rounding can matter.
+                    circle = table.disc[n, 2] * (1.0 + 1e-9) + slack + 1e-9 * (abs(x) + abs(y))
+                    which[count] = table.body[n]
+                    near[_X, count] = x
+                    near[_Y, count] = y
+                    near[_CIRCLE, count] = circle
+                    # Kept by going on behind it, which is quicker than a branch that cannot be foreseen.
+                    keeps = (x >= x0 - circle) & (x <= x1 + circle) & (y >= y0 - circle) & (y <= y1 + circle)
+                    count += int(keeps & (table.owner[n] != own[i]))
+                place = end
+            if count == 0:
+                break
+            _find_beams(count, beams[DX, 0], beams[DY, 0], near)
+            told = hit[i] if hit.shape[1] > 0 else which[:0]
+            _meet_bodies(bodies, body_pose, which[:count], near, starts, in_order, limit, edges, beams, out[i], told)
+
+
+@kernel
+def cast_bodies(
+    bodies: Bodies,
+    body_pose: Floats,
+    edge_rows: int,
+    table: BodyHash,
+    widest: float,
+    replica: Ints,
+    own: Ints,
+    origins: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    out: Floats,
+    hit: Ints,
+) -> None:
+    """Lower each range to where its ray meets another body of the same replica, where that is nearer.
+
+    A ray that starts in a body, or on its border, reads 0. Of bodies equally far the lowest index counts; a
+    body as far as what `out` already holds does not.
+
+    Parameters
+    ----------
+    bodies
+        The footprints, of bodies 0 to M - 1.
+    body_pose
+        Their poses: x [m], y [m], heading [rad], (M, 3).
+    edge_rows
+        Vertices of the largest body.
+    table
+        The bodies at these poses, by place.
+    widest
+        The largest reach of a body [m].
+    replica
+        Of each row, int64 (N,).
+    own
+        The body that carries the sensor, -1 for none, int64 (N,). It is not seen, nor is what it is the owner of.
+    origins
+        Where the rays of each row start, and what their bearings are measured from, (N, 3), like `body_pose`.
+    cos_b, sin_b
+        Of the beams' bearings b; the direction for heading h is (cos h cos b - sin h sin b, sin h cos b + cos
+        h sin b). One row for all, or one each, (1 or N, k). Anticlockwise order within one turn is the
+        fastest.
+    range_max
+        Beyond which nothing is seen [m], (1 or N,).
+    out
+        In: ranges so far [m], inf for none; out: the lower ones, (N, k), or the least of each row's, (N, 1).
+    hit
+        In: -1; gets the body's index where it lowered a range, int64, as `out`. Nobody asks if it has no columns.
+    """
+    beams = cos_b.shape[1]
+    if beams == 0:
+        return
+    _cast_rows(
+        bodies,
+        body_pose,
+        table,
+        widest,
+        replica,
+        own,
+        origins,
+        cos_b,
+        sin_b,
+        range_max,
+        np.empty((edge_rows, 5)),
+        np.empty(_SECTORS + 2, dtype=np.int64),
+        np.empty((BEAM_ROWS, beams)),
+        np.empty(_TOGETHER, dtype=np.int64),
+        np.empty((6, _TOGETHER)),
+        np.empty((4, _WIDE)),
+        out,
+        hit,
+    )

@@ -1,0 +1,157 @@
+"""The nearest return within a cone of rays: what a sonar hears first.
+
+Where the map has line features, the walls about a place are put in order once for all cones there, and asked
+(`amorsim.kernels.raycast.cone_walls`); without them, or where a cone has few cells, cells are
+(`amorsim.kernels.raycast.cone_cells`). Each has the bits that all rays have.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.grid.grid import Grid, is_occupied
+from amorsim.kernels.grid.segments import RINGS, SegmentIndex, walls_about
+from amorsim.kernels.raycast.cone_cells import SAFETY, WIDEST, ask_cells
+from amorsim.kernels.raycast.cone_walls import AT_ONCE, ROOM, hear_walls
+from amorsim.kernels.raycast.rays import cell_of, to_frame
+
+__all__ = ["cast_cones", "hear"]
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_FEW = 8  # rays of a cone up to which all are cast
+_NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
+_FINE = 400  # cells in the range, from which on looking up walls is sooner done than asking cells, come what may
+
+
+@part
+def hear(
+    grid: Grid,
+    lines: SegmentIndex,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    poses: Floats,
+    half_angle: float,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    edge: Floats,
+    found: Integers,
+    candidates: Integers,
+    about: Floats,
+    away: Floats,
+    rings: Integers,
+    f: Floats,
+    bits: Integers,
+    out: Floats,
+) -> None:
+    """Write what `cast_cones` does, with room to work in.
+
+    Two as long as there are walls, (6, walls and `cone_walls.AT_ONCE`), one as long as walls, `RINGS` + 2, and
+    `cone_walls.ROOM`, twice the same memory; `edge` holds cosine and sine of half the cone's angle.
+    """
+    cos_yaw = math.cos(yaw)
+    sin_yaw = math.sin(yaw)
+    resolution = grid.resolution
+    has_lines = lines.walls.shape[1] > 0 and half_angle < WIDEST and cos_b.shape[1] > _FEW
+    # Where walls were put in order, how far out, and how many there are.
+    here_x, here_y, here_reach, count = 0.0, 0.0, -1.0, 0
+    for n in range(poses.shape[0]):
+        x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
+        cos_h = math.cos(poses[n, 2] - yaw)
+        sin_h = math.sin(poses[n, 2] - yaw)
+        reach = range_max[n]
+        inside = 0.0 <= x < grid.cols * resolution and 0.0 <= y < grid.rows * resolution
+        is_fine = _FINE * resolution < reach
+        if has_lines and inside and cos_h == cos_h:  # not of nan
+            col = cell_of(x, resolution)
+            row = cell_of(y, resolution)
+            if is_occupied(grid, row, col):
+                out[n] = 0.0
+                continue
+            aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
+            if not aside + reach <= here_reach:
+                here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
+                count = walls_about(lines, x, y, here_reach, found, about, away, candidates, rings)
+            heard, least = hear_walls(
+                grid,
+                lines,
+                x,
+                y,
+                col,
+                row,
+                cos_h,
+                sin_h,
+                half_angle,
+                edge,
+                cos_b,
+                sin_b,
+                reach,
+                found,
+                about,
+                away,
+                count,
+                aside * (1.0 + SAFETY),
+                is_fine,
+                f,
+                bits,
+            )
+            if heard:
+                out[n] = least
+                continue
+        out[n] = ask_cells(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, reach)
+
+
+@kernel
+def cast_cones(
+    grid: Grid,
+    lines: SegmentIndex,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    poses: Floats,
+    half_angle: float,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    out: Floats,
+) -> None:
+    """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
+
+    Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
+    and `range_max` (N,).
+    """
+    edge = np.array([math.cos(half_angle), math.sin(half_angle)])
+    found = np.empty(lines.walls.shape[1], dtype=np.int64)
+    candidates = np.empty(lines.walls.shape[1], dtype=np.int64)
+    about = np.empty((6, lines.walls.shape[1] + AT_ONCE))
+    away = np.empty(lines.walls.shape[1])
+    rings = np.empty(RINGS + 2, dtype=np.int64)
+    f = np.empty(ROOM)
+    hear(
+        grid,
+        lines,
+        origin_x,
+        origin_y,
+        yaw,
+        poses,
+        half_angle,
+        cos_b,
+        sin_b,
+        range_max,
+        edge,
+        found,
+        candidates,
+        about,
+        away,
+        rings,
+        f,
+        f.view(np.int64),
+        out,
+    )

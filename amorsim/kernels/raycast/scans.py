@@ -1,0 +1,400 @@
+"""Scans: many beams from one place, which help one another, to the bit what each gives on its own.
+
+Where the map has line features they say how far a beam is free (`amorsim.kernels.grid.segments`), and it is marched
+only from there. Most beams then hit within the word of 8 x 8 cells in which they start. So a number of them goes there
+together: starts are found for all, their words fetched, steps from cell to cell taken by all in lockstep, and distances
+measured for all, in loops without a branch, which compilers make several beams wide, and whose fetches do not wait for
+one another. Crossings are compared as `amorsim.kernels.raycast.rays` compares them; a beam that is in doubt, or leaves
+its word, goes on by itself from where it is, by `march`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.grid.grid import Grid, is_occupied
+from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, bound_scan, bucket_of
+from amorsim.kernels.raycast.rays import cell_of, direction, march, rounding, to_frame
+
+__all__ = ["COARSE", "FINE", "LANES", "ROOM_F", "ROOM_Q", "ROOM_RINGS", "cast_scan", "cast_scans", "sorted_beams"]
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_FEW = 12  # beams of a scan, or rows of a table, below which preparing them costs more than it saves
+FINE, COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for many rows and of one for few
+LANES = 64  # beams that go together
+ROOM_RINGS = RINGS + 2  # whole numbers that a scan needs to put walls in order
+_STEPS = 8  # cells they go at most; few need more
+
+# Where the quantities of these beams start in the one array of numbers and the one of whole numbers. Constant distances
+# tell the compiler that they do not overlap.
+_DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * LANES for i in range(9))
+_STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST, _SUPER, _TABLE, _PAGE = (i * LANES for i in range(9))
+_LEFT = _FIRST  # in the end, whether a beam has to go on by itself
+ROOM_F, ROOM_Q = 9 * LANES, 9 * LANES
+
+# States: on its way; has entered an occupied cell by a line of either axis; must go on alone, from its place in the
+# word or from the start.
+_LIVE, _BY_X, _BY_Y, _ALONE, _UNSTARTED = range(5)
+# A place in a word is 256 * row + column; one that is not in it has other bits set.
+_ROW_UNIT = 256
+_BEYOND_WORD = ~0x0707
+
+
+@part
+def sort_beams(
+    cos_b: Floats, sin_b: Floats, scale: float, order: Integers, starts: Integers, cos_s: Floats, sin_s: Floats
+) -> None:
+    """Write beams (k,) in the order of their sectors, and at which of them each sector starts."""
+    starts[:] = 0
+    for k in range(cos_b.shape[0]):
+        starts[bucket_of(cos_b[k], sin_b[k], 0.0, scale) + 1] += 1
+    for s in range(len(starts) - 1):
+        starts[s + 1] += starts[s]
+    for k in range(cos_b.shape[0]):
+        s = bucket_of(cos_b[k], sin_b[k], 0.0, scale)
+        i = starts[s]
+        starts[s] = i + 1
+        order[i] = k
+        cos_s[i] = cos_b[k]
+        sin_s[i] = sin_b[k]
+    # Each start has moved on to that of the next sector.
+    for s in range(len(starts) - 1, 0, -1):
+        starts[s] = starts[s - 1]
+    starts[0] = 0
+
+
+@part
+def _aim(
+    grid: Grid,
+    x: float,
+    y: float,
+    cos_h: float,
+    sin_h: float,
+    first: int,
+    cos_s: Floats,
+    sin_s: Floats,
+    nearness: Floats,
+    beyond: float,
+    slack: float,
+    f: Floats,
+    q: Integers,
+) -> None:
+    """Write direction, cell and next crossings of the beams from number `first` on, one cell beyond what is free.
+
+    A beam no nearer than `beyond` goes nowhere. The cell in which what is free ends is free itself. Walls begin most
+    often in the next one, which may be in another word.
+    """
+    resolution = grid.resolution
+    start_x = x / resolution
+    start_y = y / resolution
+    doubt = 2.0 * rounding(grid, 1.0, 1.0)
+    for i in range(LANES):
+        # Unsigned, for a number that could be negative would be looked at first, and what it counts gathered.
+        beam = np.uint64(first) + np.uint64(i)
+        dx, dy = direction(cos_h, sin_h, cos_s[beam], sin_s[beam])
+        free = (1.0 - SAFETY) / (nearness[beam] * resolution)
+        place_x = start_x + free * dx
+        place_y = start_y + free * dy
+        col = math.floor(place_x) * 1.0
+        row = math.floor(place_y) * 1.0
+        inverse_x = 1.0 / dx
+        inverse_y = 1.0 / dy
+        f[i + _DX] = dx
+        f[i + _DY] = dy
+        between_x = abs(inverse_x)
+        between_y = abs(inverse_y)
+        next_x = (col + (1.0 if dx > 0.0 else 0.0) - start_x) * inverse_x
+        next_y = (row + (1.0 if dy > 0.0 else 0.0) - start_y) * inverse_y
+        part_x = place_x - col
+        part_y = place_y - row
+        # Not so near a grid line that the cell is in doubt; false of nan.
+        sure = (part_x > doubt) & (part_x < 1.0 - doubt) & (part_y > doubt) & (part_y < 1.0 - doubt)
+        sure &= (place_x > 0.0) & (place_x < grid.cols) & (place_y > 0.0) & (place_y < grid.rows)
+        by_x = next_x <= next_y
+        then_col = col + ((1.0 if dx > 0.0 else -1.0) if by_x else 0.0)
+        then_row = row + (0.0 if by_x else (1.0 if dy > 0.0 else -1.0))
+        goes = (nearness[beam] > beyond) & (abs(next_x - next_y) > slack * (between_x + between_y))
+        goes &= (then_col >= 0.0) & (then_col < grid.cols) & (then_row >= 0.0) & (then_row < grid.rows)
+        f[i + _BETWEEN_X] = between_x
+        f[i + _BETWEEN_Y] = between_y
+        f[i + _NEXT_X] = next_x + (between_x if by_x else 0.0)
+        f[i + _NEXT_Y] = next_y + (0.0 if by_x else between_y)
+        col = then_col if goes else col
+        row = then_row if goes else row
+        f[i + _COL] = col if sure else 0.0
+        f[i + _ROW] = row if sure else 0.0
+        q[i + _FIRST] = _BY_X if by_x else _BY_Y
+        q[i + _STATE] = (_LIVE if goes else _ALONE) if sure else _UNSTARTED
+        q[i + _STEP_X] = 1 if dx > 0.0 else -1
+        q[i + _STEP_Y] = _ROW_UNIT if dy > 0.0 else -_ROW_UNIT
+
+
+@part
+def _fetch(grid: Grid, f: Floats, q: Integers) -> None:
+    """Write the words that the beams are in, and their places in them; where all is free the word is 0."""
+    for i in range(LANES):
+        col = int(f[i + _COL])
+        row = int(f[i + _ROW])
+        q[i + _PLACE] = (row & 7) * _ROW_UNIT + (col & 7)
+        q[i + _SUPER] = (row >> 12) * grid.super_cols + (col >> 12)
+        q[i + _TABLE] = ((row >> 6) & 63) * 64 + ((col >> 6) & 63)
+        q[i + _PAGE] = ((row >> 3) & 7) * 8 + ((col >> 3) & 7)
+    for i in range(LANES):
+        word: Any = np.uint64(0)
+        entry: Any = np.int64(grid.supers[np.uint64(q[i + _SUPER])])
+        if entry >= 0:
+            entry = np.int64(grid.tables[np.uint64(entry), np.uint64(q[i + _TABLE])])
+            if entry >= 0:
+                word = grid.pages[np.uint64(entry), np.uint64(q[i + _PAGE])]
+        q[i + _WORD] = np.int64(word)
+
+
+@part
+def _walk(slack: float, f: Floats, q: Integers) -> None:
+    """Go from cell to cell until one is occupied, the next is in another word, or which is next is in doubt.
+
+    Conditions are whole numbers 0 and 1, and their negatives masks: what the compiler makes several beams wide.
+    """
+    for i in range(LANES):
+        # Where the first cell is occupied that is the end.
+        place = q[i + _PLACE]
+        hits = (q[i + _WORD] >> (((place >> 5) & 56) + (place & 7))) & np.int64(q[i + _STATE] == _LIVE)
+        q[i + _STATE] |= q[i + _FIRST] & -hits
+    for step in range(_STEPS):
+        if step in (1, 2, 4):
+            alive = np.int64(0)
+            for i in range(LANES):
+                alive |= np.int64(q[i + _STATE] == _LIVE)
+            if not alive:
+                return
+        for i in range(LANES):
+            next_x = f[i + _NEXT_X]
+            next_y = f[i + _NEXT_Y]
+            between_x = f[i + _BETWEEN_X]
+            between_y = f[i + _BETWEEN_Y]
+            place = q[i + _PLACE]
+            step_x = q[i + _STEP_X]
+            step_y = q[i + _STEP_Y]
+            live = np.int64(q[i + _STATE] == _LIVE)
+            by_x = np.int64(next_x <= next_y)
+            then = place + (step_y ^ ((step_x ^ step_y) & -by_x))
+            sure = np.int64(abs(next_x - next_y) > slack * (between_x + between_y))
+            goes = live & sure & np.int64((then & _BEYOND_WORD) == 0)
+            hits = (q[i + _WORD] >> (((then >> 5) & 56) + (then & 7))) & goes
+            ends = (-hits & (_BY_Y - by_x)) | (_ALONE & (goes - 1))
+            q[i + _STATE] |= ends & -live
+            q[i + _PLACE] = place ^ ((place ^ then) & -goes)
+            f[i + _NEXT_X] = next_x + (between_x if goes & by_x else 0.0)
+            f[i + _NEXT_Y] = next_y + (between_y if goes & (1 - by_x) else 0.0)
+
+
+@part
+def _measure(
+    resolution: float,
+    x: float,
+    y: float,
+    reach: float,
+    beyond: float,
+    first: int,
+    count: int,
+    nearness: Floats,
+    f: Floats,
+    q: Integers,
+) -> bool:
+    """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did.
+
+    And inf for those that are bounded by no wall in reach. Tells whether any of the first `count` is left, to go on by
+    itself.
+    """
+    left = np.int64(0)
+    for i in range(LANES):
+        state = q[i + _STATE]
+        by_x = state == _BY_X
+        hits = by_x | (state == _BY_Y)
+        place = q[i + _PLACE]
+        dx = f[i + _DX]
+        dy = f[i + _DY]
+        line_x = 8.0 * math.floor(f[i + _COL] * 0.125) + (place & 7) + (0.0 if dx > 0.0 else 1.0)
+        line_y = 8.0 * math.floor(f[i + _ROW] * 0.125) + (place >> 8) + (0.0 if dy > 0.0 else 1.0)
+        line = line_x if by_x else line_y
+        distance = (line * resolution - (x if by_x else y)) / (dx if by_x else dy)
+        f[i + _RANGE] = distance + 0.0 if hits & (distance <= reach) else np.inf
+        # Nothing is known of a beam that is nan.
+        is_near = nearness[np.uint64(first) + np.uint64(i)] > beyond
+        is_left = (not hits) & (is_near | (dx != dx) | (dy != dy)) & (i < count)
+        q[i + _LEFT] = np.int64(is_left)
+        left |= np.int64(is_left)
+    return bool(left)
+
+
+def sorted_beams(cos_b: Floats, sin_b: Floats) -> tuple[Floats, Floats, Integers, Integers]:
+    """Beams (k,) as `cast_scan` takes them: cosines, sines and numbers in order, filled up to lanes, and sectors."""
+    beams = len(cos_b)
+    lanes = (beams + LANES - 1) // LANES * LANES
+    cos_s, sin_s, order = np.ones(lanes), np.zeros(lanes), np.zeros(lanes, dtype=np.int64)
+    starts = np.zeros(int(4.0 * FINE) + 1, dtype=np.int64)
+    sort_beams(cos_b, sin_b, FINE, order, starts, cos_s, sin_s)
+    return cos_s, sin_s, order, starts
+
+
+@part
+def cast_scan(
+    grid: Grid,
+    lines: SegmentIndex,
+    x: float,
+    y: float,
+    heading: float,
+    reach: float,
+    cos_s: Floats,
+    sin_s: Floats,
+    order: Integers,
+    starts: Integers,
+    scale: float,
+    blocks: Integers,
+    away: Floats,
+    rings: Integers,
+    nearness: Floats,
+    f: Floats,
+    q: Integers,
+    out: Floats,
+) -> None:
+    """Write the distances (k,) of a scan from a pose in the map's frame, by beams in the order of their sectors.
+
+    Parameters
+    ----------
+    cos_s, sin_s
+        Of the beams' bearings in that order, filled up to whole lanes, (L,).
+    order, starts, scale
+        Which beam each is (k,), and the sectors (`amorsim.kernels.grid.segments.bucket_of`).
+    blocks, away, rings, nearness, f, q
+        Room to work in: two as long as the lines have blocks, `ROOM_RINGS`, (L,), `ROOM_F` and `ROOM_Q`.
+    """
+    resolution = grid.resolution
+    beams = out.shape[0]
+    cos_h = math.cos(heading)
+    sin_h = math.sin(heading)
+    is_nan = x != x or y != y or cos_h != cos_h
+    inside = 0.0 <= x < grid.cols * resolution and 0.0 <= y < grid.rows * resolution
+    col = cell_of(x, resolution) if inside else -1
+    row = cell_of(y, resolution) if inside else -1
+    if is_nan or is_occupied(grid, row, col):
+        for k in range(beams):
+            out[k] = np.nan if is_nan else 0.0
+        return
+    slack = 2.0 * rounding(grid, 1.0, 1.0)
+    # A beam no nearer than this has nothing within the range.
+    beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
+    bounded = lines.walls.shape[1] > 0 and beams >= _FEW and reach > resolution
+    if bounded:
+        nearness[:] = beyond
+        bounded = bound_scan(
+            lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, f, nearness
+        )
+    for first in range(0, beams, LANES):
+        count = min(LANES, beams - first)
+        if bounded:
+            _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, beyond, slack, f, q)
+            _fetch(grid, f, q)
+            _walk(slack, f, q)
+            some_left = _measure(resolution, x, y, reach, beyond, first, count, nearness, f, q)
+            for i in range(count):
+                out[np.uint64(order[np.uint64(first) + np.uint64(i)])] = f[i + _RANGE]
+            if not some_left:
+                continue
+        for i in range(count):
+            start_col = col
+            start_row = row
+            if bounded:
+                if not q[i + _LEFT]:
+                    continue
+                if q[i + _STATE] != _UNSTARTED:
+                    start_col = (int(f[i + _COL]) & -8) + (q[i + _PLACE] & 7)
+                    start_row = (int(f[i + _ROW]) & -8) + (q[i + _PLACE] >> 8)
+            dx, dy = direction(cos_h, sin_h, cos_s[first + i], sin_s[first + i])
+            is_nan = dx != dx or dy != dy
+            out[order[first + i]] = np.nan if is_nan else march(grid, x, y, start_col, start_row, dx, dy, reach)
+
+
+@kernel
+def cast_scans(
+    grid: Grid,
+    lines: SegmentIndex,
+    origin_x: float,
+    origin_y: float,
+    yaw: float,
+    poses: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    out: Floats,
+) -> None:
+    """Write the distance [m] along every beam of every pose to where it enters the first occupied cell.
+
+    Parameters
+    ----------
+    grid
+        The map, whose lower left corner is at (origin_x, origin_y) [m] and turned by `yaw` [rad] in the
+        world.
+    lines
+        What the map was drawn from, in its frame; `no_segments()` where that is not known.
+    poses
+        (N, 3): x, y [m] and heading [rad] in the world.
+    cos_b, sin_b
+        (B, k), B = 1 or N: cosine and sine of the beams' bearings from the heading, in any order.
+    range_max
+        (R,), R = 1 or N [m].
+    out
+        (N, k): 0 from an occupied cell or from outside the map, inf where nothing is within the range, and
+        nan where a pose or a bearing is.
+    """
+    cos_yaw = math.cos(yaw)
+    sin_yaw = math.sin(yaw)
+    beams = out.shape[1]
+    scale = FINE if cos_b.shape[0] == 1 and poses.shape[0] >= _FEW else COARSE
+    starts = np.empty(int(4.0 * scale) + 1, dtype=np.int64)
+    order = np.arange(beams)
+    lanes = (beams + LANES - 1) // LANES * LANES
+    cos_s = np.ones(lanes)
+    sin_s = np.zeros(lanes)
+    nearness = np.empty(lanes)
+    blocks = np.empty(lines.boxes.shape[1], dtype=np.int64)
+    away = np.empty(lines.boxes.shape[1])
+    rings = np.empty(ROOM_RINGS, dtype=np.int64)
+    f = np.empty(ROOM_F)
+    q = np.empty(ROOM_Q, dtype=np.int64)
+    sorted_row = -1
+    for n in range(poses.shape[0]):
+        x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
+        heading = poses[n, 2] - yaw
+        reach = range_max[n if range_max.shape[0] > 1 else 0]
+        b = n if cos_b.shape[0] > 1 else 0
+        if b != sorted_row:
+            sort_beams(cos_b[b], sin_b[b], scale, order, starts, cos_s, sin_s)
+            sorted_row = b
+        cast_scan(
+            grid,
+            lines,
+            x,
+            y,
+            heading,
+            reach,
+            cos_s,
+            sin_s,
+            order,
+            starts,
+            scale,
+            blocks,
+            away,
+            rings,
+            nearness,
+            f,
+            q,
+            out[n],
+        )

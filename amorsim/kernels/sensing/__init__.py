@@ -1,0 +1,1 @@
+"""When sensors read, and what becomes of what they read."""

@@ -1,0 +1,105 @@
+"""What sensors and their noise share: the poses of a ring's elements, and values with noise on them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+from amorsim.kernels.kinematics.poses import wrap
+
+__all__ = ["place_ring", "scatter", "specific_force", "wrap_headings"]
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
+
+
+@kernel
+def place_ring(poses: Floats, x: Any, y: Any, heading: Any, out: Floats) -> None:
+    """World poses of the elements of rings, into `out` (N * k, 3): those of row 0 first.
+
+    `poses` (N, 3) are the mounts in the world; `x`, `y` [m] and `heading` [rad] (N, k) the elements on their
+    mount.
+    """
+    k = x.shape[1]
+    for i in range(poses.shape[0]):
+        c = math.cos(poses[i, 2])
+        s = math.sin(poses[i, 2])
+        for j in range(k):
+            out[i * k + j, 0] = poses[i, 0] + (c * x[i, j] - s * y[i, j])
+            out[i * k + j, 1] = poses[i, 1] + (s * x[i, j] + c * y[i, j])
+            out[i * k + j, 2] = wrap(poses[i, 2] + heading[i, j])
+
+
+@kernel
+def wrap_headings(poses: Floats, out: Floats) -> None:
+    """Headings of `poses` (N, 3) in [-pi, pi], into `out` (N, 1) [rad]."""
+    for i in range(poses.shape[0]):
+        out[i, 0] = wrap(poses[i, 2])
+
+
+@kernel
+def scatter(values: Floats, amounts: Floats, std: Column, proportional: Column, noise: Floats) -> None:
+    """Turn standard normal `noise` (N, k), in place, into `values` (N, k) with noise on them.
+
+    The standard deviation is `std` (N, 1) and `proportional` (N, 1) times the size of `amounts` (N, k)
+    together. A value that is not finite (no return), or has no deviation, keeps its bits.
+    """
+    for i in range(values.shape[0]):
+        for j in range(values.shape[1]):
+            value = values[i, j]
+            if math.isfinite(value):
+                deviation = std[i, 0] + proportional[i, 0] * abs(amounts[i, j])
+                noise[i, j] = value + deviation * noise[i, j] if deviation > 0.0 else value
+            else:
+                noise[i, j] = value
+
+
+@kernel
+def specific_force(
+    twists: Floats,
+    mounts: Floats,
+    before: Floats,
+    tick_before: Ints,
+    tick: Ints,
+    dt: float,
+    velocity: Floats,
+    out: Floats,
+) -> None:
+    """Acceleration of points on bodies, in the points' own frames, and rates of turn, into `out` (N, 3).
+
+    Parameters
+    ----------
+    twists
+        Mean velocities over the last step in the bodies' frames, (N, 3) [m/s, m/s, rad/s].
+    mounts
+        The points and where they look, in the bodies' frames, (N, 3).
+    before, tick_before
+        Velocities of the points in the bodies' frames at an earlier tick (N, 2) [m/s], int64 (N, 1), -1 for none.
+    tick, dt
+        The present tick, int64 (N, 1), and the step [s].
+    velocity
+        Gets the velocities of the points now, in the bodies' frames, (N, 2) [m/s].
+    """
+    for i in range(twists.shape[0]):
+        turn = twists[i, 2]
+        ahead = twists[i, 0] - turn * mounts[i, 1]
+        left = twists[i, 1] + turn * mounts[i, 0]
+        velocity[i, 0] = ahead
+        velocity[i, 1] = left
+        x = -turn * left
+        y = turn * ahead
+        passed = (tick[i, 0] - tick_before[i, 0]) * dt
+        if tick_before[i, 0] >= 0 and passed > 0.0:
+            x += (ahead - before[i, 0]) / passed
+            y += (left - before[i, 1]) / passed
+        c = math.cos(mounts[i, 2])
+        s = math.sin(mounts[i, 2])
+        out[i, 0] = c * x + s * y
+        out[i, 1] = c * y - s * x
+        out[i, 2] = turn

@@ -1,0 +1,1 @@
+"""Who meets whom on the way, and where each stops."""

@@ -1,0 +1,44 @@
+"""When a contact is over: which of those that there were go on from step to step."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.simulation.contact.resolve import WALL
+from amorsim.simulation.world.world import World
+
+__all__ = ["PARTED", "still_near"]
+
+Array = npt.NDArray[np.float64]
+
+# Those farther apart than this have parted. Who slides along a wall leaves it by parts of a millimetre between two
+# touches, and no wall is known better than to a cell, which is a millimetre and up.
+PARTED = 1e-3  # [m]
+
+
+def still_near(world: World, pairs: frozenset[tuple[int, int]], before: Array) -> frozenset[tuple[int, int]]:
+    """Those of the pairs of bodies (`WALL` for a wall) that have not parted.
+
+    All bodies have come from their poses `before` `(T, 3)`, at which they had not, to where they are in their world.
+    """
+    poses = world.poses
+    if not pairs or poses is before:
+        return pairs
+    gone = (poses != before).any(axis=1)
+    moved = [pair for pair in pairs if gone[pair[0]] or (pair[1] != WALL and gone[pair[1]])]
+    if not moved:
+        return pairs
+    near = set(pairs.difference(moved))
+    # By the gaps that contact itself goes by: these have the same bits for any number of rows.
+    walls = [pair for pair in moved if pair[1] == WALL]
+    if walls:
+        a = np.array([pair[0] for pair in walls], dtype=np.int64)
+        gaps, _ = world.wall_gaps(a, poses[a], np.full(len(a), 2.0 * PARTED))
+        near.update(pair for pair, gap in zip(walls, gaps.tolist(), strict=True) if gap <= PARTED)
+    bodies = [pair for pair in moved if pair[1] != WALL]
+    if bodies:
+        a, b = np.array(bodies, dtype=np.int64).T.copy()
+        gaps = world.body_gaps(a, poses[a], b, poses[b], np.full(len(a), 2.0 * PARTED))
+        near.update(pair for pair, gap in zip(bodies, gaps.tolist(), strict=True) if gap <= PARTED)
+    return frozenset(near)

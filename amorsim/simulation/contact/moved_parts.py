@@ -1,0 +1,136 @@
+"""Parts of robots: rigid bodies beside a robot's own, which its drive moves (`amorsim.contracts.Drive.parts`).
+
+A part goes where the joints take it, and the joints of a stop are known for every fraction of a step: so a part has a
+path of its own, and contact sweeps it as any body. Whatever of a robot meets something, all of it stops.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.poses import compose, logarithm, relative
+from amorsim.core.rows import take
+from amorsim.kernels.collision.paths import OTHER
+from amorsim.scenario.parts import at_start
+from amorsim.scenario.spec import Obstacle, Robot
+from amorsim.simulation.truth import has_draws, true_robot
+
+if TYPE_CHECKING:
+    from amorsim.simulation.group import Group
+    from amorsim.simulation.world.world import World
+
+__all__ = ["Parts", "with_parts"]
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+
+_LOOK = 1e-4  # of a step, to either side: from so near by, a velocity is told by two places
+
+
+class Parts:
+    """The parts of all robots of a group, a mover of its own (`Mover` of `resolve`): N rows of p parts.
+
+    Their poses are kept beside the joints that they follow from, so that where contact found them free is where they
+    are, to the bit.
+    """
+
+    def __init__(self, group: Group, world: World) -> None:
+        entries = world.parts_of(group.bodies)
+        self._group = group
+        self._each = entries.shape[1]
+        self.bodies: Ints = entries.reshape(-1)
+        self.start()
+
+    def start(self) -> None:
+        """Put them where the joints have them, at rest."""
+        group = self._group
+        inside = np.ascontiguousarray(group.drive.part_poses(group.joints)).reshape(-1, 3)
+        self.poses = compose(np.repeat(group.true_pose, self._each, axis=0), inside)
+        self.twists = np.zeros_like(self.poses)
+
+    def of_row(self, row: int, pose: Array) -> Array:
+        """Where those of one robot `(p, 3)` are with it at `pose` `(3,)` and its joints as they are."""
+        group = self._group
+        which = np.array([row], dtype=np.intp)
+        inside = take(group.drive, which).part_poses(group.joints[which])[0]
+        return compose(np.repeat(pose[None, :], self._each, axis=0), np.ascontiguousarray(inside))
+
+    @property
+    def per_robot(self) -> Array:
+        """Where they are `(N, p, 3)`."""
+        return self.poses.reshape(-1, self._each, 3)
+
+    def of(self, row: int) -> Array:
+        """Where those of one robot are `(p, 3)`."""
+        return self.poses[row * self._each : (row + 1) * self._each]
+
+    def put(self, row: int, poses: Array) -> None:
+        """Put those of one robot elsewhere `(p, 3)`, at rest."""
+        mine = slice(row * self._each, (row + 1) * self._each)
+        self.poses, self.twists = self.poses.copy(), self.twists.copy()
+        self.poses[mine], self.twists[mine] = poses, 0.0
+
+    def travel(self) -> Array:
+        """Bounds of the paths: length [m] and turning [rad] `(N * p, 2)`."""
+        return np.ascontiguousarray(self._group.part_travel()).reshape(-1, 2)
+
+    def path(self) -> tuple[int, Array]:
+        """The form of the paths, which no kernel knows; so where they end has to be asked of `poses_at`."""
+        return OTHER, np.zeros((len(self.bodies), 3))
+
+    def poses_at(self, which: Ints, fraction: Array) -> Array:
+        """Where some of them are `(Q, 3)` at fractions `(Q,)` of the step."""
+        row, part = np.divmod(which, self._each)
+        poses, inside = self._group.parts_at(row, fraction[:, None])
+        return compose(poses, np.ascontiguousarray(inside[np.arange(len(row)), part]))
+
+    def speed_at(self, body: int, point: tuple[float, float], fraction: float) -> float:
+        """How fast [m/s] the point of a part goes that is at a place in the world at a fraction of the step."""
+        which = np.full(3, np.searchsorted(self.bodies, body))
+        early, late = max(0.0, fraction - _LOOK), min(1.0, fraction + _LOOK)
+        now, before, after = self.poses_at(which, np.array([fraction, early, late]))[:, None]
+        inside = relative(now, np.array([[*point, 0.0]]))
+        (dx, dy, _) = (compose(after, inside) - compose(before, inside))[0].tolist()
+        return math.hypot(dx, dy) / ((late - early) * self._group.dt)
+
+    def arrive(self, poses: Array, stop: Array) -> None:
+        """Take the poses `(N * p, 3)` after contact."""
+        self.twists = logarithm(relative(self.poses, poses)) / self._group.dt
+        self.poses = poses
+
+    _ARRAYS = ("poses", "twists")
+
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """All arrays that change; not to be changed."""
+        return {name: getattr(self, name) for name in self._ARRAYS}
+
+    def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Put back what `arrays` gave."""
+        for name in self._ARRAYS:
+            setattr(self, name, arrays[name])
+
+
+def with_parts(world: World, bodies: Sequence[Robot | Obstacle], replicas: Sequence[int], seed: int) -> Array:
+    """Where all bodies `(T, 3)` are at the start in the frames of their owners: parts by true parameters."""
+    inside = np.zeros((len(world.everyone), 3))
+    if not world.has_parts:
+        return inside
+    known: dict[tuple[int, int], Array] = {}
+    for index, replica in enumerate(replicas):
+        for number, body in enumerate(bodies):
+            if not isinstance(body, Robot) or not body.drive.parts:
+                continue
+            key = id(body), replica if has_draws(body) else -1
+            if key not in known:
+                of_drive = {path: error for path, error in body.errors.items() if path.startswith("drive.")}
+                known[key] = at_start(true_robot(attrs.evolve(body, errors=of_drive), seed, replica).drive)
+            first = world.first[index] + number
+            inside[world.parts_of(np.array([first]))[0]] = known[key]
+    return inside

@@ -1,0 +1,178 @@
+"""A chain of noise elements over rows: what a device does to its quantity, or the ground to a wheel's travel."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NoReturn
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Aim, Context, Draws, Noise, State
+from amorsim.core.draws import Medians, stream_key
+from amorsim.core.rows import stack
+from amorsim.core.trouble import RAISED
+from amorsim.core.workers import Workers
+from amorsim.scenario.spec import NoiseElement
+from amorsim.simulation.blame import Whose
+
+__all__ = ["Chain", "Streams"]
+
+Array = npt.NDArray[np.float64]
+
+
+class Streams:
+    """Makes the random streams of a group's components, each row keyed by its robot's name."""
+
+    def __init__(
+        self, seed: int, robots: Sequence[str], counter: npt.NDArray[np.uint32], workers: Workers | None = None
+    ) -> None:
+        self.seed = seed
+        self._workers = workers
+        self._robots = robots
+        self._counter = counter
+        self._rounds = [0]
+
+    def draws(self, *names: str) -> Draws:
+        """The stream of a component of each row's robot."""
+        known: dict[str, int] = {}
+        for robot in self._robots:
+            if robot not in known:
+                known[robot] = stream_key(self.seed, robot, *names)
+        keys = np.array([known[robot] for robot in self._robots], dtype=np.uint64)
+        return Draws(keys, self._counter, self._workers, self._rounds)
+
+    def rewind(self) -> None:
+        """Start every stream's numbers anew, at a new tick."""
+        self._rounds[0] += 1
+
+
+class Chain:
+    """The elements in order, with their states and draws."""
+
+    def __init__(
+        self, elements: Sequence[NoiseElement], streams: Streams, whose: Whose, *where: str, columns: Sequence[str] = ()
+    ) -> None:
+        self.names = [element.name for element in elements]
+        self._whose = whose
+        self._where = " ".join([where[0], *map(repr, where[1:])])
+        self.draws = [streams.draws(*where, "noise", name) for name in self.names]
+        self.states: list[State] = [{} for _ in self.names]
+        self.elements: list[Noise] = []
+        kinds = [type(element.noise) for element in elements]
+        self.aims = [i for i, kind in enumerate(kinds) if kind.aim is not Noise.aim]
+        self.corrupts = [i for i, kind in enumerate(kinds) if kind.corrupt is not Noise.corrupt]
+        # Of elements for one column of a table of values: where it begins; and how many columns there are.
+        self.column = [columns.index(element.column) if element.column else None for element in elements]
+        self.columns = len(columns)
+        # Called with an element's number, the element and what its `corrupt` gets, in the place of that.
+        self.watch: Callable[..., Array] | None = None
+        self.slides = [i for i, kind in enumerate(kinds) if kind.slide is not Noise.slide]
+        self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
+
+    def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
+        """Take the parameters of every row's chain."""
+        self.elements = [stack([chain[i].noise for chain in rows]) for i in range(len(self.names))]
+
+    def start(self, context: Context) -> list[State]:
+        """The elements' states at the start of an episode."""
+        part = attrs.evolve(context, size=context.size // self.columns) if self.columns else context
+        states = []
+        for i, column in enumerate(self.column):
+            try:
+                states.append(dict(self.elements[i].start(context if column is None else part)))
+            except RAISED as error:
+                self._blame(i, error)
+        return states
+
+    def aim(self, elapsed: Array) -> Aim:
+        """Where the device really looks."""
+        aim = Aim()
+        for i in self.aims:
+            try:
+                aim = self.elements[i].aim(aim, elapsed, self.states[i], self.draws[i])
+            except RAISED as error:
+                self._blame(i, error)
+        return aim
+
+    def delay(self, elapsed: Array) -> Array:
+        """How much later than the latency a reading arrives `(N, 1)` [s]."""
+        late = np.zeros_like(elapsed)
+        for i in self.delays:
+            try:
+                late = late + self.elements[i].delay(elapsed, self.states[i], self.draws[i])
+            except RAISED as error:
+                self._blame(i, error)
+        return late
+
+    def median(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        """What the values `(N, k)` would become on the whole, without what is random; nothing changes by it."""
+        for i in self.corrupts:
+            state = {name: array.copy() for name, array in self.states[i].items()}
+            draws = Medians(self.draws[i].keys, self.draws[i].counter)
+            try:
+                values = self.elements[i].corrupt(values, side, elapsed, state, draws)
+            except RAISED as error:
+                self._blame(i, error)
+        return values
+
+    def slide(self, motion: Array, elapsed: Array) -> Array:
+        """How far bodies slide `(N, 3)` in addition to their `motion`."""
+        slid = np.zeros_like(motion)
+        for i in self.slides:
+            try:
+                slid = slid + self.elements[i].slide(motion, elapsed, self.states[i], self.draws[i])
+            except RAISED as error:
+                self._blame(i, error)
+        return slid
+
+    def longest_delay(self) -> Array:
+        """What `delay` never exceeds `(N, 1)` [s]; `(1, 1)` where that is the same for all."""
+        longest = np.zeros((1, 1))
+        for i in self.delays:
+            try:
+                longest = longest + self.elements[i].longest_delay()
+            except RAISED as error:
+                self._blame(i, error)
+        return longest
+
+    def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        """What the values `(N, k)` become on their way through the chain."""
+        for i in self.corrupts:
+            column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
+            corrupt = element.corrupt if self.watch is None else functools.partial(self.watch, i, element)
+            try:
+                if column is None:
+                    values = corrupt(values, side, elapsed, state, draws)
+                else:
+                    mine = slice(column, None, self.columns)
+                    part = np.ascontiguousarray(values[:, mine])
+                    values = values.copy()
+                    values[:, mine] = corrupt(part, _Part(side, mine), elapsed, state, draws)
+            except RAISED as error:
+                self._blame(i, error)
+        return values
+
+    def _blame(self, i: int, error: BaseException) -> NoReturn:
+        self._whose.blame(f"noise element {self.names[i]!r} of {self._where}", self.elements[i], error)
+
+
+class _Part(Mapping[str, Array]):
+    """One column of what a sensor tells beside its values, each array made when it is asked for."""
+
+    def __init__(self, side: Mapping[str, Array], columns: slice) -> None:
+        self._side, self._columns = side, columns
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._side
+
+    def __getitem__(self, name: str) -> Array:
+        return np.ascontiguousarray(self._side[name][:, self._columns])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._side)
+
+    def __len__(self) -> int:
+        return len(self._side)

@@ -1,0 +1,86 @@
+"""Which parts of a robot's skin press on something."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.shapes import Shape, pack
+from amorsim.kernels.collision import clearance as contact_kernels
+from amorsim.kernels.collision import footprints as body_kernels
+from amorsim.kernels.collision.footprints import Bodies
+from amorsim.simulation.world.world import World
+
+__all__ = ["find_touched"]
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
+
+
+def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -> Bools:
+    """Whether zones on bodies `own` `(N,)` overlap a wall or another body `(N, s)`.
+
+    `which` `(N, s)` are the zones of each row among `zones`; see `amorsim.contracts.View.touches`.
+    """
+    touched = np.zeros(which.shape, dtype=np.bool_)
+    if not touched.size:
+        return touched
+    reach = max(zone.reach for zone in zones)
+    packed = _packed((Shape.circle(reach), *zones), world.shapes)
+    poses = np.ascontiguousarray(world.poses[own])
+    # A disc around all zones first: robots in the open cost one look.
+    near = np.flatnonzero(_meets_wall(world, packed, np.zeros(len(own), dtype=np.int64), poses))
+    if len(near):
+        row, zone = np.repeat(near, which.shape[1]), which[near].ravel()
+        touched[near] = _meets_wall(world, packed, zone + 1, poses[row]).reshape(len(near), -1)
+    if world.has_company:
+        row, other = _close(world, own, reach)
+        if len(row):
+            pair = np.repeat(np.arange(len(row)), which.shape[1])
+            meets = _meets_body(
+                packed,
+                which[row].ravel() + 1,
+                poses[row[pair]],
+                other[pair] % world.count,
+                world.poses[other[pair]],
+                1 + len(zones),
+            ).reshape(len(row), -1)
+            np.logical_or.at(touched, row, meets)
+    return touched
+
+
+@functools.lru_cache(maxsize=64)
+def _packed(zones: tuple[Shape, ...], shapes: tuple[Shape, ...]) -> Bodies:
+    return pack((*zones, *shapes))
+
+
+def _meets_wall(world: World, packed: Bodies, zone: Ints, poses: Array) -> Bools:
+    gaps, where = np.empty(len(zone)), np.empty((len(zone), 2))
+    contact_kernels.map_gaps(
+        world.map.grid, *world.map.origin, packed, zone, np.ascontiguousarray(poses), np.zeros(len(zone)), gaps, where
+    )
+    return gaps < 0.0
+
+
+def _meets_body(packed: Bodies, zone: Ints, poses: Array, other: Ints, its: Array, first: int) -> Bools:
+    gaps = np.empty(len(zone))
+    body_kernels.body_gaps(
+        packed, zone, np.ascontiguousarray(poses), other + first, np.ascontiguousarray(its), np.zeros(len(zone)), gaps
+    )
+    return gaps < 0.0
+
+
+def _close(world: World, own: Ints, reach: float) -> tuple[Ints, Ints]:
+    """Pairs of a row and another body whose circles meet, those of the rows' own grown to `reach` [m]."""
+    margin = np.zeros(len(world.poses))
+    margin[own] = np.maximum(0.0, reach - world.bodies.reach[own])
+    a, b = world.pairs_within(world.poses, margin)
+    row_of = np.full(len(world.poses), -1, dtype=np.int64)
+    row_of[own] = np.arange(len(own))
+    row, other = np.concatenate((row_of[a], row_of[b])), np.concatenate((b, a))
+    mine = row >= 0
+    return row[mine], other[mine]

@@ -1,0 +1,66 @@
+"""Who fires into a medium at this tick: asked of all sensors before any of them senses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from amorsim.contracts import Emission
+from amorsim.core.trouble import RAISED
+from amorsim.simulation.group import Group
+from amorsim.simulation.world.world import Emitted, World
+
+__all__ = ["collect"]
+
+
+def collect(groups: list[Group], world: World) -> None:
+    """Put into ``world.emissions`` what every sensor with a medium emits."""
+    said: dict[str, list[Emitted]] = {}
+    for group in groups:
+        for name, unit in group.sensors.items():
+            medium = unit.sensor.medium
+            if not medium:
+                continue
+            group.view.mount, group.view.sensor = unit.mount, name
+            try:
+                emitted = unit.sensor.emit(group.view, unit.state)
+                if emitted is None:
+                    raise group.whose.wrong(
+                        f"sensor {name!r}",
+                        unit.sensor,
+                        f"it has the medium {medium!r}, but emit() gave nothing; expected poses, half angles and "
+                        "whether each emitter fires",
+                    )
+                poses, half_angle, fired, time = Emission(*emitted)
+            except RAISED as error:
+                unit.blame(error)
+            due, _ = unit.due(group.row_clock)
+            fired = fired & due
+            replicas, each = len(world.first) - 1, poses.shape[1]
+            body = np.repeat(group.bodies[:, None], each, axis=1)
+            said.setdefault(medium, []).append(
+                # A group has the same robots in every replica, in order of replica.
+                Emitted(
+                    poses=poses.reshape(replicas, -1, 3),
+                    half_angle=half_angle.reshape(replicas, -1),
+                    fired=fired.reshape(replicas, -1),
+                    time=(np.zeros(fired.shape) if time is None else time).reshape(replicas, -1),
+                    body=body.reshape(replicas, -1),
+                    sensor=np.full(body.size // replicas, name),
+                )
+            )
+    world.emissions = {medium: _joined(parts) for medium, parts in said.items()}
+
+
+def _joined(parts: list[Emitted]) -> Emitted:
+    """All emitters in order of body, then of the sensor's name, however the robots are grouped."""
+    body = np.concatenate([part.body for part in parts], axis=1)
+    sensor = np.concatenate([part.sensor for part in parts])
+    order = np.lexsort((sensor, body[0]))
+    return Emitted(
+        poses=np.concatenate([part.poses for part in parts], axis=1)[:, order],
+        half_angle=np.concatenate([part.half_angle for part in parts], axis=1)[:, order],
+        fired=np.concatenate([part.fired for part in parts], axis=1)[:, order],
+        time=np.concatenate([part.time for part in parts], axis=1)[:, order],
+        body=body[:, order],
+        sensor=sensor[order],
+    )

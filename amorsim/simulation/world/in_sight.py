@@ -1,0 +1,190 @@
+"""What is in sight in a world: lines of sight to marks, and what rays meet first."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Sightings
+from amorsim.kernels.kinematics import poses
+from amorsim.kernels.raycast import body_normals, scans
+from amorsim.kernels.raycast import visibility as sight
+from amorsim.simulation.world.world import World
+
+__all__ = ["find_landmarks", "look_about", "normals_at"]
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_SPARE = 4  # marks that are looked for beyond the slots there are, for some are hidden
+
+
+def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: Array, half_angle: Array) -> Sightings:
+    """The nearest marks in sight of those on bodies `own` `(N,)` who look from `eyes` `(N, 3)`.
+
+    `range_max` [m] and `half_angle` [rad] are `(N,)`; see `amorsim.contracts.View.landmarks`.
+    """
+    rows = len(own)
+    found = Sightings(
+        np.full((rows, slots), np.inf), np.full((rows, slots), np.inf), np.full((rows, slots), -1, dtype=np.int64)
+    )
+    around = world.surroundings
+    if not len(around.ids):
+        return found
+    row, mark, distance, bearing = _within_reach(world, own, eyes, range_max, half_angle)
+    seen = _nearest_in_sight(world, own, eyes, slots, row, mark, distance)
+    row, mark, distance, bearing = row[seen], mark[seen], distance[seen], bearing[seen]
+    # Their place among those that the same row sees: pairs are in order of row.
+    place = np.arange(len(row)) - np.searchsorted(row, row)
+    kept = place < slots
+    at = row[kept], place[kept]
+    found.range[at], found.bearing[at], found.id[at] = distance[kept], bearing[kept], around.ids[mark[kept]]
+    return found
+
+
+def _within_reach(
+    world: World, own: Ints, eyes: Array, range_max: Array, half_angle: Array
+) -> tuple[Ints, Ints, Array, Array]:
+    """Pairs of a row and a mark: row, mark, how far off [m], in what direction from the heading [rad]."""
+    around = world.surroundings
+    replicas, fixed, carried = len(world.first) - 1, len(around.landmarks), len(around.carriers)
+    places = np.empty((replicas, fixed + carried, 2))
+    places[:, :fixed] = around.landmarks
+    carrier = np.full((replicas, fixed + carried), -1, dtype=np.int64)
+    if carried:
+        carrier[:, fixed:] = world.first[:-1, None] + around.carriers
+        places[:, fixed:] = world.poses[carrier[:, fixed:], :2]
+    first = np.empty(len(own) + 1, dtype=np.int64)
+    room = max(4 * len(own) + 64, world.marks_near)
+    while True:
+        mark, distance, bearing = np.empty(room, dtype=np.int64), np.empty(room), np.empty(room)
+        count = sight.marks_near(
+            np.ascontiguousarray(eyes),
+            range_max,
+            half_angle,
+            world.replica_index[own],
+            own,
+            places,
+            carrier,
+            first,
+            mark,
+            distance,
+            bearing,
+        )
+        if count <= room:
+            break
+        room = count
+    world.marks_near = count + count // 4  # as a guess for the next time
+    row = np.repeat(np.arange(len(own)), np.diff(first))
+    return row, mark[:count], distance[:count], bearing[:count]
+
+
+def _nearest_in_sight(
+    world: World, own: Ints, eyes: Array, slots: int, row: Ints, mark: Ints, distance: Array
+) -> npt.NDArray[np.bool_]:
+    """Which pairs `(Q,)` are in sight, of those of each row that are nearest: `slots` of them, or all there are.
+
+    Pairs are in order of row, the nearest first. In a crowd most have all their slots filled by the nearest, so lines
+    to those farther off are not drawn: looked at are first some, then twice as many, for rows that have room left.
+    """
+    seen = np.zeros(len(row), dtype=np.bool_)
+    rank = np.arange(len(row)) - np.searchsorted(row, row)
+    done, most = 0, slots + _SPARE
+    while True:
+        has_room = np.bincount(row[seen], minlength=len(own)) < slots
+        which = np.flatnonzero((rank >= done) & (rank < done + most) & has_room[row])
+        if not len(which):
+            return seen
+        seen[which] = _in_sight(world, own[row[which]], eyes[row[which]], mark[which], distance[which])
+        done, most = done + most, 2 * most
+
+
+def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array) -> npt.NDArray[np.bool_]:
+    """Whether the line `(Q,)` from each of the eyes to its mark meets nothing before, but for the mark's carrier."""
+    around = world.surroundings
+    fixed = len(around.landmarks)
+    replica = world.replica_index[own]
+    is_carried = mark >= fixed
+    carrier = np.full(len(mark), -1, dtype=np.int64)
+    place = np.empty((len(mark), 2))
+    place[~is_carried] = around.landmarks[mark[~is_carried]]
+    carrier[is_carried] = world.first[replica[is_carried]] + around.carriers[mark[is_carried] - fixed]
+    place[is_carried] = world.poses[carrier[is_carried], :2]
+    lines = np.empty((len(mark), 3))
+    lines[:, :2] = eyes[:, :2]
+    lines[:, 2] = np.arctan2(place[:, 1] - eyes[:, 1], place[:, 0] - eyes[:, 0])
+    # A mark on a wall is seen though the line ends in the wall's cell, if that is within its disc.
+    need = distance.copy()
+    need[~is_carried] -= around.radius[mark[~is_carried]]
+    free, met = look_along(world, own, lines, np.array([[1.0]]), np.array([[0.0]]), distance)
+    seen: npt.NDArray[np.bool_] = (free[:, 0] >= need) | (is_carried & (met[:, 0] == carrier))
+    return seen
+
+
+def look_about(
+    world: World, own: Ints, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+) -> tuple[Array, Ints]:
+    """Distances [m] `(Q, k)` to what rays meet first, inf for nothing; and which thing it is, -1 for a wall or none.
+
+    Things are the bodies of a replica, in order, then the landmarks, of which those are seen that have a colour; or
+    none of them.
+    """
+    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
+    poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
+    ranges, met = look_along(world, own, origins, cos_b, sin_b, range_max)
+    things = np.where(met >= 0, met % world.count, -1)
+    if not landmarks:
+        return ranges, things
+    around = world.surroundings
+    radius = np.where([colour is not None for colour in around.colours[world.count :]], around.radius, 0.0)
+    if (radius > 0.0).any():
+        sight.look_at_discs(
+            np.ascontiguousarray(origins),
+            np.array(np.broadcast_to(cos_b, ranges.shape)),
+            np.array(np.broadcast_to(sin_b, ranges.shape)),
+            range_max,
+            around.landmarks,
+            radius,
+            world.count,
+            ranges,
+            things,
+        )
+    return ranges, things
+
+
+def normals_at(world: World, own: Ints, origins: Array, bearings: Array, bodies: Ints) -> Array:
+    """Directions [rad] `(Q, k)` of the normals where rays enter bodies of their replicas; nan where `bodies` is -1."""
+    first = world.first[world.replica_index[own]]
+    which = np.where(bodies >= 0, first[:, None] + bodies, -1)
+    out = np.empty(which.shape)
+    body_normals.normals_of(
+        world.bodies,
+        world.poses,
+        world.edge_rows,
+        np.ascontiguousarray(origins),
+        np.array(np.broadcast_to(bearings, which.shape)),
+        which,
+        out,
+    )
+    return out
+
+
+def look_along(
+    world: World, own: Ints, lines: Array, cos_b: Array, sin_b: Array, range_max: Array
+) -> tuple[Array, Ints]:
+    """Distances [m] `(Q, k)` to what beams from `lines` `(Q, 3)` meet, inf for nothing; and which body, -1 for none.
+
+    `cos_b` and `sin_b` `(1 or Q, k)` are of the beams' bearings, `range_max` `(Q,)`, `own` `(Q,)` is not seen.
+    """
+    ranges = np.empty((len(lines), cos_b.shape[1]))
+    met = np.full(ranges.shape, -1, dtype=np.int64)
+    grid, segments, origin = world.map.grid, world.map.segment_index, world.map.origin
+
+    def part(a: int, b: int) -> None:
+        mine = slice(a, b) if len(cos_b) > 1 else slice(None)
+        scans.cast_scans(grid, segments, *origin, lines[a:b], cos_b[mine], sin_b[mine], range_max[a:b], ranges[a:b])
+
+    world.workers.share(len(lines), ranges.shape[1], part)
+    if world.has_company:
+        world.cast(own, world.replica_index[own], lines, cos_b, sin_b, range_max, ranges, met)
+    return ranges, met

@@ -1,0 +1,300 @@
+"""What sensors and motions see of the world: the truth of their own replica, read-only."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import BodyStates, Emissions, FloorPoints, Lights, Sightings
+from amorsim.core.errors import ComponentError
+from amorsim.core.poses import compose
+from amorsim.core.shapes import Shape
+from amorsim.core.workers import Workers
+from amorsim.kernels.kinematics import poses
+from amorsim.kernels.raycast import bresenham, cones, scans
+from amorsim.simulation.world.bumper_contacts import find_touched
+from amorsim.simulation.world.in_sight import find_landmarks, look_about, normals_at
+
+if TYPE_CHECKING:
+    from amorsim.simulation.world.world import World
+
+__all__ = ["GroupView", "cone_bearings", "directions_of"]
+
+Array = npt.NDArray[np.float64]
+Table = tuple[Array, Array]  # cosines and sines of beams, (1, k) or one row for each origin
+
+CONE_WORK = 16  # rays that a cone costs as much as
+CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
+
+
+class GroupView:
+    """The world as the sensors of a group see it (`amorsim.contracts.View`)."""
+
+    def __init__(self, world: World, rows: npt.NDArray[np.int64], dt: float) -> None:
+        self.rows = len(rows)
+        self.dt = dt
+        self._world = world
+        self._bodies = rows  # the global body of each row
+        self._bearings: dict[bytes, Table] = {}
+        # The body that carries each ray's origin and its replica, by how many origins a row has.
+        self._carriers: dict[int, tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]] = {}
+        self.tick: npt.NDArray[np.int64] = np.zeros((self.rows, 1), dtype=np.int64)
+        self.body_pose: Array = np.zeros((self.rows, 3))
+        self.twist: Array = np.zeros((self.rows, 3))
+        self.joints: Array = np.zeros((self.rows, 0))
+        self.joint_rates: Array = np.zeros((self.rows, 0))
+        self.free: Array = np.ones((self.rows, 1))
+        self.sensor = ""  # the name of the one that looks
+        self._pose: Array | None = None
+        self._mount: Array = np.zeros((self.rows, 3))
+
+    @property
+    def names(self) -> Sequence[str]:
+        """What the rows' robots or obstacles are called."""
+        return [self._world.name(body) for body in self._bodies.tolist()]
+
+    @property
+    def workers(self) -> Workers:
+        """The threads that share the rows of long work."""
+        return self._world.workers
+
+    @property
+    def mount(self) -> Array:
+        """The true mounts `(N, 3)` of the sensor that looks."""
+        return self._mount
+
+    @mount.setter
+    def mount(self, mount: Array) -> None:
+        self._mount = mount
+        self._pose = None
+
+    @property
+    def pose(self) -> Array:
+        """The true poses `(N, 3)` of the sensor's mount in the world."""
+        if self._pose is None:
+            self._pose = compose(self.body_pose, self._mount)
+        return self._pose
+
+    def cast(
+        self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
+    ) -> Array:
+        """Distances [m] to the nearest wall or other body; see `amorsim.contracts.View.cast`."""
+        _check_origins("cast", origins)
+        if not isinstance(bearings, np.ndarray) or bearings.ndim != 2 or len(bearings) not in (1, len(origins)):
+            raise ComponentError(
+                f"view.cast: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_told(bearings)}"
+            )
+        table = self._table(bearings)
+        out = np.empty((len(origins), bearings.shape[1]))
+        per_row = len(origins) // self.rows
+        if per_row > 1 and len(range_max) == len(origins):
+            limits = np.ascontiguousarray(range_max[:, 0])
+        else:
+            limits = self._per_row(range_max)
+            if per_row > 1:
+                limits = np.repeat(limits, per_row)
+        self.scan(origins, table, limits, out, traversal, bodies)
+        return out
+
+    def scan(
+        self,
+        origins: Array,
+        table: Table,
+        limits: Array,
+        out: Array,
+        traversal: str = "exact",
+        bodies: bool = True,
+    ) -> None:
+        """Write what `cast` gives into `out`, by the directions of all beams and the longest range from each origin."""
+        cos_b, sin_b = table
+        world = self._world
+        grid, lines, origin = world.map.grid, world.map.segment_index, world.map.origin
+
+        def part(a: int, b: int) -> None:
+            mine = slice(a, b) if len(cos_b) > 1 else slice(None)
+            if traversal == "bresenham":
+                bresenham.bresenham_cast(grid, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
+                return
+            scans.cast_scans(grid, lines, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
+
+        world.workers.share(len(origins), out.shape[1], part)
+        if bodies and world.has_company:
+            self.cast_bodies(origins, cos_b, sin_b, limits, out)
+
+    def _table(self, bearings: Array) -> Table:
+        """Cosines and sines of the bearings; those of one scan, the same for all rows, are kept while asked for."""
+        if len(bearings) > 1:
+            if not (bearings == bearings[0]).all():
+                return directions_of(bearings)
+            bearings = bearings[:1]
+        key = bearings.tobytes()
+        table = self._bearings.get(key)
+        if table is None:
+            if len(self._bearings) > 64:
+                self._bearings.clear()
+            table = self._bearings[key] = directions_of(bearings)
+        return table
+
+    def bodies(self) -> BodyStates:
+        """All bodies of each row's replica; see `amorsim.contracts.View.bodies`."""
+        world = self._world
+        replica = world.replica_index[self._bodies]
+        return BodyStates(
+            poses=world.poses.reshape(-1, world.count, 3)[replica],
+            twists=world.twists.reshape(-1, world.count, 3)[replica],
+            reach=world.bodies.reach[: world.count],
+            own=self._bodies % world.count,
+            is_robot=world.is_robot,
+            owner=world.owner[: world.count],
+        )
+
+    def landmarks(self, slots: int, range_max: Array, half_angle: Array) -> Sightings:
+        """The nearest marks in sight; see `amorsim.contracts.View.landmarks`."""
+        reach, angle = self._per_row(range_max), self._per_row(half_angle)
+        return find_landmarks(self._world, self._bodies, self.pose, slots, reach, angle)
+
+    def look(
+        self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
+    ) -> tuple[Array, npt.NDArray[np.int64]]:
+        """What beams meet first; see `amorsim.contracts.View.look`."""
+        per_row = len(origins) // self.rows
+        limits = np.repeat(self._per_row(range_max), per_row)
+        return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits, landmarks)
+
+    def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
+        """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
+        own = np.repeat(self._bodies, len(origins) // self.rows)
+        return normals_at(self._world, own, origins, bearings, bodies)
+
+    def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+        """Whether zones press on something; see `amorsim.contracts.View.touches`."""
+        return find_touched(self._world, self._bodies, zones, which)
+
+    @property
+    def shape(self) -> Shape:
+        """The footprint of the rows' bodies."""
+        return self._world.shapes[int(self._bodies[0]) % self._world.count]
+
+    @property
+    def colours(self) -> tuple[str | None, ...]:
+        """The colours of all things."""
+        return self._world.surroundings.colours
+
+    @property
+    def heights(self) -> Array:
+        """How high all things are."""
+        return self._world.surroundings.heights
+
+    def floor(self, places: Array) -> FloorPoints:
+        """What the floor is like at places; see `amorsim.contracts.View.floor`."""
+        if not isinstance(places, np.ndarray) or places.shape[:1] + places.shape[2:] != (self.rows, 2):
+            raise ComponentError(
+                f"view.floor: places: expected places in the world, an array ({self.rows}, k, 2) [m], got "
+                f"{_told(places)}"
+            )
+        return self._world.surroundings.floor.at(places)
+
+    def lights(self) -> Lights:
+        """All lamps; see `amorsim.contracts.View.lights`."""
+        return self._world.surroundings.lights
+
+    def emissions(self, medium: str) -> Emissions:
+        """Who fires at this tick; see `amorsim.contracts.View.emissions`."""
+        said = self._world.emissions[medium]
+        replica = self._world.replica_index[self._bodies]
+        own = (said.body[replica] == self._bodies[:, None]) & (said.sensor == self.sensor)
+        return Emissions(
+            poses=said.poses[replica],
+            half_angle=said.half_angle[replica],
+            fired=said.fired[replica],
+            own=own,
+            time=said.time[replica],
+            body=said.body[replica] % self._world.count,
+        )
+
+    def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
+        """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
+        _check_origins("cone", origins)
+        per_row = len(origins) // self.rows
+        angles = self._per_row(half_angle)
+        limits = np.repeat(self._per_row(range_max), per_row)
+        widest = float(angles[0])
+        if (angles == widest).all():
+            return self._cones(origins, widest, limits, traversal).reshape(self.rows, per_row)
+        out = np.empty((self.rows, per_row))
+        for angle in np.unique(angles):
+            # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
+            found = self._cones(origins, float(angle), limits, traversal).reshape(self.rows, per_row)
+            out = np.where((angles == angle)[:, None], found, out)
+        return out
+
+    def _per_row(self, values: Array) -> Array:
+        """One number a row `(N,)`, of `(N, 1)` or of one for all; a copy, for kernels take what can be written."""
+        if np.shape(values) == (self.rows, 1):
+            return np.array(values[:, 0])
+        return np.array(np.broadcast_to(values, (self.rows, 1))[:, 0])
+
+    def _cones(self, origins: Array, half_angle: float, limits: Array, traversal: str) -> Array:
+        bearings = cone_bearings(half_angle)
+        if traversal == "bresenham":
+            reach = limits.reshape(self.rows, -1)[:, :1]
+            return np.asarray(self.cast(origins, bearings, reach, traversal).min(axis=1))
+        least = np.empty(len(origins))
+        self.hear(origins, half_angle, self._table(bearings), limits, least)
+        return least
+
+    def hear(self, origins: Array, half_angle: float, table: Table, limits: Array, out: Array) -> None:
+        """Write what `cone` gives into `out` `(N * m,)`, by the directions of a cone's rays."""
+        world = self._world
+        grid, lines, origin = world.map.grid, world.map.segment_index, world.map.origin
+
+        def part(a: int, b: int) -> None:
+            cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
+
+        world.workers.share(len(origins), CONE_WORK, part)
+        if world.has_company:
+            self.cast_bodies(origins, *table, limits, out[:, None])
+
+    def cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
+        """Lower `out` where another body of the same replica is nearer than what it holds."""
+        self._world.cast(*self.carriers(len(origins) // self.rows), origins, cos_b, sin_b, limits, out)
+
+    def carriers(self, per_row: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Which body carries what looks from each of so many places in a row, and which replica it is of."""
+        known = self._carriers.get(per_row)
+        if known is None:
+            own = np.repeat(self._bodies, per_row)
+            known = self._carriers[per_row] = own, self._world.replica_index[own]
+        return known
+
+
+def _check_origins(asked: str, origins: Any) -> None:
+    """Complain of what a component of a user's took for poses, before a kernel does in words of its own."""
+    if not isinstance(origins, np.ndarray) or origins.ndim != 2 or origins.shape[1] != 3:
+        raise ComponentError(
+            f"view.{asked}: origins: expected poses in the world, an array (N * m, 3) such as view.pose, "
+            f"got {_told(origins)}"
+        )
+
+
+def _told(value: Any) -> str:
+    return f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"{value!r:.60}"
+
+
+@functools.lru_cache(maxsize=64)
+def cone_bearings(half_angle: float) -> Array:
+    """The rays of a cone `(1, k)`: both edges, and between them at most 0.05 degrees apart."""
+    count = max(2, math.ceil(2.0 * half_angle / CONE_STEP - 1e-9) + 1)
+    return np.linspace(-half_angle, half_angle, count)[None, :]
+
+
+def directions_of(bearings: Array) -> Table:
+    """Cosines and sines of bearings [rad]."""
+    cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
+    poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
+    return cos_b, sin_b

@@ -1,0 +1,257 @@
+"""The bodies of all replicas in their world: where they stand, what shapes they have, who can meet whom."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape, pack
+from amorsim.core.workers import Workers
+from amorsim.kernels.collision import body_hash
+from amorsim.kernels.collision import clearance as contact_kernels
+from amorsim.kernels.collision import footprints as body_kernels
+from amorsim.kernels.collision.body_hash import BodyHash
+from amorsim.kernels.collision.footprints import Bodies
+from amorsim.kernels.raycast import body_rays
+from amorsim.simulation.world.surroundings import Surroundings
+
+__all__ = ["Emitted", "World"]
+
+Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+_GAP_WORK = 8  # rays that the gap to the walls costs as much as
+
+FEW = 16
+"""So many bodies in a replica are looked at one by one."""
+
+
+class Emitted(NamedTuple):
+    """All emitters of a medium, by replica: e of them, in order of body."""
+
+    poses: Array  # (R, e, 3)
+    half_angle: Array  # (R, e)
+    fired: npt.NDArray[np.bool_]  # (R, e)
+    time: Array  # (R, e)
+    body: Ints  # (R, e)
+    sensor: npt.NDArray[np.str_]  # (e,)
+
+
+class World:
+    """One map, and in every replica the same bodies, in order of replica, then of the order given.
+
+    A robot of several parts has several bodies: its own, and one for each part, which come after those of all robots
+    and obstacles. What they have in common is their owner; bodies of one owner do not meet, nor see, one another.
+
+    Attributes
+    ----------
+    workers
+        The threads that share the rows of long work.
+    poses, twists
+        `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
+        replaced, never changed.
+    room, room_at
+        How far [m] each body can go and meet no wall `(T,)`, 0 where that is not known, and the poses it is said of.
+    surroundings
+        Marks, lamps, and how bodies look.
+    emissions
+        What fires at this tick, by medium; see `amorsim.simulation.world.emissions`.
+    first
+        `(R + 1,)` the first body of each replica.
+    everyone
+        `(T,)` all bodies.
+    edge_rows
+        Vertices of the largest body: the rows that scratch arrays of kernels need.
+    replica_index
+        `(T,)` which replica a body is of, counted from 0.
+    is_robot
+        `(B,)` of a replica's bodies, which are robots, the first `robots` of those given, or all; or parts of robots.
+    named
+        How many of a replica's bodies are robots and obstacles; the others are parts.
+    owner
+        `(T,)` whose each body is: of a part the body of its robot, of all others themselves.
+    parts
+        `(R * P,)` the bodies that are parts.
+    """
+
+    def __init__(
+        self,
+        map_: Map,
+        names: Sequence[str],
+        shapes: Sequence[Shape],
+        replicas: int,
+        threads: int = 1,
+        robots: int | None = None,
+        surroundings: Surroundings | None = None,
+        owners: Sequence[int] = (),
+    ) -> None:
+        self.map = map_
+        self.surroundings = Surroundings.of(()) if surroundings is None else surroundings
+        self.workers = Workers(threads)
+        self.names = tuple(names)
+        self.shapes = tuple(shapes)
+        self.count = len(names)
+        self.named = self.count - len(owners)
+        number = np.arange(self.count)
+        self.is_robot = (number < (self.count if robots is None else robots)) | (number >= self.named)
+        self.replicas = replicas
+        self.has_company = self.named > 1
+        self.has_parts = len(owners) > 0
+        self.bodies = pack(list(shapes) * replicas)
+        self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
+        self._widest = max((shape.reach for shape in shapes), default=1.0)
+        self._hash: BodyHash | None = None
+        self._hashed: Array | None = None  # the poses of which `_hash` is
+        self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
+        self.replica_index: Ints = np.repeat(np.arange(replicas, dtype=np.int64), self.count)
+        self.everyone: Ints = np.arange(replicas * self.count, dtype=np.int64)
+        whose = np.concatenate((np.arange(self.named, dtype=np.int64), np.array(owners, dtype=np.int64)))
+        self.owner: Ints = (self.first[:-1, None] + whose).reshape(-1)
+        self.parts: Ints = np.flatnonzero(self.owner != self.everyone)
+        self.poses: Array = np.zeros((replicas * self.count, 3))
+        self.twists: Array = np.zeros((replicas * self.count, 3))
+        self.room: Array = np.zeros(replicas * self.count)
+        self.room_at: Array | None = None
+        self.emissions: dict[str, Emitted] = {}
+        self.marks_near = 0  # about how many marks were near those who looked last, for the room to tell them in
+
+    def name(self, body: int) -> str:
+        """The name of a body, the same in every replica."""
+        return self.names[body % self.count]
+
+    def whose(self, body: int) -> tuple[str, str]:
+        """The name of the robot or obstacle that a body is of, and of which part of it, or nothing for itself."""
+        name = self.name(body)
+        owner = self.name(int(self.owner[body]))
+        return owner, name[len(owner) + 1 :]
+
+    def parts_of(self, bodies: Ints) -> Ints:
+        """The parts `(N, p)` of robots' bodies `(N,)`, each of which has as many, in order."""
+        if not self.has_parts:
+            return np.empty((len(bodies), 0), dtype=np.int64)
+        # Parts are in order of their owners, so those of one lie side by side.
+        owners = self.owner[self.parts]
+        first, last = np.searchsorted(owners, bodies), np.searchsorted(owners, bodies, side="right")
+        found: Ints = self.parts[first[:, None] + np.arange(int((last - first)[0]))]
+        return found
+
+    def wall_gaps(self, bodies: Ints, poses: Array, cap: Array) -> tuple[Array, Array]:
+        """Signed gaps [m] `(Q,)` of bodies at `poses` to the walls, at most `cap`, and the nearest points `(Q, 2)`.
+
+        Below zero exactly where a body's inside meets an occupied cell's.
+        """
+        out = np.empty(len(bodies))
+        where = np.empty((len(bodies), 2))
+        x, y, yaw = self.map.origin
+
+        def part(a: int, b: int) -> None:
+            mine = bodies[a:b], poses[a:b], cap[a:b], out[a:b], where[a:b]
+            contact_kernels.map_gaps(self.map.grid, x, y, yaw, self.bodies, *mine)
+
+        self.workers.share(len(bodies), _GAP_WORK, part)
+        return out, where
+
+    def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
+        """Signed gaps [m] `(Q,)` between pairs of bodies, at most `cap`; below zero where they overlap."""
+        out = np.empty(len(a))
+        if not len(a):  # a lone robot never loads, nor compiles, what it takes to meet others
+            return out
+        body_kernels.body_gaps(self.bodies, a, poses_a, b, poses_b, cap, out)
+        return out
+
+    def by_place(self, poses: Array) -> BodyHash:
+        """The bodies at `poses` `(T, 3)`, found by where they are; made once for arrays that are replaced."""
+        if self._hash is None or poses is not self._hashed:
+            if self._hash is None:
+                self._hash = _table(self.count, self.replicas, 2.0 * self._widest)
+            body_hash.hash_bodies(poses, self.bodies.reach, self.owner, self.first, self._hash)
+            self._hashed = poses
+        return self._hash
+
+    def pairs_within(self, poses: Array, margin: Array, which: Ints | None = None) -> tuple[Ints, Ints]:
+        """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
+
+        Bodies of one owner are no pair. Of two the one with the wider circle looks for the other, if it is among
+        `which` `(Q,)`; without that all look.
+        """
+        if not self.has_company:
+            none = np.empty(0, dtype=np.int64)
+            return none, none
+        radius = self.bodies.reach + margin
+        table = self.by_place(poses)
+        looking = self.everyone if which is None else which
+        found = np.empty(4 * len(looking) + 64, dtype=np.int64)
+        count = body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
+        if count > len(found):
+            found = np.empty(count, dtype=np.int64)
+            body_hash.pairs_within(table, self.replica_index, looking, poses, radius, found)
+        a, b = np.divmod(np.sort(found[:count]), len(poses))
+        if self.has_parts:
+            apart = self.owner[a] != self.owner[b]
+            a, b = a[apart], b[apart]
+        return a, b
+
+    def cast(
+        self,
+        own: Ints,
+        replica: Ints,
+        origins: Array,
+        cos_b: Array,
+        sin_b: Array,
+        range_max: Array,
+        out: Array,
+        hit: Ints | None = None,
+    ) -> None:
+        """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
+
+        Of `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, as `out` and -1, gets
+        the body that was met, where somebody asks. `own` `(N,)` is a robot, which does not see itself nor its parts.
+        """
+        bodies, poses, edge_rows, table, widest = self.met()
+
+        def part(a: int, b: int) -> None:
+            mine = slice(a, b) if len(cos_b) > 1 else slice(None)
+            body_rays.cast_bodies(
+                bodies,
+                poses,
+                edge_rows,
+                table,
+                widest,
+                replica[a:b],
+                own[a:b],
+                origins[a:b],
+                cos_b[mine],
+                sin_b[mine],
+                range_max[a:b],
+                out[a:b],
+                _NOBODY_ASKS if hit is None else hit[a:b],
+            )
+
+        self.workers.share(len(origins), cos_b.shape[1], part)
+
+    def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
+        """The bodies where they are, as `body_rays.cast_bodies` takes them."""
+        return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self._widest
+
+
+_NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit
+
+
+def _table(count: int, replicas: int, side: float) -> BodyHash:
+    """An empty hash for `count` bodies in each replica; four buckets and more a body, or one where there are few."""
+    bits = 0 if count <= FEW else (4 * count - 1).bit_length()
+    rows, cols = 1 << bits // 2, 1 << (bits + 1) // 2
+    bodies = count * replicas
+    return BodyHash(
+        side=side,
+        rows=rows,
+        cols=cols,
+        first=np.empty(replicas * rows * cols + 1, dtype=np.int64),
+        body=np.empty(bodies, dtype=np.int64),
+        owner=np.empty(bodies, dtype=np.int64),
+        disc=np.empty((bodies, 3)),
+    )

@@ -1,0 +1,157 @@
+"""Zones of the floor, as the wheels of a group of robots feel them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Drive, State
+from amorsim.core.crossings import contains, share_rolled, share_within
+from amorsim.core.poses import compose
+from amorsim.scenario.spec import Zone
+from amorsim.simulation.blame import Whose
+from amorsim.simulation.sensing.noise_chain import Chain, Streams
+
+__all__ = ["Zones", "contact_points", "zone_streams"]
+
+Array = npt.NDArray[np.float64]
+
+
+def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
+    """The names of the streams that a robot draws from where it rolls over zones."""
+    return [("zone", zone.name, "noise", element.name) for zone in zones for element in zone.ground]
+
+
+class Zones:
+    """The zones of a scenario, in order, with the states and draws of a group's rows in each."""
+
+    def __init__(self, zones: Sequence[Zone], rows: int, streams: Streams, whose: Whose) -> None:
+        self._zones = [zone for zone in zones if zone.ground]
+        self._chains = [Chain(zone.ground, streams, whose, "zone", zone.name) for zone in self._zones]
+        for zone, chain in zip(self._zones, self._chains, strict=True):
+            chain.set_parameters([zone.ground] * rows)
+        self._discs = [_disc(zone) for zone in self._zones]
+
+    def __bool__(self) -> bool:
+        return bool(self._zones)
+
+    def start(self, context: Context) -> None:
+        """Begin an episode; `context` has as its size the number of joints that roll."""
+        for chain in self._chains:
+            chain.states = chain.start(context)
+
+    def passed(
+        self,
+        drive: Drive,
+        before: Array,
+        after: Array,
+        rolling: npt.NDArray[np.intp],
+        radius: Array,
+        pose: Array,
+        elapsed: Array,
+    ) -> tuple[Array, Array | None]:
+        """The joints `(N, j)` as the ground takes them, of drives at `pose` whose joints go from `before` to `after`.
+
+        With them, how far the bodies slide `(N, 3)`, where any zone lets them. `rolling` are the joints that roll,
+        `radius` `(N, r)` [m] their way over the ground per radian. Each zone acts on the part of a joint's travel that
+        it rolls within it, on the straight line between where it touches the ground first and last. A step is cut
+        where a joint crosses the border, so that what comes of a way over the floor depends on the step only by how
+        bent the way is within one.
+        """
+        begin = contact_points(drive, before, pose)
+        end = contact_points(drive, after, compose(pose, drive.displacement(before, after, np.ones((len(pose), 1)))))
+        travel = (after[:, rolling] - before[:, rolling]) * radius
+        motion = drive.twist(before, after) if any(chain.slides for chain in self._chains) else None
+        slipped, slide = self._corrupt(travel, begin, end, elapsed, motion)
+        found = after.copy()
+        # Robots outside all zones keep their bits.
+        found[:, rolling] = np.where(slipped == travel, after[:, rolling], before[:, rolling] + slipped / radius)
+        return found, slide
+
+    def _corrupt(
+        self, travel: Array, begin: Array, end: Array, elapsed: Array, motion: Array | None
+    ) -> tuple[Array, Array | None]:
+        start, stop = begin.reshape(-1, 2), end.reshape(-1, 2)
+        slide = None if motion is None else np.zeros_like(motion)
+        way = np.sqrt((stop[:, 0] - start[:, 0]) ** 2 + (stop[:, 1] - start[:, 1]) ** 2)
+        for zone, chain, (x, y, reach) in zip(self._zones, self._chains, self._discs, strict=True):
+            apart = (start[:, 0] - x) ** 2 + (start[:, 1] - y) ** 2
+            if (apart > (way + reach) ** 2).all():
+                # The elements are called all the same: a robot's state must not depend on where others are.
+                nothing = np.zeros_like(travel)
+                chain.corrupt(nothing, {"entered": nothing}, elapsed)
+                if chain.slides and motion is not None:
+                    chain.slide(np.zeros_like(motion), elapsed)
+                continue
+            a, b = _in_frame(zone, start), _in_frame(zone, stop)
+            share = share_within(zone.shape, a, b).reshape(travel.shape)
+            entered = (share > 0.0) & ~contains(zone.shape, a).reshape(travel.shape)
+            side = {"entered": entered.astype(np.float64)}
+            # Of what lies outside nothing, not even a zero with a sign.
+            within = np.where(share > 0.0, travel * share, 0.0)
+            share = _cut(zone, a, b, share, within, chain.median(within, side, elapsed))
+            within = np.where(share > 0.0, travel * share, 0.0)
+            passed = chain.corrupt(within, side, elapsed)
+            slipped = np.where(share > 0.0, (travel - within) + passed, travel)
+            if chain.slides and motion is not None and slide is not None:
+                slide = slide + chain.slide(motion * _mean(share), elapsed)
+            # The next zone sees the way that this one leaves.
+            over = np.where(travel != 0.0, travel, 1.0)
+            stop = start + (stop - start) * np.where(travel != 0.0, slipped / over, 1.0).reshape(-1, 1)
+            travel = slipped
+        return travel, slide
+
+    def states(self) -> dict[str, State]:
+        """The states of all elements, by where they are; the dicts themselves."""
+        return {
+            f"zone {zone.name} {name}": state
+            for zone, chain in zip(self._zones, self._chains, strict=True)
+            for name, state in zip(chain.names, chain.states, strict=True)
+        }
+
+
+def _cut(zone: Zone, a: Array, b: Array, share: Array, within: Array, passed: Array) -> Array:
+    """The share `(N, r)` of what wheels roll that they roll within a zone, which lets them go `passed` for `within`.
+
+    `share` is that of wheels that go all that they roll, on the lines from `a` to `b` in the zone's frame.
+    """
+    slips = (share > 0.0) & (passed != within) & (within != 0.0)
+    if not slips.any():
+        return share
+    ratio = np.where(slips, passed / np.where(slips, within, 1.0), 1.0)
+    return np.where(slips, share_rolled(zone.shape, a, b, ratio.reshape(-1)).reshape(share.shape), share)
+
+
+def _mean(share: Array) -> Array:
+    """The mean over the wheels `(N, 1)`, in one order for every row."""
+    total = share[:, :1]
+    for i in range(1, share.shape[1]):
+        total = total + share[:, i : i + 1]
+    return np.asarray(total / share.shape[1])
+
+
+def contact_points(drive: Drive, joints: Array, pose: Array) -> Array:
+    """Where the rolling joints of bodies at `pose` `(N, 3)` touch the ground, in the world `(N, r, 2)` [m]."""
+    offsets = drive.contacts(joints)
+    rows, r = offsets.shape[:2]
+    at = np.concatenate((offsets.reshape(-1, 2), np.zeros((rows * r, 1))), axis=1)
+    return compose(np.repeat(pose, r, axis=0), at)[:, :2].reshape(rows, r, 2)
+
+
+def _disc(zone: Zone) -> tuple[float, float, float]:
+    """A disc in the world that the zone lies in: x, y and radius [m], a little wider."""
+    corners = zone.outline
+    x, y = (float(value) for value in corners.mean(axis=0))
+    # The border of a circle is drawn by chords; the circle is less than a hundredth wider than these.
+    reach = float(np.sqrt((corners[:, 0] - x) ** 2 + (corners[:, 1] - y) ** 2).max())
+    return x, y, 1.01 * reach
+
+
+def _in_frame(zone: Zone, points: Array) -> Array:
+    """Points of the world `(M, 2)` [m] in the frame of a zone."""
+    c, s = math.cos(zone.pose.heading), math.sin(zone.pose.heading)
+    x, y = points[:, 0] - zone.pose.x, points[:, 1] - zone.pose.y
+    return np.stack((c * x + s * y, c * y - s * x), axis=1)
