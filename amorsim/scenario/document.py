@@ -3,22 +3,32 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from amorsim.core.errors import DocumentError, did_you_mean
+import attrs
+
+from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
+from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.editing import Editor, Splice
-from amorsim.scenario.faults import shown
+from amorsim.scenario.faults import Book, shown
 from amorsim.scenario.layout import MISSING, Path_, found_at
+from amorsim.scenario.lines import with_lines
 from amorsim.scenario.names_in_lists import index_of
+from amorsim.scenario.partial import Partial, read_partial
+from amorsim.scenario.read import book_of, read_values
+from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import plain
-from amorsim.scenario.written import BadLine, read_written
+from amorsim.scenario.worlds import Maps
+from amorsim.scenario.written import Written, read_written
 
 __all__ = ["Document", "open_document"]
 
@@ -50,6 +60,16 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
 
 
+class _Looked(NamedTuple):
+    """What came of reading a document."""
+
+    book: Book
+    maps: Maps
+    merged: dict[str, Any]  # its tables, with those of the models
+    scenario: Scenario | None  # none if there are faults
+    faults: tuple[Fault, ...]
+
+
 class Document:
     """A scenario's file as its author wrote it: read, changed in places, checked and saved; made by `open_document`.
 
@@ -63,7 +83,7 @@ class Document:
         self._registry = registry or default_registry()
         self._bom = "\N{BOM}" if text.startswith("\N{BOM}") else ""
         written = read_written(text.removeprefix("\N{BOM}"))
-        self._bad = written.bad
+        self._has_bad_lines = bool(written.bad)
         self._editor = Editor(list(written.statements), written.values)
         self._opened = written.values
         self._done: list[Change] = []
@@ -81,11 +101,6 @@ class Document:
     def text(self) -> str:
         """The file's text, as `save` would write it."""
         return self._bom + self._editor.text
-
-    @property
-    def faulty_lines(self) -> tuple[BadLine, ...]:
-        """The lines that are no TOML; what they say counts for nothing, and they stay as they are."""
-        return self._bad
 
     # ---------------------------------------------------------------------------------------------------------- values
 
@@ -251,6 +266,54 @@ class Document:
             self._editor.apply(splice)
         self._done.append(change)
         return True
+
+    # --------------------------------------------------------------------------------------------------------- meaning
+
+    def scenario(self) -> Scenario:
+        """The scenario that the document means, as `load` reads it from the file.
+
+        Raises
+        ------
+        ScenarioError
+            With all faults, each with its line.
+        """
+        looked = self._look()
+        if looked.faults:
+            raise ScenarioError(looked.faults, looked.book.warnings)
+        assert looked.scenario is not None
+        return attrs.evolve(looked.scenario, resolved=resolved_table(looked.scenario, registry=self._registry))
+
+    def faults(self) -> tuple[Fault, ...]:
+        """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
+
+        Starts that are drawn are checked by `Simulation` only.
+        """
+        return self._look().faults
+
+    def partial(self) -> Partial:
+        """What can be read of the document whatever faults it has, so that it can be shown."""
+        looked = self._look()
+        return read_partial(looked.merged, looked.book, self._registry, looked.maps, looked.faults)
+
+    def _look(self) -> _Looked:
+        """All that the document says, read and checked."""
+        written = self._written()
+        book = book_of(written, self._path)
+        tables, maps = copy.deepcopy(written.values), Maps(self._registry)
+        values = read_values(tables, book, (), self._registry, maps, True, False)
+        scenario = None
+        if not book.count:
+            try:
+                scenario = Scenario(**values, source=self._path)
+            except ParameterError as error:
+                book.fault((error.name,), error.problem)
+        faults = with_lines(book.faults, {str(self._path): written})
+        return _Looked(book, maps, tables, scenario, tuple(faults))
+
+    def _written(self) -> Written:
+        if self._has_bad_lines:  # they may stand elsewhere by now
+            return read_written(self._editor.text)
+        return Written(self._editor.text, self._editor.values, self._editor.statements)
 
     # ------------------------------------------------------------------------------------------------------------ file
 

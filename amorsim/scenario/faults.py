@@ -56,6 +56,19 @@ class Book:
         self.warnings: tuple[str, ...] = ()
         """Of the map, to be told with the faults."""
 
+    @classmethod
+    def silent(cls) -> Book:
+        """A book of which nobody asks where its values came from."""
+        return cls(Source(file="", folder=Path()))
+
+    def again(self, document: Any) -> Book:
+        """A book without faults for another reading of what came from the same sources."""
+        other = Book.silent()
+        other._root = self._root
+        other.has_lost_lines = self.has_lost_lines
+        other.document = document
+        return other
+
     def set_source(self, path: Path_, source: Source) -> None:
         """From now on, everything at `path` and below came from `source`."""
         branch = self._root

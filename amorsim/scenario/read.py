@@ -164,7 +164,7 @@ def check_words(
         path, book, table = _find(source, registry)
     else:
         table, book = _map_alone(path, of_map), Book(Source(file="", folder=path.parent))
-    _values(table, book, overrides, registry, Maps(registry, are_read=False), False, False)
+    read_values(table, book, overrides, registry, Maps(registry, are_read=False), False, False)
     book.raise_if_any()
 
 
@@ -200,7 +200,7 @@ def _read(
     starts: bool = True,
     is_map_alone: bool = False,
 ) -> Scenario:
-    values = _values(document, book, overrides, registry, Maps(registry), starts, is_map_alone)
+    values = read_values(document, book, overrides, registry, Maps(registry), starts, is_map_alone)
     book.raise_if_any()
     try:
         scenario = Scenario(**values, source=file)
@@ -211,7 +211,7 @@ def _read(
     return attrs.evolve(scenario, resolved=resolved_table(scenario, registry=registry))
 
 
-def _values(
+def read_values(
     document: dict[str, Any],
     book: Book,
     overrides: Iterable[str],
@@ -226,10 +226,11 @@ def _values(
     apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
     merge_models(document, book, registry)
     apply_overrides(document, [setting for setting in settings if not setting.chooses_model], book)
-    return _read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
+    return read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
 
 
-def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
+def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
+    """What a `Scenario` is made with, of the whole table, into which models were merged."""
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
     if "description" in top:

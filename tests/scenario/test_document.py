@@ -196,7 +196,7 @@ def test_what_is_no_toml_stays_and_the_rest_can_be_changed(tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text(text)
     document = open_document(path)
-    assert [line.line for line in document.faulty_lines] == [9, 31, 33]
+    assert [fault.line for fault in document.faults()][:3] == [9, 31, 33]
     document.set("robots.rover.pose.x", 2.0)
     document.save()
     assert path.read_text() == text.replace("x = 1.0", "x = 2.0")

@@ -210,7 +210,6 @@ def test_a_change_does_what_it_says_and_taking_it_back_leaves_the_same_bytes(dat
         make(document, change)
         found = parse(document.text.removeprefix("\N{BOM}"))
         assert are_same(pruned(found), pruned(change[-1])), (seen[-1], change, document.text)
-        assert document.faulty_lines == ()
         values = found
         if document.text != seen[-1]:
             seen.append(document.text)

@@ -15,6 +15,7 @@ from amorsim.scenario.angles import parse_float
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.starts import GridStart
+from amorsim.scenario.write import table_text
 from amorsim.simulation.world import placing
 from tests import building
 
