@@ -22,27 +22,33 @@ class Source:
     """A file, or a setting of the command line, that values came from.
 
     `folder` is where relative paths in it start; `depth` how many parts of a path in the whole document are
-    left off to get the path in the file (a robot's model begins at the robot).
+    left off to get the path in the file (a robot's model begins at the robot); `kind` is ``"file"``, ``"model"`` or
+    ``"device"``.
     """
 
     file: str
     folder: Path
     depth: int = 0
+    kind: str = "file"
 
 
 @attrs.define
-class _Branch:
+class Branch:
     """A part of the document: where it came from, if that was said, and the parts below of which something was."""
 
     source: Source | None = None
-    below: dict[str, _Branch] = attrs.field(factory=dict)
+    below: dict[str, Branch] = attrs.field(factory=dict)
+
+    def copy(self) -> Branch:
+        """The same, for changes of its own."""
+        return Branch(self.source, {part: branch.copy() for part, branch in self.below.items()})
 
 
 class Book:
     """The faults found so far, and which parts of the document came from which source."""
 
     def __init__(self, source: Source) -> None:
-        self._root = _Branch(source)
+        self._root = Branch(source)
         self._faults: dict[Fault, None] = {}  # in order
         self._count = 0
         self.places: list[Path_] = []
@@ -64,18 +70,30 @@ class Book:
     def again(self, document: Any) -> Book:
         """A book without faults for another reading of what came from the same sources."""
         other = Book.silent()
-        other._root = self._root
+        other._root = self._root.copy()
         other.has_lost_lines = self.has_lost_lines
         other.document = document
         return other
 
     def set_source(self, path: Path_, source: Source) -> None:
         """From now on, everything at `path` and below came from `source`."""
+        self.set_branch(path, Branch(source))
+
+    def set_branch(self, path: Path_, branch: Branch) -> None:
+        """From now on, what is at `path` came from where `branch` says."""
+        place = self._root
+        for part in path:
+            place = place.below.setdefault(part, Branch())
+        place.source, place.below = branch.source, branch.below
+
+    def branch(self, path: Path_) -> Branch:
+        """Where what is at `path` came from, and the parts below; a copy."""
         branch = self._root
         for part in path:
-            branch = branch.below.setdefault(part, _Branch())
-        branch.source = source
-        branch.below.clear()
+            if part not in branch.below:
+                return Branch(self.source(path))
+            branch = branch.below[part]
+        return Branch(self.source(path), branch.copy().below)
 
     def source(self, path: Path_) -> Source:
         """Where the value at `path` came from."""

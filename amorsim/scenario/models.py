@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+
+import attrs
 
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.core.reading import read_text, reason
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.faults import Book, Node, Source, shown
+from amorsim.scenario.faults import Book, Branch, Node, Source, shown
 from amorsim.scenario.written import Written, read_written
 
 __all__ = [
@@ -174,7 +176,7 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
     if path.resolve() in seen:
         node.fault(f"{name} builds on itself")
         return None
-    source = Source(file=str(path), folder=path.parent)
+    source = Source(file=str(path), folder=path.parent, kind="model" if kind == "robot" else kind)
     # Faults at the model's top level are found here, where no scenario's keys are mixed in.
     alone = Book(source)
     top = Node(model, (), alone)
@@ -196,24 +198,32 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
 
 def _merged(layers: list[Layer], node: Node) -> dict[str, Any]:
     """The layers, each over those before it, and over all of them the node's own table."""
-    own, depth = node.book.source(node.path), len(node.path)
+    # The table's own parts may come from several files: those of a robot with a model, which have devices.
+    before = Book(node.book.source(node.path))
+    before.set_branch(node.path, node.book.branch(node.path))
     merged: dict[str, Any] = {}
     for source, values in layers:
-        at = Source(file=source.file, folder=source.folder, depth=depth)
-        _merge(merged, copy.deepcopy(values), node.path, at, node.book)
-    _merge(merged, node.value, node.path, own, node.book)
+        alone = Book(attrs.evolve(source, depth=len(node.path)))
+        _merge(merged, copy.deepcopy(values), node.path, alone.branch, node.book)
+    _merge(merged, node.value, node.path, before.branch, node.book)
     return merged
 
 
-def _merge(under: dict[str, Any], over: dict[str, Any], path: tuple[str, ...], own: Source, book: Book) -> None:
+def _merge(
+    under: dict[str, Any],
+    over: dict[str, Any],
+    path: tuple[str, ...],
+    origin: Callable[[tuple[str, ...]], Branch],
+    book: Book,
+) -> None:
     for key, value in over.items():
         old = under.get(key)
         at = (*path, key)
         if isinstance(old, dict) and isinstance(value, dict) and _is_of_one_kind(at, old, value):
-            _merge(old, value, at, own, book)
+            _merge(old, value, at, origin, book)
         else:
             under[key] = value
-            book.set_source(at, own)
+            book.set_branch(at, origin(at))
 
 
 def _is_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
