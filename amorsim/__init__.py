@@ -50,6 +50,7 @@ if TYPE_CHECKING:
         ContactError,
         ControllerError,
         DocumentError,
+        Fault,
         MapError,
         PluginError,
         RunError,
@@ -69,6 +70,8 @@ if TYPE_CHECKING:
     from amorsim.scenario.devices import load_device
     from amorsim.scenario.document import Document, open_document
     from amorsim.scenario.maps import load_map, save_map
+    from amorsim.scenario.origins import Origin
+    from amorsim.scenario.partial import Outline, Partial
     from amorsim.scenario.read import load
     from amorsim.scenario.robots import load_robot
     from amorsim.scenario.spec import (
@@ -104,8 +107,8 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError MapError PluginError RunError "
-        "ScenarioError SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PluginError "
+        "RunError ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -115,6 +118,8 @@ _MODULES = {
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map save_map",
+    "amorsim.scenario.origins": "Origin",
+    "amorsim.scenario.partial": "Outline Partial",
     "amorsim.scenario.devices": "load_device",
     "amorsim.scenario.document": "Document open_document",
     "amorsim.scenario.robots": "load_robot",
@@ -157,6 +162,7 @@ __all__ = [
     "Estimate",
     "Estimator",
     "Event",
+    "Fault",
     "Floor",
     "FloorPoints",
     "Frame",
@@ -178,8 +184,11 @@ __all__ = [
     "NoiseElement",
     "Obstacle",
     "ObstacleFrame",
+    "Origin",
+    "Outline",
     "ParameterError",
     "Part",
+    "Partial",
     "PluginError",
     "Pose",
     "RandomStart",

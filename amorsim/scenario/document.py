@@ -19,16 +19,17 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.editing import Editor, Splice
 from amorsim.scenario.faults import Book, shown
-from amorsim.scenario.layout import MISSING, Path_, found_at
+from amorsim.scenario.layout import MISSING, Path_, changed, found_at
 from amorsim.scenario.lines import with_lines
 from amorsim.scenario.names_in_lists import index_of
+from amorsim.scenario.origins import Origin, Origins
 from amorsim.scenario.partial import Partial, read_partial
 from amorsim.scenario.read import book_of, read_values
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.toml_values import plain
+from amorsim.scenario.toml_values import are_same, plain
 from amorsim.scenario.worlds import Maps
-from amorsim.scenario.written import Written, read_written
+from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
 
@@ -60,6 +61,12 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
 
 
+def _are_equal(one: Any, other: Any) -> bool:
+    """Whether two values mean the same, where a whole number may stand for a number."""
+    is_flag = isinstance(one, bool), isinstance(other, bool)
+    return bool(one == other) and is_flag[0] == is_flag[1]
+
+
 class _Looked(NamedTuple):
     """What came of reading a document."""
 
@@ -86,6 +93,7 @@ class Document:
         self._has_bad_lines = bool(written.bad)
         self._editor = Editor(list(written.statements), written.values)
         self._opened = written.values
+        self._origins = Origins(self._path, self._registry)
         self._done: list[Change] = []
         self._undone: list[Change] = []
 
@@ -105,24 +113,49 @@ class Document:
     # ---------------------------------------------------------------------------------------------------------- values
 
     def get(self, path: str) -> Any:
-        """The value at a path, as a file says it: angles in degrees, tables as dicts.
+        """The value that holds at a path, as files say it: angles in degrees, tables as dicts.
+
+        It is the file's own, or else that of the robot's model, of a device, or a default; `inherited` says which. A
+        table has what the file and the model say in it.
 
         Raises
         ------
         DocumentError
-            If there is none.
+            If nothing says it.
+        """
+        values = self._editor.values
+        at = self._at(path)
+        value = found_at(self._origins.merged(values, at), at)
+        if value is MISSING:
+            origin = self._origins.find(values, at)
+            if origin is None:
+                raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+            value = origin.value
+        return plain(value)
+
+    def inherited(self, path: str) -> Origin:
+        """Where the value comes from that holds at a path, and what would hold if the file did not say it.
+
+        Raises
+        ------
+        DocumentError
+            If nothing says it.
         """
         at = self._at(path)
-        value = found_at(self._editor.values, at)
-        if value is MISSING:
-            raise DocumentError(f"{path}: the file says nothing of it")
-        return plain(value)
+        origin = self._origins.find(self._editor.values, at)
+        if origin is None:
+            raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+        if origin.source == "file":
+            statements = self._editor.statements
+            origin = attrs.evolve(origin, line=line_of(statements, self._editor.layout, at))
+        return origin
 
     def set(self, path: str, value: Any) -> None:
         """Say a value at a path, in the place of the one that is there.
 
-        Of a table or a list, only what differs is written. Another ``use`` is another component: the keys of the one
-        before go.
+        Of a table or a list, only what differs is written. What the model or a device says anyway is left out: a value
+        that is set back to it is the file's own no more. So is a default, unless it was written out when the file was
+        opened. Another ``use`` is another component: the keys of the one before go.
 
         Raises
         ------
@@ -134,13 +167,67 @@ class Document:
             self._set(self._at(path), value)
 
     def _set(self, at: Path_, value: Any) -> None:
-        if not at:
-            raise DocumentError("expected a path, as 'robots.rover.drive.track', got an empty one")
-        holder = found_at(self._editor.values, at[:-1])
+        values = self._editor.values
+        written = found_at(values, at)
+        if are_same(written, value):
+            return
+        for length, part in enumerate(at):
+            if isinstance(part, int) and found_at(values, at[:length]) is MISSING:  # in a list of the model's
+                there = found_at(self._origins.merged(values, at), at[:length])
+                self._editor.set(at[:length], plain(changed(there, at[length:], value)))
+                return
+        holder = found_at(values, at[:-1])
         if at[-1] == "use" and isinstance(holder, dict) and holder.get("use", value) != value:
             self._editor.set(at[:-1], {"use": value})
+        elif isinstance(value, dict) and isinstance(written, dict):
+            self._set_table(at, written, value)
+        elif not isinstance(value, dict) and self._is_inherited(at, value):
+            if written is not MISSING:
+                self._drop(at)
         else:
             self._editor.set(at, value)
+            self._drop_list(at)
+
+    def _drop_list(self, at: Path_) -> None:
+        """Leave out the list that a path leads into, where it is the model's again."""
+        for length in range(3, len(at)):
+            holder = at[:length]
+            if isinstance(at[length], int):
+                if self._is_inherited(holder, found_at(self._editor.values, holder)):
+                    self._drop(holder)
+                return
+
+    def _set_table(self, at: Path_, written: dict[str, Any], value: dict[str, Any]) -> None:
+        if "use" in value:  # first, for the keys of another component go with it
+            self._set((*at, "use"), value["use"])
+        inherited = found_at(self._origins.merged(self._editor.values, at), at)
+        for key in written:
+            if key not in value and found_at(self._editor.values, (*at, key)) is not MISSING:
+                self._editor.remove((*at, key))
+        for key, item in value.items():
+            if key not in written and isinstance(inherited, dict) and are_same(inherited.get(key), item):
+                continue
+            self._set((*at, key), item)
+        if found_at(self._editor.values, at) is MISSING:
+            self._editor.set(at, {})
+
+    def _is_inherited(self, at: Path_, value: Any) -> bool:
+        """Whether a value holds at a path if the file says nothing of it, and the file need not say it."""
+        origin = self._origins.find(self._editor.values, at)
+        if origin is not None and origin.source == "file":
+            origin = origin.under
+        if origin is None or not _are_equal(origin.value, value):
+            return False
+        return origin.source != "default" or found_at(self._opened, at) is MISSING
+
+    def _drop(self, at: Path_) -> None:
+        """Leave out what is at a path, and the tables about it that are empty then and were not in the file."""
+        self._editor.remove(at)
+        for length in range(len(at) - 1, 0, -1):
+            is_new = found_at(self._opened, at[:length]) is MISSING
+            if found_at(self._editor.values, at[:length]) != {} or not is_new:
+                return
+            self._editor.remove(at[:length])
 
     def remove(self, path: str) -> None:
         """Leave out what the file says at a path: a value, a table or an item of a list.
@@ -152,7 +239,9 @@ class Document:
         """
         at = self._at(path)
         if not at or found_at(self._editor.values, at) is MISSING:
-            raise DocumentError(f"{path}: the file says nothing of it")
+            origin = self._origins.find(self._editor.values, at) if at else None
+            where = "" if origin is None or origin.file is None else f"; {origin.file} does, of which the robot is made"
+            raise DocumentError(f"{path}: the file says nothing of it{where}")
         with self._changing():
             self._editor.remove(at)
 
@@ -215,6 +304,8 @@ class Document:
         place: Any = self._editor.values
         at: Path_ = ()
         for number, part in enumerate(parts):
+            if number == 2:  # a robot's: a model may have what the file does not say
+                place = found_at(self._origins.merged(self._editor.values, (*at, part)), at)
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
             part = part.strip() if isinstance(path, str) else part

@@ -62,7 +62,7 @@ def test_values_have_the_paths_of_settings(document):
     assert document.get("simulation.dt") == 0.1
     assert document.get("robots.rover.controller.speed") == document.get("robots.0.controller.speed") == 0.4
     assert document.get("robots.scout.ground.diffusion.variance_per_length") == 1e-6
-    assert document.get("robots.1.drive") == {"track": 0.34}
+    assert document.get("robots.1.drive.track") == 0.34
 
 
 def test_a_value_is_changed_in_its_line_and_nothing_else_is(document):
