@@ -17,7 +17,9 @@ from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.copies import Copies
 from amorsim.scenario.editing import Editor, Splice
+from amorsim.scenario.elsewhere import copied, named_files, near
 from amorsim.scenario.faults import Book, shown
 from amorsim.scenario.layout import MISSING, Path_, changed, found_at
 from amorsim.scenario.lines import with_lines
@@ -408,8 +410,19 @@ class Document:
 
     # ------------------------------------------------------------------------------------------------------------ file
 
-    def save(self, path: str | os.PathLike[str] | None = None) -> Path:
+    def save(self, path: str | os.PathLike[str] | None = None, *, copy: bool = False) -> Path:
         """Write the file, whole or not at all; returns where it is.
+
+        Written elsewhere, it names maps, models, programs and other files from there, by relative paths; the document
+        stays that of its own file.
+
+        Parameters
+        ----------
+        path
+            Another file, which is replaced if it is there.
+        copy
+            Whether files that lie outside the folder of `path` are copied into it, with what they need in turn. None
+            is replaced: of two files of one name, the copy gets a number.
 
         Raises
         ------
@@ -417,5 +430,26 @@ class Document:
             If it cannot be written; what was there is there still.
         """
         file = self._path if path is None else Path(path)
-        write_bytes(file, self.text.encode())
+        text = self.text
+        if file.absolute().parent != self._path.absolute().parent or copy:
+            text = self._for(file.absolute(), copy)
+        write_bytes(file, text.encode())
         return file
+
+    def _for(self, target: Path, copy: bool, copies: Copies | None = None) -> str:
+        """The text for another file."""
+        folder, here = target.parent, self._path.absolute().parent
+        other = Document(self.text, self._path, registry=self._registry)
+        values = self._editor.values
+        copies = copies or Copies(folder, replaces=False, taken=(target.name,))
+        for named in named_files(values, self._registry, here):
+            file = Path(os.path.abspath(here / named.name))  # noqa: PTH100 - a link keeps the name that it was given
+            if not copy or file.is_relative_to(folder):
+                name = near(file, folder)
+            elif named.kind == "model":
+                name = copies.of_text(file, open_document(file, registry=self._registry)._for(target, copy, copies))
+            else:
+                name = copied(named, file, values, copies, self._registry)
+            if name != named.name:
+                other._editor.set(named.at, named.said(name))
+        return other.text
