@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from amorsim.scenario.devices import load_device
     from amorsim.scenario.document import Document, open_document
     from amorsim.scenario.maps import load_map, save_map
+    from amorsim.scenario.model_files import save_device, save_robot
     from amorsim.scenario.origins import Origin
     from amorsim.scenario.partial import Outline, Partial
     from amorsim.scenario.read import load
@@ -118,6 +119,7 @@ _MODULES = {
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map save_map",
+    "amorsim.scenario.model_files": "save_device save_robot",
     "amorsim.scenario.origins": "Origin",
     "amorsim.scenario.partial": "Outline Partial",
     "amorsim.scenario.devices": "load_device",
@@ -235,7 +237,9 @@ __all__ = [
     "relative",
     "reproduce",
     "run",
+    "save_device",
     "save_map",
+    "save_robot",
     "sensors",
     "stack",
     "testing",

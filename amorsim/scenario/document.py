@@ -23,8 +23,10 @@ from amorsim.scenario.elsewhere import copied, named_files, near
 from amorsim.scenario.faults import Book, shown
 from amorsim.scenario.layout import MISSING, Path_, changed, found_at
 from amorsim.scenario.lines import with_lines
+from amorsim.scenario.model_files import check_model, read_model
+from amorsim.scenario.models import merge_models
 from amorsim.scenario.names_in_lists import index_of
-from amorsim.scenario.origins import Origin, Origins
+from amorsim.scenario.origins import KINDS, Origin, Origins, kind_of, lifted
 from amorsim.scenario.partial import Partial, read_partial
 from amorsim.scenario.read import book_of, read_values
 from amorsim.scenario.resolved import resolved_table
@@ -192,7 +194,7 @@ class Document:
 
     def _drop_list(self, at: Path_) -> None:
         """Leave out the list that a path leads into, where it is the model's again."""
-        for length in range(3, len(at)):
+        for length in range(self._models_begin + 1, len(at)):
             holder = at[:length]
             if isinstance(at[length], int):
                 if self._is_inherited(holder, found_at(self._editor.values, holder)):
@@ -300,13 +302,18 @@ class Document:
             raise DocumentError(f"{path}: index: expected a whole number from 0 to {count - 1}, got {shown(index)}")
         return index
 
+    @property
+    def _models_begin(self) -> int:
+        """How many parts a path has at least to what a model may say."""
+        return 2 if kind_of(self._editor.values) == "scenario" else 0
+
     def _at(self, path: str | Sequence[str | int]) -> Path_:
         """A path with numbers in the places of names."""
         parts = path.split(".") if isinstance(path, str) else [str(part) for part in path]
         place: Any = self._editor.values
         at: Path_ = ()
         for number, part in enumerate(parts):
-            if number == 2:  # a robot's: a model may have what the file does not say
+            if number == self._models_begin:  # a model may have what the file does not say
                 place = found_at(self._origins.merged(self._editor.values, (*at, part)), at)
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
@@ -369,11 +376,14 @@ class Document:
         ------
         ScenarioError
             With all faults, each with its line.
+        DocumentError
+            If it is a model or a device.
         """
         looked = self._look()
         if looked.faults:
             raise ScenarioError(looked.faults, looked.book.warnings)
-        assert looked.scenario is not None
+        if looked.scenario is None:
+            raise DocumentError(f"{self._path}: this is the {kind_of(self._editor.values)} of robots, and no scenario")
         return attrs.evolve(looked.scenario, resolved=resolved_table(looked.scenario, registry=self._registry))
 
     def faults(self) -> tuple[Fault, ...]:
@@ -392,10 +402,21 @@ class Document:
         """All that the document says, read and checked."""
         written = self._written()
         book = book_of(written, self._path)
-        tables, maps = copy.deepcopy(written.values), Maps(self._registry)
-        values = read_values(tables, book, (), self._registry, maps, True, False)
+        maps = Maps(self._registry)
+        tables = copy.deepcopy(lifted(written.values))
+        kind = kind_of(written.values)
+        values: dict[str, Any] = {}
+        if kind == "scenario":
+            values = read_values(tables, book, (), self._registry, maps, True, False)
+        else:
+            check_model(written.values, kind, book)
+            source = book.source(())
+            at = tuple(map(str, KINDS[kind]))
+            book.set_source(at, attrs.evolve(source, depth=len(at)))
+            merge_models(tables, book, self._registry)
+            read_model(tables["robots"][0], kind, book, self._registry)
         scenario = None
-        if not book.count:
+        if not book.count and kind == "scenario":
             try:
                 scenario = Scenario(**values, source=self._path)
             except ParameterError as error:

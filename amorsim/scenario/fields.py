@@ -20,7 +20,7 @@ from amorsim.core.trouble import in_words
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
 
-__all__ = ["default_in_file", "file_fields", "read_component", "read_fields", "write_fields"]
+__all__ = ["NONE", "default_in_file", "file_fields", "read_component", "read_fields", "write_fields"]
 
 NONE = "none"
 _MOST = 2**63 - 1

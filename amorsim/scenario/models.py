@@ -19,6 +19,7 @@ __all__ = [
     "FORMAT",
     "LOOKS",
     "MODEL_KEYS",
+    "are_of_one_kind",
     "check_format",
     "drop_removed",
     "merge_models",
@@ -219,14 +220,15 @@ def _merge(
     for key, value in over.items():
         old = under.get(key)
         at = (*path, key)
-        if isinstance(old, dict) and isinstance(value, dict) and _is_of_one_kind(at, old, value):
+        if isinstance(old, dict) and isinstance(value, dict) and are_of_one_kind(at, old, value):
             _merge(old, value, at, origin, book)
         else:
             under[key] = value
             book.set_branch(at, origin(at))
 
 
-def _is_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
+def are_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
+    """Whether a table that lies over another is merged with it key by key, and does not replace it."""
     # Half of one shape, or of one error, and half of another is none.
     if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= _ERROR):
         return False

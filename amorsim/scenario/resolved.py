@@ -6,6 +6,8 @@ import types
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import attrs
+
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import Fault, PluginError, ScenarioError
 from amorsim.core.map import Map
@@ -18,7 +20,17 @@ from amorsim.scenario.fields import write_fields
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.floor_file import write_floor
 from amorsim.scenario.models import FORMAT, LOOKS
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario, Zone
+from amorsim.scenario.spec import (
+    Knowledge,
+    MountedSensor,
+    NoiseElement,
+    Obstacle,
+    Pose,
+    Recording,
+    Robot,
+    Scenario,
+    Zone,
+)
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
 
@@ -45,6 +57,28 @@ def resolved_table(
     """
     writer = _Writer(registry or default_registry(), maps_in_files)
     table = writer.scenario(scenario)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+def robot_table(robot: Robot, registry: Registry) -> dict[str, Any]:
+    """The complete table of a robot's model: no name, no start, no knowledge; programs by their absolute paths.
+
+    What is raised is as for `resolved_table`.
+    """
+    writer = _Writer(registry, maps_in_files=True)
+    plain = attrs.evolve(robot, model="", pose=None, start=None, knowledge=Knowledge())
+    table = writer.model(plain)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+def sensor_table(sensor: MountedSensor, registry: Registry) -> dict[str, Any]:
+    """The complete table of a sensor; what is raised is as for `resolved_table`."""
+    writer = _Writer(registry, maps_in_files=True)
+    table = writer.sensor(sensor, "")
     if writer.faults:
         raise ScenarioError(writer.faults)
     return table
@@ -146,23 +180,7 @@ class _Writer:
         else:
             pose = pose or start_of(world, robot)
             written["pose"] = write_fields(pose)
-        written["shape"] = self._shape(robot.shape, path)
-        if robot.controller is not None:
-            written["controller"] = self._controller(robot.controller, f"{path}.controller")
-        written["on_collision"] = robot.on_collision
-        written.update(write_fields(robot, names=LOOKS))
-        if robot.ground:
-            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
-        written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
-        written["sensors"] = {
-            name: self._sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
-        }
-        written["estimators"] = {
-            name: self._component("estimator", estimator, f"{path}.estimators.{name}")
-            for name, estimator in robot.estimators.items()
-        }
-        if robot.errors:
-            written["errors"] = self._errors(robot, pose or Pose(), path)
+        written.update(self.model(robot, path, pose))
         knowledge: dict[str, Any] = {}
         if robot.knowledge.map is not None:
             knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
@@ -176,6 +194,27 @@ class _Writer:
             written["knowledge"] = knowledge
         return written
 
+    def model(self, robot: Robot, path: str = "", pose: Pose | None = None) -> dict[str, Any]:
+        """What a model may say of a robot."""
+        written: dict[str, Any] = {"shape": self._shape(robot.shape, path)}
+        if robot.controller is not None:
+            written["controller"] = self._controller(robot.controller, f"{path}.controller")
+        written["on_collision"] = robot.on_collision
+        written.update(write_fields(robot, names=LOOKS))
+        if robot.ground:
+            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
+        written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
+        written["sensors"] = {
+            name: self.sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
+        }
+        written["estimators"] = {
+            name: self._component("estimator", estimator, f"{path}.estimators.{name}")
+            for name, estimator in robot.estimators.items()
+        }
+        if robot.errors:
+            written["errors"] = self._errors(robot, pose or Pose(), path)
+        return written
+
     def _errors(self, robot: Robot, pose: Pose, path: str) -> dict[str, Any]:
         parts = {"drive": robot.drive, "sensors": robot.sensors, "pose": pose}
         try:
@@ -184,7 +223,8 @@ class _Writer:
             self._fault(f"{path}.errors", f"one of its paths leads to no number: {error}")
             return {}
 
-    def _sensor(self, mounted: MountedSensor, path: str) -> dict[str, Any]:
+    def sensor(self, mounted: MountedSensor, path: str) -> dict[str, Any]:
+        """A sensor's table."""
         unit = mounted.sensor.unit
         written = self._component("sensor", mounted.sensor, path)
         written["mount"] = write_fields(mounted.mount)

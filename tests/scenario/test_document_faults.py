@@ -98,13 +98,13 @@ def test_all_faults_come_at_once_with_those_of_toml(document_of):
     assert 13 in found(document).values()
 
 
-def test_unknown_keys_and_components_are_faults_and_stay(document_of, tmp_path):
+def test_unknown_keys_and_components_are_faults_and_stay(document_of, folder):
     document = document_of(
         ("beams = 31", 'use = "lidar3000"  # of a plugin\nspin = [1, 2]'), ("format = 1", "format = 1\nauthor = 'me'")
     )
     assert set(found(document)) == {"author", "robots.rover.sensors.laser.use"}
     document.set("robots.rover.sensors.laser.spin.1", 3)
-    saved = document.save(tmp_path / "saved.toml").read_text()
+    saved = document.save(folder / "saved.toml").read_text()
     assert saved == document.text
     assert 'use = "lidar3000"  # of a plugin\nspin = [1, 3]' in saved
     assert "author = 'me'" in saved

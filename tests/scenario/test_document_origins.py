@@ -149,3 +149,46 @@ def test_what_nothing_says_is_an_error(document, path):
 def test_what_the_model_says_cannot_be_removed_from_the_file(document):
     with pytest.raises(am.DocumentError, match=r"mine\.toml does"):
         document.remove("robots.rover.drive.wheel_radius_left")
+
+
+def test_a_model_is_a_document_too(document, tmp_path):
+    model = am.open_document(tmp_path / "mine.toml")
+    assert model.faults() == ()
+    assert model.inherited("drive.wheel_radius_left").source == "file"
+    assert model.inherited("drive.wheel_radius_left").under.value == 0.0825
+    assert (model.inherited("drive.track").source, model.get("drive.track")) == ("model", 0.33)
+    assert model.inherited("sensors.compass.use").source == "device"
+    model.set("drive.track", 0.4)
+    model.set("sensors.laser.beams", 31)
+    model.set("drive.track", 0.33)
+    model.set("sensors.laser.beams", 181)
+    assert model.text == MINE
+    model.set("drive.tracks", 3)
+    model.set("pose.x", 1.0)
+    model.set("sensors.laser.beams", -1)
+    assert {(fault.path, fault.line) for fault in model.faults()} == {
+        ("drive.tracks", 13),
+        ("pose", 15),
+        ("sensors.laser.beams", 9),
+    }
+    with pytest.raises(am.ScenarioError):
+        model.scenario()
+    for _ in range(3):
+        model.undo()
+    with pytest.raises(am.DocumentError, match="no scenario"):
+        model.scenario()
+
+
+def test_a_device_is_a_document_too(tmp_path):
+    path = tmp_path / "far.toml"
+    text = 'format = 1\nmodel = "sick-lms200"\nrange_max = 30.0\n'
+    path.write_text(text)
+    device = am.open_document(path)
+    assert device.faults() == ()
+    assert (device.inherited("beams").source, device.inherited("latency").source) == ("device", "default")
+    under = device.inherited("range_max").under
+    assert under.source == "device"
+    device.set("range_max", -1)
+    assert [(fault.path, fault.line) for fault in device.faults()] == [("range_max", 3)]
+    device.set("range_max", under.value)
+    assert device.text == text.replace("range_max = 30.0\n", "")

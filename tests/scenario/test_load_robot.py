@@ -36,3 +36,9 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
         am.load_robot("pioneer2dx", controler=None)
     with pytest.raises(am.ParameterError, match="on_collision"):
         am.load_robot("pioneer2dx", on_collision="explode")
+
+
+def test_a_model_may_take_sensors_of_its_own_model_away(tmp_path):
+    (tmp_path / "blind.toml").write_text('format = 1\nmodel = "pioneer2dx"\nsensors.laser = false\n')
+    robot = am.load_robot(tmp_path / "blind.toml")
+    assert set(robot.sensors) == set(am.load_robot("pioneer2dx").sensors) - {"laser"}
