@@ -299,10 +299,14 @@ class Editor:
             after = stop
             while after < len(statements) and not statements[after].text.strip():
                 after += 1
-            # Of the blank lines about what goes, those before it stay.
+            # Of the blank lines about what goes, those before it stay, but at the end of the file.
             is_apart = start == 0 or not statements[start - 1].text.strip()
+            while after == len(statements) and start and not statements[start - 1].text.strip():
+                start -= 1
             statements[start : after if is_apart or after == len(statements) else stop] = []
-        first, last = runs[0][0], len(self.statements)
+        first, last = 0, len(self.statements)
+        while first < len(statements) and statements[first] is self.statements[first]:
+            first += 1
         new = statements[first:]
         while new and self.statements[last - 1] is new[-1]:
             new.pop()
