@@ -55,6 +55,8 @@ class Book:
         """Where in the whole document the faults are, each as often as it was found."""
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
+        self.runs_programs = True
+        """Whether users' programs may be loaded, which runs them; else their text alone is checked."""
         self.has_lost_lines = False
         """Whether lines that are no TOML were left out; what is missing may stand there, and is no fault of its own."""
         self.document: Any = None
@@ -72,6 +74,7 @@ class Book:
         other = Book.silent()
         other._root = self._root.copy()
         other.has_lost_lines = self.has_lost_lines
+        other.runs_programs = self.runs_programs
         other.document = document
         return other
 
