@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
     from amorsim.contracts import (
         Aim,
-        Bundle,
         Clock,
         Context,
         Controller,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
         Motion,
         Mount,
         Noise,
+        NoiseStep,
         ObstacleFrame,
         Part,
         Recorder,
@@ -102,9 +102,9 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Bundle Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise ObstacleFrame Part Recorder RobotModel RunInfo Sensor SensorModel "
-        "Sightings State View parameter"
+        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
+        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo Sensor "
+        "SensorModel Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -146,7 +146,6 @@ __all__ = [
     "PHASES",
     "Aim",
     "AmorsimError",
-    "Bundle",
     "Clock",
     "ComponentError",
     "ContactError",
@@ -184,6 +183,7 @@ __all__ = [
     "MountedSensor",
     "Noise",
     "NoiseElement",
+    "NoiseStep",
     "Obstacle",
     "ObstacleFrame",
     "Origin",

@@ -27,6 +27,7 @@ import numpy.typing as npt
 from amorsim.core.draws import Draws
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
+from amorsim.core.noise_steps import NoiseProgram, NoiseStep
 from amorsim.core.parameters import parameter
 from amorsim.core.poses import Mount, exponential
 from amorsim.core.shapes import Shape
@@ -34,7 +35,6 @@ from amorsim.core.shapes import Shape
 __all__ = [
     "Aim",
     "BodyStates",
-    "Bundle",
     "Clock",
     "Context",
     "Controller",
@@ -53,6 +53,7 @@ __all__ = [
     "Motion",
     "Mount",
     "Noise",
+    "NoiseStep",
     "ObstacleFrame",
     "Part",
     "Recorder",
@@ -400,7 +401,7 @@ class Drive(Component, abc.ABC):
         """
         return np.zeros((len(before), 0, 2))
 
-    def course(self, joints: Array) -> Array | None:
+    def heading_offset(self, joints: Array) -> Array | None:
         """Which way is ahead `(N, 1)` [rad], in the body's frame, for whoever drives it; None: the way it looks.
 
         Told by a drive whose wheels steer apart from the body; the turn of a twist is then that of the course.
@@ -468,9 +469,18 @@ class Noise(Component):
         """Where the device really looks, before it senses."""
         return aim
 
+    def steps(self) -> Sequence[NoiseStep]:
+        """What the element does, as steps that a kernel takes; none where `corrupt` is written in Python.
+
+        A chain takes the steps of neighbouring elements in one call, so an element that is all steps costs next to
+        nothing. Leave `corrupt` as it is: it takes the same steps.
+        """
+        return ()
+
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
-        return values
+        program = NoiseProgram([values.shape[1]], [[(step, draws) for step in self.steps()]])
+        return program.apply(np.ravel(values)).reshape(values.shape)
 
     def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
         """How far the body slides in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.
@@ -523,7 +533,7 @@ class Controller(Component, abc.ABC):
     ) -> Array:
         """The command `(N, c)`: ``robot.channels`` in order, or the drive's alone, which leaves devices at 0."""
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The places in the world that it is told to drive to: the field that tells each ("waypoints.2"), x, y [m].
 
         Asked of the controller as it was made; ``amorsim check`` remarks on those where nobody gets.
@@ -538,15 +548,15 @@ class Motion(Component, abc.ABC):
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
         """The wanted displacement `(N, 3)` of this step, in the obstacle's own frame."""
 
-    def begins_at(self) -> tuple[float, float, float] | None:
+    def default_start(self) -> tuple[float, float, float] | None:
         """Where an obstacle starts that is told no pose (x [m], y [m], heading [rad]), or none: at the origin.
 
         Asked of the motion as it was made, before there are rows.
         """
         return None
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
-        """The places in the world that it is told to move to, as of `Controller.makes_for`."""
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
+        """The places in the world that it is told to move to, as of `Controller.goal_points`."""
         return ()
 
 
@@ -582,25 +592,6 @@ class MapLoader(abc.ABC):
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
 
-class Bundle(NamedTuple):
-    """Readings of one group of robots that were all taken, and arrived, at this very step: side by side."""
-
-    places: Mapping[str, slice]  # by sensor: where its values are, `(N, k)` row by row
-    values: Array  # (2, V), true and measured
-
-    @property
-    def true(self) -> Array:
-        """True values `(V,)`."""
-        true: Array = self.values[0]
-        return true
-
-    @property
-    def measured(self) -> Array:
-        """Measured values `(V,)`."""
-        measured: Array = self.values[1]
-        return measured
-
-
 class Frame(NamedTuple):
     """One step of one group of robots, as recorders get it: truth included. Arrays are not to be changed."""
 
@@ -619,7 +610,6 @@ class Frame(NamedTuple):
     robot: RobotModel  # the nominal one
     parts: Sequence[str] = ()  # the names of each robot's
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, where there are any
-    bundle: Bundle | None = None  # of those `readings` that can be had together; for who keeps all of them
 
 
 class ObstacleFrame(NamedTuple):

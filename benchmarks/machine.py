@@ -6,7 +6,8 @@ import datetime
 import importlib.metadata
 import os
 import platform
-from pathlib import Path
+
+from amorsim.runs.machine import processor
 
 __all__ = ["circumstances"]
 
@@ -17,7 +18,7 @@ def circumstances() -> dict[str, str]:
     """Date, processor, system, load at the start, and versions, each in words."""
     found = {
         "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "processor": f"{_processor()}, {os.cpu_count()} cores",
+        "processor": f"{processor()}, {os.cpu_count()} cores",
         "system": f"{platform.system()} {platform.release()}, Python {platform.python_version()}",
     }
     if hasattr(os, "getloadavg"):
@@ -28,12 +29,3 @@ def circumstances() -> dict[str, str]:
         except importlib.metadata.PackageNotFoundError:
             found[package] = "not installed"
     return found
-
-
-def _processor() -> str:
-    try:
-        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")]
-    return names[0] if names else platform.machine()

@@ -63,7 +63,7 @@ def beams_of(model: SensorModel, rows: int) -> Array:
 
 def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
     """The same beams in a frame that heads where the drive goes when it goes ahead."""
-    course = robot.drive.course(joints)
+    course = robot.drive.heading_offset(joints)
     if course is None:
         return beams
     rows, _, k = beams.shape

@@ -60,8 +60,8 @@ def _only_rolls(joints: tuple[Joint, ...]) -> bool:
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:
-    """The same poses `(N, 3)`, heading where the drive goes when it goes ahead (`Drive.course`)."""
-    course = robot.drive.course(joints)
+    """The same poses `(N, 3)`, heading where the drive goes when it goes ahead (`Drive.heading_offset`)."""
+    course = robot.drive.heading_offset(joints)
     if course is None:
         return poses
     turned = np.zeros((robot.rows, 3))
@@ -71,7 +71,7 @@ def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:
 
 def command_along(robot: RobotModel, twists: Array, joints: Array) -> Array:
     """The command `(N, c)` for `twists` `(N, 3)` that are told along the drive's course."""
-    course = robot.drive.course(joints)
+    course = robot.drive.heading_offset(joints)
     if course is not None:
         turned, way = np.zeros((robot.rows, 3)), twists.copy()
         turned[:, 2:3] = course

@@ -50,7 +50,7 @@ class GoTo(Controller):
     speed: float = parameter(0.3, unit="m/s", gt=0, help="at which it drives")
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns")
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The place."""
         return [("x", self.x, self.y)]
 

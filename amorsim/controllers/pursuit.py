@@ -91,7 +91,7 @@ class Pursuit(Controller):
         if beyond:
             raise ParameterError("reverse", f"expected numbers of waypoints, 0 to {last}, got {beyond[0]}")
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The waypoints."""
         return [(f"waypoints.{i}", x, y) for i, (x, y) in enumerate(self.waypoints)]
 

@@ -102,7 +102,7 @@ class Wander(Controller):
         body[:, 2:6] = twist_limits(robot)
         body[:, 6] = np.maximum(beams[:, 2].min(axis=1), -math.pi)
         body[:, 7] = np.minimum(beams[:, 2].max(axis=1), math.pi)
-        if robot.drive.course(at_rest(robot)) is not None:
+        if robot.drive.heading_offset(at_rest(robot)) is not None:
             _check_all_round(robot, self.sensor, beams, float(np.max(half_angle)))
             body[:, 6], body[:, 7] = -math.pi, math.pi
         elif not hasattr(model.sensor, "half_angle") and beams.shape[2] > 1:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from amorsim.core.errors import AmorsimError
 from amorsim.core.workers import Workers
 from amorsim.kernels.random import philox
+from amorsim.kernels.sensing.noise_steps import MEDIANS
 
 __all__ = ["Draws", "Medians", "check_collisions", "stream_key"]
 
@@ -120,12 +121,16 @@ class Draws:
 
         As `normal` and `uniform` do, see `amorsim.kernels.random.philox.pairs`; neither array is to be changed.
         """
+        return self._keys, self._counter, self.next_block(k)
+
+    def next_block(self, k: int) -> int:
+        """The number of the first block of the next `k` numbers of each row, which are thereby taken."""
         if self._round != self._rounds[0]:
             self._round = self._rounds[0]
             self._block = 0
         block = self._block
         self._block += (k + 1) // 2
-        return self._keys, self._counter, block
+        return block
 
     def _fill(self, fill: Callable[..., None], k: int) -> Array:
         keys, counter, block = self.reserve(k)
@@ -141,6 +146,10 @@ class Medians(Draws):
     """In place of draws, the medians of what they are drawn from: what a component does on the whole."""
 
     __slots__ = ()
+
+    def next_block(self, k: int) -> int:
+        """No block, but `noise_steps.MEDIANS`."""
+        return MEDIANS
 
     def normal(self, k: int = 1) -> Array:
         """Zeros `(N, k)`."""

@@ -31,7 +31,7 @@ class Synchro(Winding):
     ``"fixed"`` to the base, it never turns; or it ``"follows"`` the steering, by a belt; or it is ``"driven"`` by a
     third motor.
 
-    Ahead is where the wheels roll (`course`), and the turn of a wanted velocity is that of the wheels.
+    Ahead is where the wheels roll (`heading_offset`), and the turn of a wanted velocity is that of the wheels.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class Synchro(Winding):
         """Radius of the wheels `(N, 1)` [m]."""
         return np.array(self.wheel_radius)
 
-    def course(self, joints: Array) -> Array | None:
+    def heading_offset(self, joints: Array) -> Array | None:
         """The direction of the wheels `(N, 1)` [rad] in the robot's frame; None where that follows them."""
         if self.turret == "follows":
             return None

@@ -24,9 +24,7 @@ from amorsim.contracts import (
 )
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.core.poses import compose
-from amorsim.drives.differential import Differential
 from amorsim.kernels.kinematics import odometry
-from amorsim.sensors.encoder import Encoder
 
 __all__ = ["DeadReckoning"]
 
@@ -128,10 +126,7 @@ class DeadReckoning(Estimator):
         """The estimate after this step's reading; an old one shows the same joints, and so moves nothing."""
         drive = robot.drive
         encoder: Any = robot.sensors[self.encoder].sensor
-        counts = readings[self.encoder].measured
-        if type(drive) is Differential and type(encoder) is Encoder:
-            return self._by_two_wheels(drive, encoder, counts, state)
-        after = encoder.angles(counts)
+        after = encoder.angles(readings[self.encoder].measured)
         before = state["joints"]
         before = np.where(np.isnan(before), after, before)  # the first reading is what the others refer to
         rows = len(after)
@@ -155,26 +150,3 @@ class DeadReckoning(Estimator):
         pose = compose(state["pose"], displacement)
         state["pose"], state["covariance"], state["joints"] = pose, grown, after
         return Estimate(pose=pose, covariance=grown)
-
-    def _by_two_wheels(self, drive: Differential, encoder: Any, counts: Array, state: State) -> Estimate:
-        """The same for the commonest robot, in one call; a subclass of either may be anything."""
-        rows = len(counts)
-        pose, grown, joints = np.empty((rows, 3)), np.empty((rows, 3, 3)), np.empty((rows, 2))
-        odometry.reckon_wheels(
-            np.ascontiguousarray(counts),
-            encoder.counts_per_revolution,
-            drive.wheel_radius_left,
-            drive.wheel_radius_right,
-            drive.track,
-            self.wheel_variance,
-            state["pose"],
-            state["covariance"],
-            state["joints"],
-            joints,
-            0,
-            rows,
-            pose,
-            grown,
-        )
-        state["pose"], state["covariance"], state["joints"] = pose, grown, joints
-        return Estimate(pose, grown)

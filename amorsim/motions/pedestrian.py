@@ -66,7 +66,7 @@ class Pedestrian(Motion):
     )
     patience: float = parameter(5.0, unit="s", ge=0, help="how long he is blocked before he takes the next goal")
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The goals."""
         return [(f"goals.{i}", x, y) for i, (x, y) in enumerate(self.goals)]
 

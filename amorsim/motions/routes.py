@@ -45,11 +45,11 @@ class _Route(Motion):
         if not self.waypoints:
             raise ParameterError("waypoints", "expected one waypoint [x, y] at least, got none")
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The waypoints."""
         return [(f"waypoints.{i}", x, y) for i, (x, y) in enumerate(self.waypoints)]
 
-    def begins_at(self) -> tuple[float, float, float]:
+    def default_start(self) -> tuple[float, float, float]:
         """At the first waypoint, looking towards the second."""
         x, y = self.waypoints[0]
         ahead = self.waypoints[min(1, len(self.waypoints) - 1)]

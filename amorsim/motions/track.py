@@ -138,13 +138,13 @@ class Track(Motion):
     def __attrs_post_init__(self) -> None:
         read_track(self.file)
 
-    def begins_at(self) -> tuple[float, float, float]:
+    def default_start(self) -> tuple[float, float, float]:
         """Where the track begins."""
         track = read_track(self.file)
         heading = float(track.heading[0]) if track.heading is not None else 0.0
         return float(track.x[0]), float(track.y[0]), heading
 
-    def makes_for(self) -> Sequence[tuple[str, float, float]]:
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The places of the recording."""
         track = read_track(self.file)
         return [("file", x, y) for x, y in zip(track.x.tolist(), track.y.tolist(), strict=True)]

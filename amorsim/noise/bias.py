@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.contracts import Noise, NoiseStep, parameter
 
 __all__ = ["Bias"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -27,7 +23,6 @@ class Bias(Noise):
 
     value: float = parameter(unit="sensor", help="what is added")
 
-    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)` and the bias."""
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
-        return values - (0.0 - self.value)
+    def steps(self) -> Sequence[NoiseStep]:
+        """Add the bias."""
+        return [NoiseStep.add(self.value)]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.contracts import Context, Draws, Noise, NoiseStep, State, parameter
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["Dropout"]
@@ -50,13 +51,17 @@ class Dropout(Noise):
         """What was said last `(N, k)`, nan before there was anything; only where that is reported."""
         return {"last": np.full((context.rows, context.size), np.nan)} if self.report == "last" else {}
 
+    def steps(self) -> Sequence[NoiseStep]:
+        """Put another value in the place of those that are lost, unless it is the last one."""
+        if self.report == "last":
+            return ()
+        return [NoiseStep.replace(self.probability, math.inf if self.report == "inf" else self.value)]
+
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)`, or what stands for those that are lost."""
+        if self.report != "last":
+            return super().corrupt(values, side, elapsed, state, draws)
         lost = draws.uniform(values.shape[1]) < self.probability
-        if self.report == "inf":
-            return np.where(lost, np.inf, values)
-        if self.report == "value":
-            return np.where(lost, np.asarray(self.value), values)
         last = state["last"]
         said = np.where(lost & ~np.isnan(last), last, values)
         state["last"] = said

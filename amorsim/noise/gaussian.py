@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Context, Draws, Noise, State, parameter
+from amorsim.contracts import Context, Draws, Noise, NoiseStep, State, parameter
 from amorsim.kernels.sensing import readings
 
 __all__ = ["Gaussian"]
@@ -49,12 +49,15 @@ class Gaussian(Noise):
         shape = (context.rows, context.size)
         return {"walk": np.zeros(shape), "last": np.zeros(shape)}
 
+    def steps(self) -> Sequence[NoiseStep]:
+        """Scatter each sample, unless the noise accumulates."""
+        return [NoiseStep.scatter(self.std, self.proportional)] if self.per == "sample" else ()
+
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
         """The values `(N, k)` with noise on them."""
-        noise = draws.normal(values.shape[1])
         if self.per == "sample":
-            readings.scatter(values, values, self.std, self.proportional, noise)
-            return noise
+            return super().corrupt(values, side, elapsed, state, draws)
+        noise = draws.normal(values.shape[1])
         walk = state["walk"]
         finite = np.isfinite(values)
         # Where there is nothing to compare with, or no return, nothing changed.

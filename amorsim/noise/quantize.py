@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.contracts import Noise, NoiseStep, parameter
 
 __all__ = ["Quantize"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -32,9 +28,6 @@ class Quantize(Noise):
         "nearest", choices=("nearest", "floor"), static=True, help="to the nearest multiple, or down to one"
     )
 
-    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)`, rounded."""
-        steps = values / self.step
-        steps = np.rint(steps, out=steps) if self.rounding == "nearest" else np.floor(steps, out=steps)
-        steps *= self.step
-        return steps
+    def steps(self) -> Sequence[NoiseStep]:
+        """Round."""
+        return [NoiseStep.round(self.step) if self.rounding == "nearest" else NoiseStep.floor(self.step)]

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.contracts import Noise, NoiseStep, parameter
 from amorsim.core.parameters import ParameterError
 
 __all__ = ["Saturate"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -35,11 +31,8 @@ class Saturate(Noise):
         if low is not None and high is not None and low > high:
             raise ParameterError("minimum", f"expected no more than maximum {high!r}, got {low!r}")
 
-    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)`, none beyond the ends."""
-        held = values
-        if self.minimum is not None:
-            held = np.where(held < self.minimum, self.minimum, held)
-        if self.maximum is not None:
-            held = np.where((held > self.maximum) & (held < math.inf), self.maximum, held)
-        return held
+    def steps(self) -> Sequence[NoiseStep]:
+        """Cut off at the ends."""
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
+        return [NoiseStep.clip(low, high)]

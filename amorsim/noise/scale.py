@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import attrs
-import numpy as np
-import numpy.typing as npt
 
-from amorsim.contracts import Draws, Noise, State, parameter
+from amorsim.contracts import Noise, NoiseStep, parameter
 
 __all__ = ["Scale"]
-
-Array = npt.NDArray[np.float64]
 
 
 @attrs.frozen(kw_only=True)
@@ -27,6 +23,6 @@ class Scale(Noise):
 
     factor: float = parameter(gt=0, help="what every value is multiplied by")
 
-    def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)` times the factor."""
-        return values * self.factor
+    def steps(self) -> Sequence[NoiseStep]:
+        """Multiply by the factor."""
+        return [NoiseStep.multiply(self.factor)]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Bundle, Frame
-from amorsim.kernels.text.step_lines import keep_step
+from amorsim.contracts import Frame
 from amorsim.recorders.lines import Span
 
 __all__ = ["BodySteps", "RobotSteps", "Steps"]
@@ -18,7 +17,6 @@ Array = npt.NDArray[np.float64]
 
 _NUMBERS = 1 << 17  # kept of one group before they are written
 _MOST_STEPS = 512
-_NO_BUNDLE = Bundle({}, np.empty((2, 0)))
 
 
 class Steps:
@@ -77,63 +75,35 @@ class BodySteps(Steps):
 class RobotSteps(Steps):
     """Steps of robots, with all that a frame holds, and room for what is reckoned from it before it is written.
 
-    That are `estimated_twist`, `measured_rates`, and by sensor the `seconds` at which a sample was taken, where they
-    are not the step's own.
+    That are `estimated_twist`, `measured_rates`, and by sensor the `seconds` at which a sample was taken.
     """
 
     def __init__(self, frame: Frame) -> None:
         self.first = frame  # what does not change from step to step is read from it
-        self.bundled: Mapping[str, slice] = {} if frame.bundle is None else frame.bundle.places
-        self.single = [name for name in frame.readings if name not in self.bundled]
-        rows, joints = len(frame.names), frame.joint_rates.shape[1]
-        estimates = [size for name in frame.estimates for size in ((f"pose {name}", 3), (f"covariance {name}", 9))]
+        joints = frame.joint_rates.shape[1]
         kept = [("time", 1), ("true_pose", 3), ("true_twist", 3), ("joint_rates", joints)]
-        kept += [("command", frame.command.shape[1]), *estimates[:2]]
-        for what in ("true", "measured"):  # as the bundle has them, one sensor after the other
-            kept += [(f"{what} {name}", (at.stop - at.start) // rows) for name, at in self.bundled.items()]
-        kept += estimates[2:]
-        for name in self.single:
-            size = frame.readings[name][0].shape[1]
+        kept.append(("command", frame.command.shape[1]))
+        for name in frame.estimates:
+            kept += [(f"pose {name}", 3), (f"covariance {name}", 9)]
+        for name, (true, _) in frame.readings.items():
+            size = true.shape[1]
             kept += [(f"true {name}", size), (f"measured {name}", size), (f"stamp {name}", 1), (f"fresh {name}", 1)]
-        self._end = rows * sum(size for _, size in kept)  # of what a frame holds
-        self._has_more = bool(self.single) or len(frame.estimates) > 1
+        self._end = len(frame.names) * sum(size for _, size in kept)  # of what a frame holds
         reckoned = [
             ("estimated_twist", 3),
             ("measured_rates", joints),
-            *((f"seconds {name}", 1) for name in self.single),
+            *((f"seconds {name}", 1) for name in frame.readings),
         ]
         super().__init__(frame.names, frame.replica, kept + reckoned)
 
-    def fits(self, frame: Frame) -> bool:
-        """Whether a frame is one of those that are kept here; not if other readings than before come in a bundle."""
-        places = {} if frame.bundle is None else frame.bundle.places
-        return places is self.bundled or places == self.bundled
-
     def add(self, frame: Frame) -> bool:
         """Keep a step, as it is now; whether there is no room for another."""
-        estimates = iter(frame.estimates.values())
-        pose, covariance = next(estimates)
-        rates, command, bundle = frame.joint_rates, frame.command, frame.bundle
-        if self.rows > 1:  # components' own, who may have laid several rows out in any way
-            rates, command = np.ascontiguousarray(rates), np.ascontiguousarray(command)
-            pose, covariance = np.ascontiguousarray(pose), np.ascontiguousarray(covariance)
-        at = keep_step(
-            frame.time,
-            frame.true_pose,
-            frame.true_twist,
-            rates,
-            command,
-            pose,
-            covariance,
-            (_NO_BUNDLE if bundle is None else bundle).values,
-            self.count,
-            self.table,
-        )
-        if self._has_more:
-            more: list[npt.NDArray[Any]] = [array for estimate in estimates for array in estimate]
-            for name in self.single:
-                true, reading = frame.readings[name]
-                more += (true, reading.measured, reading.stamp, reading.fresh)
-            np.concatenate([array.reshape(-1) for array in more], out=self.table[self.count, at : self._end])
+        whole: list[npt.NDArray[Any]] = [frame.time, frame.true_pose, frame.true_twist, frame.joint_rates]
+        whole.append(frame.command)
+        for estimate in frame.estimates.values():
+            whole += estimate
+        for true, reading in frame.readings.values():
+            whole += (true, reading.measured, reading.stamp, reading.fresh)
+        np.concatenate([array.ravel() for array in whole], out=self.table[self.count, : self._end])
         self.count += 1
         return self.count == self.most

@@ -129,11 +129,6 @@ class Text(Recorder):
                 self._write_steps()
             is_full = False
             for group, frame in zip(self._groups, frames, strict=True):
-                if not group.steps.fits(frame):  # before any takes this step, for they take turns in the files
-                    self._write_steps()
-                    group.steps = RobotSteps(frame)
-                    group.columns = self._columns(group.steps)
-            for group, frame in zip(self._groups, frames, strict=True):
                 is_full |= group.steps.add(frame)
             for place, steps in self._parts.items():
                 time = np.repeat(frames[place].time, len(frames[place].parts))
@@ -194,9 +189,8 @@ class Text(Recorder):
         for group in self._groups:
             steps = group.steps
             for name, columns in group.columns.items():
-                single = name.removeprefix("sensors/") if name.startswith("sensors/") else ""
-                if single in steps.single:
-                    lines = np.flatnonzero(steps[f"fresh {single}"])
+                if name.startswith("sensors/"):
+                    lines = np.flatnonzero(steps[f"fresh {name.removeprefix('sensors/')}"])
                 else:
                     lines = np.arange(steps.count * steps.rows)
                 if len(lines):
@@ -270,7 +264,7 @@ class Text(Recorder):
             for name, (true, _) in frame.readings.items():
                 missing = [Span(MISSING, cells=self._sizes[name] - true.shape[1])]
                 values = [[steps.span(_OUTPUT, f"{what} {name}"), *missing] for what in ("true", "measured")]
-                head = self._lead(steps, f"seconds {name}" if name in steps.single else "time")
+                head = self._lead(steps, f"seconds {name}")
                 found[f"sensors/{name}"] = [*head, *values[0], *values[1]]
         return {name: Columns(spans, steps.texts) for name, spans in found.items()}
 
@@ -284,7 +278,7 @@ class Text(Recorder):
         """
         assert self._run is not None
         steps, previous = group.steps, dict(group.previous)
-        for name in steps.single:
+        for name in steps.first.readings:
             np.multiply(steps[f"stamp {name}"], self._run.dt, out=steps[f"seconds {name}"])
         estimated = steps[f"pose {next(iter(steps.first.estimates))}"].reshape(-1, 3)
         before = np.concatenate((previous.get("pose", estimated[: steps.rows]), estimated[: -steps.rows]))
@@ -304,7 +298,7 @@ class Text(Recorder):
         for name, model in frame.robot.sensors.items():
             if not hasattr(model.sensor, "angles"):
                 continue
-            measured, stamps = steps[f"measured {name}"], self._stamps(steps, name)
+            measured, stamps = steps[f"measured {name}"], steps[f"stamp {name}"]
             if len(frame.names) == 1:
                 angles = model.sensor.angles(measured[:, 0])[:, None]
             else:
@@ -324,14 +318,6 @@ class Text(Recorder):
             previous.update(angles=angles[-1].copy(), stamp=stamps[-1].copy(), rates=all_rates[-1].copy())
             return all_rates
         return math.nan
-
-    def _stamps(self, steps: RobotSteps, name: str) -> Array:
-        """Of which tick a sensor's readings are, `(steps, rows, 1)`."""
-        assert self._run is not None
-        if name in steps.single:
-            return steps[f"stamp {name}"]
-        ticks: Array = np.rint(steps["time"] / self._run.dt)
-        return ticks
 
     def _event(self, event: Any) -> str:
         assert self._run is not None

@@ -17,6 +17,7 @@ from typing import Any
 from amorsim.core.errors import RunError
 from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
+from amorsim.runs.machine import processor
 
 __all__ = [
     "RunFolder",
@@ -225,8 +226,6 @@ _version = functools.cache(metadata.version)  # which reads a file each time
 
 def circumstances() -> dict[str, Any]:
     """Versions and machine, on which the last bits of results may hang."""
-    from llvmlite import binding
-
     packages = ("numpy", "numba", "attrs", "shapely", "pillow")
     return {
         "amorsim": _version("amorsim"),
@@ -234,7 +233,7 @@ def circumstances() -> dict[str, Any]:
         "packages": {name: _version(name) for name in packages},
         "plugins": {plugin.name: plugin.version for plugin in default_registry().plugins},
         # For which kind the kernels are compiled: two of one kind give the same bits.
-        "processor": f"{platform.machine()} {binding.get_host_cpu_name()}",
+        "processor": processor(),
         "system": platform.system(),
     }
 

@@ -368,7 +368,7 @@ class Obstacle:
 
     @pose.default
     def _begin(self) -> Pose:
-        place = None if self.motion is None else self.motion.begins_at()
+        place = None if self.motion is None else self.motion.default_start()
         return Pose() if place is None else Pose(x=place[0], y=place[1], heading=place[2])
 
     def __attrs_post_init__(self) -> None:

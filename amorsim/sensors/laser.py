@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels.sensing import readings
 from amorsim.sensors.incidence import incidence
 from amorsim.sensors.side import Side
 from amorsim.sensors.sweep import poses_at
@@ -23,12 +24,17 @@ Array = npt.NDArray[np.float64]
 _FULL_CIRCLE = 2.0 * math.pi - 1e-9  # [rad] so far round, the last beam would fall on the first
 
 
-@functools.cache
-def _fractions(beams: int) -> tuple[Array, Array]:
-    """Bearings `(1, beams)` as fractions of the field of view: of a part of the circle, and of all of it."""
+@functools.lru_cache(maxsize=64)
+def _bearings(beams: int, fields_of_view: bytes) -> Array:
+    """What `Laser.bearings` tells, by the bytes of the fields of view of all rows."""
+    fov = np.frombuffer(fields_of_view).reshape(-1, 1)
+    if (fov == fov[0]).all():
+        fov = fov[:1]  # one table of directions for all rows
     steps = np.arange(beams, dtype=np.float64).reshape(1, -1)
     part = steps / (beams - 1) - 0.5 if beams > 1 else steps
-    return part, steps / beams - 0.5
+    bearings: Array = np.where(fov < _FULL_CIRCLE, part, steps / beams - 0.5) * fov
+    bearings.flags.writeable = False
+    return bearings
 
 
 @attrs.frozen(kw_only=True)
@@ -76,11 +82,7 @@ class Laser(Sensor):
 
     def bearings(self) -> Array:
         """Bearings of the beams [rad] from the mount's heading, `(1, beams)`; `(N, beams)` if rows differ."""
-        fov: Any = self.fov
-        if np.ndim(fov) == 2 and len(fov) > 1 and (fov == fov[0]).all():
-            fov = fov[:1]  # one table of directions for all rows
-        part, full = _fractions(self.beams)
-        return np.asarray(np.where(np.less(fov, _FULL_CIRCLE), part, full) * fov)
+        return _bearings(self.beams, np.asarray(self.fov).tobytes())
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, beams)` [m], inf for no return, -inf for what is nearer than `range_min`.
@@ -98,4 +100,6 @@ class Laser(Sensor):
             bearings = np.array(np.broadcast_to(bearings, shape)).reshape(-1, 1)
         ranges = view.cast(origins, bearings, range_max, self.traversal)
         side = Side(incidence=lambda: incidence(view, origins, bearings, ranges, range_max).reshape(shape))
-        return np.where(ranges.reshape(shape) < self.range_min, -np.inf, ranges.reshape(shape)), side
+        told = np.empty(shape)
+        readings.blank_near(ranges.reshape(shape), self.range_min, told)
+        return told, side

@@ -2,88 +2,153 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State
-from amorsim.core.errors import ComponentError
-from amorsim.core.rows import take
+from amorsim.core.rows import stack, take
 from amorsim.core.trouble import RAISED
-from amorsim.simulation.blame import is_finite
+from amorsim.scenario.spec import Robot
+from amorsim.simulation.blame import Whose, is_finite
 
-if TYPE_CHECKING:
-    from amorsim.simulation.group import Group
-
-__all__ = ["command_of", "command_of_some", "start_controller"]
+__all__ = ["Driver"]
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 
-def start_controller(group: Group, context: Context) -> State:
-    """The state of a group's controller at the start of an episode; nothing where there is none."""
-    if group.controller is None:
-        return {}
-    try:
-        return dict(group.controller.start(context))
-    except RAISED as error:
-        group.whose.blame("controller", group.controller, error)
+class Driver:
+    """Who drives the robots of a group, row by row.
 
-
-def command_of(group: Group, which: Rows | None) -> Array:
-    """The command that the controller of a group gives to the rows in `which`, or to all.
-
-    Raises
-    ------
-    ComponentError
-        If it is of another shape, or not finite; the message names the controller and the robot.
+    Attributes
+    ----------
+    controller
+        The robots' own, or none.
+    state
+        Of the controller.
+    active
+        `(N, 1)` whose controller has not ended; who has ended stands still.
+    by_hand
+        `(N, 1)` who is driven from outside, and has the command `hand` `(N, c)`.
     """
-    controller = group.controller
-    assert controller is not None
-    asked = (group.robot, group.readings, group.estimate, group.row_clock.clock, group.controller_state)
-    try:
-        if which is None:
-            command = controller.command(*asked, group.controller_draws)
-        else:
-            command = _ask_some(controller, *asked, group.controller_draws, which)
-    except RAISED as error:
-        group.whose.blame("controller", controller, error)
-    expected = group.hand.shape if which is None else (len(which), len(group.channels))
-    answer: Any = command  # whatever the plugin returned
-    if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
-        found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
-        raise group.whose.wrong("controller", controller, f"expected a command of the shape {expected}, got a {found}")
-    if group.devices and command.shape == (expected[0], len(group.drive.channels)):
-        missing = expected[1] - command.shape[1]
-        command = np.concatenate((command, np.zeros((expected[0], missing))), axis=1)
-    if command.shape != expected or not is_finite(command):
-        raise _bad_command(group, command, np.arange(len(group.names)) if which is None else which)
-    return command
 
+    _ARRAYS = ("active", "by_hand", "hand")
 
-def command_of_some(group: Group) -> Array:
-    """The command of a group of which some rows are driven by hand, and the others by their controller."""
-    command = group.hand.copy()
-    rows = np.flatnonzero(~group.by_hand[:, 0])
-    if len(rows):
-        asked = 0.0 if group.controller is None else command_of(group, rows)
-        command[rows] = np.where(group.active[rows], asked, 0.0)
-    return command
+    def __init__(self, channels: Sequence[str], of_drive: int, draws: Draws, whose: Whose) -> None:
+        self._channels = channels
+        self._of_drive = of_drive  # how many of the channels are the drive's
+        self._draws = draws
+        self._whose = whose
+        self.controller: Controller | None = None
+        self.state: State = {}
+        self.hand = np.zeros((0, len(channels)))
+        self.active = self.by_hand = np.zeros((0, 1), dtype=bool)
 
+    def set_parameters(self, nominal: Sequence[Robot]) -> None:
+        """Take what is specified of every row."""
+        if nominal[0].controller is not None:
+            self.controller = stack([robot.controller for robot in nominal])
 
-def _bad_command(group: Group, command: Array, which: Rows) -> ComponentError:
-    channels = ", ".join(group.channels)
-    expected = (len(which), len(group.channels))
-    if command.shape != expected:
-        problem = f"expected a command of the shape {expected} ({channels}), got {command.shape}"
-        return group.whose.wrong("controller", group.controller, problem)
-    whole = np.zeros(group.hand.shape)
-    whole[which] = command
-    return group.whose.not_finite("controller", group.controller, channels, whole)
+    def start(self, context: Context) -> None:
+        """Put every row at the start of an episode, driven by its controller."""
+        self.active = np.ones((context.rows, 1), dtype=bool)
+        self.by_hand = np.zeros((context.rows, 1), dtype=bool)
+        self.hand = np.zeros((context.rows, len(self._channels)))
+        self.state = {}
+        if self.controller is not None:
+            try:
+                self.state = dict(self.controller.start(context))
+            except RAISED as error:
+                self._whose.blame("controller", self.controller, error)
+
+    def hand_over(self, row: int, to_hand: bool) -> None:
+        """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""
+        self.by_hand = self.by_hand.copy()
+        self.by_hand[row] = to_hand
+        self.hand = self.hand.copy()
+        self.hand[row] = 0.0
+        if not to_hand:
+            self.active = self.active.copy()
+            self.active[row] = True
+
+    def end(self, row: int) -> None:
+        """Let a row stand still from now on."""
+        self.active = self.active.copy()
+        self.active[row] = False
+
+    def command(
+        self, before: Array, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
+    ) -> Array:
+        """The command `(N, c)` of this step; `before` is that of the last one, which lasts where nobody drives.
+
+        Raises
+        ------
+        ComponentError
+            If the controller's is of another shape, or not finite; the message names the controller and the robot.
+        """
+        asked = robot, readings, estimate, clock
+        if self.by_hand.any():
+            command = self.hand.copy()
+            rows = np.flatnonzero(~self.by_hand[:, 0])
+            if len(rows):
+                answer = 0.0 if self.controller is None else self._ask(self.controller, rows, *asked)
+                command[rows] = np.where(self.active[rows], answer, 0.0)
+            return command
+        if self.controller is None:
+            return before
+        # An array of our own: the controller may write into its own again.
+        command = np.zeros(self.hand.shape)
+        np.copyto(command, self._ask(self.controller, None, *asked), where=self.active)
+        return command
+
+    def _ask(
+        self,
+        controller: Controller,
+        which: Rows | None,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+    ) -> Array:
+        """The command that the controller gives to the rows in `which`, or to all."""
+        asked = robot, readings, estimate, clock, self.state, self._draws
+        try:
+            command = controller.command(*asked) if which is None else _ask_some(controller, *asked, which)
+        except RAISED as error:
+            self._whose.blame("controller", controller, error)
+        rows = np.arange(len(self.hand)) if which is None else which
+        expected = len(rows), len(self._channels)
+        answer: Any = command  # whatever the plugin returned
+        if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
+            found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
+            problem = f"expected a command of the shape {expected}, got a {found}"
+            raise self._whose.wrong("controller", controller, problem)
+        if command.shape == (expected[0], self._of_drive) != expected:
+            command = np.concatenate((command, np.zeros((expected[0], expected[1] - self._of_drive))), axis=1)
+        channels = ", ".join(self._channels)
+        if command.shape != expected:
+            problem = f"expected a command of the shape {expected} ({channels}), got {command.shape}"
+            raise self._whose.wrong("controller", controller, problem)
+        if not is_finite(command):
+            whole = np.zeros(self.hand.shape)
+            whole[rows] = command
+            raise self._whose.not_finite("controller", controller, channels, whole)
+        return command
+
+    # ------------------------------------------------------------------------------------ for snapshots and resets
+
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays that change and are the engine's own; not to be changed."""
+        return {name: getattr(self, name) for name in self._ARRAYS}
+
+    def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        """Put back what `arrays` gave."""
+        for name in self._ARRAYS:
+            setattr(self, name, arrays[name])
 
 
 def _ask_some(

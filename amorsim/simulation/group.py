@@ -11,11 +11,8 @@ import numpy.typing as npt
 
 from amorsim.contracts import (
     Context,
-    Controller,
-    Draws,
     Drive,
     Estimate,
-    Estimator,
     Frame,
     Measurement,
     State,
@@ -31,12 +28,11 @@ from amorsim.simulation.alike import poses_of, reading_size, robot_model
 from amorsim.simulation.blame import Whose, is_finite, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
-from amorsim.simulation.controlling import command_of, command_of_some, start_controller
-from amorsim.simulation.estimating import estimates_of, start_estimators
-from amorsim.simulation.frames import Showing
+from amorsim.simulation.controlling import Driver
+from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
-from amorsim.simulation.sensing.plan import SensePlan
+from amorsim.simulation.sensing.sensor_suite import SensorSuite
 from amorsim.simulation.sensing.sensor_unit import SensorUnit
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.world.sensor_view import GroupView
@@ -89,12 +85,9 @@ class Group:
             for name, unit in first.sensors.items()
         }
         self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
-        self.estimators: dict[str, Estimator] = {}
-        self.estimator_draws: dict[str, Draws] = {
-            name: self.streams.draws("estimator", name) for name in first.estimators
-        }
-        self.controller: Controller | None = None
-        self.controller_draws = self.streams.draws("controller")
+        self.estimators = Estimators(
+            {name: self.streams.draws("estimator", name) for name in first.estimators}, self.whose
+        )
         self.true: list[Robot] = []
         self.drive: Drive = first.drive
         # The columns of a command that are each commanded device's, after the drive's.
@@ -105,6 +98,8 @@ class Group:
                 self.devices[name] = slice(len(channels), len(channels) + len(unit.sensor.channels))
                 channels += [f"{name}.{channel}" for channel in unit.sensor.channels]
         self.channels = tuple(channels)
+        draws = self.streams.draws("controller")
+        self.driver = Driver(self.channels, len(first.drive.channels), draws, self.whose)
         self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
         self.parts: Parts | None = None
         self.set_parameters()
@@ -122,15 +117,13 @@ class Group:
         self.ground.set_parameters([robot.ground for robot in true])
         for name, unit in self.sensors.items():
             unit.set_parameters([robot.sensors[name] for robot in true], self.dt)
-        self.sensing = SensePlan(list(self.sensors.values()), self.rows, self.world)
+        self._sensing = SensorSuite(list(self.sensors.values()), self.rows)
         nominal = self.specified
         sizes = {name: unit.size for name, unit in self.sensors.items()}
         self.robot = robot_model(nominal, sizes, self.channels, self.dt)
         self._radius = self._rolling_radius()
-        self.estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self.estimator_draws}
-        if nominal[0].controller is not None:
-            self.controller = stack([robot.controller for robot in nominal])
-        self._showing = Showing(self)
+        self.estimators.set_parameters(nominal)
+        self.driver.set_parameters(nominal)
 
     @of_drive
     def _rolling_radius(self) -> Array:
@@ -153,21 +146,13 @@ class Group:
         self.joints = np.zeros((rows, joints))
         self.joint_rates = np.zeros((rows, joints))
         self.command = np.zeros((rows, len(self.channels)))
-        self.active = np.ones((rows, 1), dtype=bool)
-        self._counted, self._are_active = self.active, True
-        self.by_hand = np.zeros((rows, 1), dtype=bool)
-        self.hand = np.zeros((rows, len(self.channels)))  # the command of those who are driven by hand
-        self.some_by_hand = False
         self.drive_state: State = self._start_drive(context)
         self.ground.states = self.ground.start(attrs.evolve(context, size=len(self.rolling)))
         self.zones.start(attrs.evolve(context, size=len(self.rolling)))
         for unit in self.sensors.values():
             unit.start(attrs.evolve(context, size=unit.size))
-        self.estimator_states = start_estimators(self, context)
-        self.controller_state: State = start_controller(self, context)
-        self.estimates: dict[str, Estimate] = {
-            name: Estimate(told, np.zeros((rows, 3, 3))) for name in self.estimators
-        } or {"none": Estimate(told, np.zeros((rows, 3, 3)))}
+        self.estimators.start(context)
+        self.driver.start(context)
         self.joints_before = self._after = self._ground_after = self.joints
         self._slide: Array | None = None  # of the step, for those whose ground has any
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
@@ -178,25 +163,8 @@ class Group:
 
     def control(self) -> None:
         """Ask the controller for a command; those whose controller ended stand still."""
-        if self.some_by_hand:
-            self.command = command_of_some(self)
-        elif self.controller is not None:
-            asked = command_of(self, None)
-            if self._counted is not self.active:  # it is replaced, never changed once somebody has asked
-                self._counted, self._are_active = self.active, bool(self.active.all())
-            # A copy: it is the controller's, which may write into it again.
-            self.command = np.array(asked, _FLOAT, order="C") if self._are_active else np.where(self.active, asked, 0.0)
-
-    def hand_over(self, row: int, to_hand: bool) -> None:
-        """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""
-        self.by_hand = self.by_hand.copy()
-        self.by_hand[row] = to_hand
-        self.hand = self.hand.copy()
-        self.hand[row] = 0.0
-        self.some_by_hand = bool(self.by_hand.any())
-        if not to_hand:
-            self.active = self.active.copy()
-            self.active[row] = True
+        clock = self.row_clock.clock
+        self.command = self.driver.command(self.command, self.robot, self.readings, self.estimators.first, clock)
 
     @of_drive
     def actuate(self) -> None:
@@ -327,13 +295,11 @@ class Group:
 
     def sense(self) -> None:
         """Read all sensors."""
-        self.sensing.read(self.view, self.row_clock)
-        for unit in self.sensing.others:
-            unit.sample(self.view, self.row_clock)
+        self._sensing.read(self.view, self.row_clock)
 
     def estimate_pose(self) -> None:
         """Let every estimator make of the readings what it can."""
-        self.estimates.update(estimates_of(self))
+        self.estimators.update(self.robot, self.readings, self.command, self.row_clock.elapsed)
 
     def record(self) -> None:
         """Mix the step's exact results into the fingerprint of each row."""
@@ -341,19 +307,21 @@ class Group:
         for estimate in self.estimates.values():
             covariance = np.ascontiguousarray(estimate.covariance).reshape(self.rows, 9)
             results += [np.ascontiguousarray(estimate.pose), covariance]
-        if not self.sensing.others:
-            self.sensing.absorb(results, self.fingerprint)
-            return
         for unit in self.sensors.values():
-            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.held.measured)]
+            results += [np.ascontiguousarray(unit.true), np.ascontiguousarray(unit.measured)]
         digest.absorb(results, self.fingerprint)
 
     # ---------------------------------------------------------------------------------------------------- for others
 
     @property
+    def estimates(self) -> dict[str, Estimate]:
+        """What every estimator estimates; the controller is told the first."""
+        return self.estimators.estimates
+
+    @property
     def estimate(self) -> Estimate:
-        """What the controller is told: the first estimator's estimate."""
-        return next(iter(self.estimates.values()))
+        """What the controller is told."""
+        return self.estimators.first
 
     @property
     def mean_rates(self) -> Array:
@@ -362,12 +330,30 @@ class Group:
 
     def frame(self) -> Frame:
         """The step as recorders get it."""
-        return self._showing.frame()
+        clock = self.row_clock
+        parts = self.drive.parts
+        return Frame(
+            names=self.names,
+            replica=clock.replica,
+            tick=clock.tick.ravel(),
+            time=clock.time.ravel(),
+            true_pose=self.true_pose,
+            true_twist=self.true_twist,
+            joint_names=[joint.name for joint in self.drive.joints],
+            joint_rates=self.mean_rates,
+            estimates=self.estimates.copy(),
+            readings={name: (unit.true, unit.reading) for name, unit in self.sensors.items()},
+            channels=self.channels,
+            command=self.command,
+            robot=self.robot,
+            parts=tuple(part.name for part in parts),
+            part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
+        )
 
     def states(self) -> Mapping[str, State]:
         """The states of all components, by where they are; the dicts themselves, not copies."""
-        found = {"drive": self.drive_state, "controller": self.controller_state}
-        found |= {f"estimator {name}": state for name, state in self.estimator_states.items()}
+        found = {"drive": self.drive_state, "controller": self.driver.state}
+        found |= {f"estimator {name}": state for name, state in self.estimators.states.items()}
         found |= {f"ground {name}": s for name, s in zip(self.ground.names, self.ground.states, strict=True)}
         found |= self.zones.states()
         for name, unit in self.sensors.items():
@@ -378,7 +364,7 @@ class Group:
 
     _ARRAYS = (
         *("true_pose", "true_twist", "joints", "joints_before", "joint_rates", "command"),
-        *("active", "by_hand", "hand", "fingerprint"),
+        "fingerprint",
     )
 
     def arrays(self) -> dict[str, Arrays]:
@@ -388,6 +374,7 @@ class Group:
             found[f"estimate {name}"] = {"pose": estimate.pose, "covariance": estimate.covariance}
         for name, unit in self.sensors.items():
             found[f"sensor {name}"] = unit.arrays()
+        found["driver"] = self.driver.arrays()
         if self.parts is not None:
             found["parts"] = self.parts.arrays()
         return found
@@ -396,7 +383,7 @@ class Group:
         """Put back what `arrays` gave."""
         for name in self._ARRAYS:
             setattr(self, name, arrays["body"][name])
-        self.some_by_hand = bool(self.by_hand.any())
+        self.driver.set_arrays(arrays["driver"])
         for name in self.estimates:
             held = arrays[f"estimate {name}"]
             self.estimates[name] = Estimate(held["pose"], held["covariance"])
@@ -413,7 +400,7 @@ class _Readings(Mapping[str, Measurement]):
         self._units = units
 
     def __getitem__(self, name: str) -> Measurement:
-        return self._units[name].held.reading
+        return self._units[name].reading
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._units)

@@ -48,7 +48,7 @@ class Readings(Mapping[str, Reading]):
         if name not in sensors:
             known = ", ".join(sensors) or "none"
             raise KeyError(f"there is no sensor {name!r}, but: {known}.{did_you_mean(name, sensors)}")
-        held = sensors[name].held
+        held = sensors[name]
         whole = (held.true, held.measured, held.stamp, held.reading.age, held.reading.fresh)
         parts = whole if self._row is None else tuple(part[self._row] for part in whole)
         return Reading(*(_read_only(part) for part in parts))
@@ -123,17 +123,17 @@ class RobotHandle:
     @property
     def is_active(self) -> bool:
         """Whether its controller has not ended."""
-        return bool(self._group.active[self._row, 0])
+        return bool(self._group.driver.active[self._row, 0])
 
     @property
     def is_by_hand(self) -> bool:
         """Whether it was handed over and is driven from outside (`Simulation.hand_over`)."""
-        return bool(self._group.by_hand[self._row, 0])
+        return bool(self._group.driver.by_hand[self._row, 0])
 
     @property
     def takes_commands(self) -> bool:
         """Whether `drive` and `command` serve: it was handed over, or its controller is `manual`."""
-        return self.is_by_hand or "command" in self._group.controller_state
+        return self.is_by_hand or "command" in self._group.driver.state
 
     @property
     def nominal(self) -> Robot:
@@ -168,7 +168,7 @@ class RobotHandle:
         twists = np.zeros((group.rows, 3))
         twists[row] = wanted
         joints = joints_of(group.robot, group.readings)
-        along = command_along(group.robot, limited(group.controller, twists), joints)
+        along = command_along(group.robot, limited(group.driver.controller, twists), joints)
         wheels: list[float] = along[row].tolist()
         devices: list[float] = group.command[row, len(wheels) :].tolist()
         return [*wheels, *devices]
@@ -194,7 +194,7 @@ class RobotHandle:
         if not self.takes_commands:
             raise AmorsimError(
                 f"robot {self.name!r}: only the 'manual' controller takes commands from outside, and this is "
-                f"{type(group.controller).__name__}; take the robot over with hand_over({self.name!r}) first"
+                f"{type(group.driver.controller).__name__}; take the robot over with hand_over({self.name!r}) first"
             )
         rates = finite_numbers(channels)
         if rates is None or len(rates) != len(names):
@@ -203,10 +203,10 @@ class RobotHandle:
                 f"{in_words(channels)}"
             )
         if self.is_by_hand:
-            group.hand = group.hand.copy()
-            group.hand[self._row] = rates
+            group.driver.hand = group.driver.hand.copy()
+            group.driver.hand[self._row] = rates
         else:
-            group.controller_state["command"][self._row] = rates
+            group.driver.state["command"][self._row] = rates
 
 
 class ObstacleHandle:

@@ -90,10 +90,10 @@ def _unreachable(scenario: Scenario) -> list[str]:
     ]
     for path, component, body in bodies:
         try:
-            places = [] if component is None or id(component) in asked else list(component.makes_for())
+            places = [] if component is None or id(component) in asked else list(component.goal_points())
         except RAISED as error:
             what = f"{path} ({type(component).__name__})"
-            raise ComponentError(f"{what}: makes_for() raised {error_in_words(error)}") from error
+            raise ComponentError(f"{what}: goal_points() raised {error_in_words(error)}") from error
         asked.add(id(component))
         if not places:
             continue

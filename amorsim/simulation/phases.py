@@ -156,10 +156,14 @@ def _log_contact(fleet: Fleet, contact: Contact) -> None:
             speed=_speed(fleet, group, row, body, contact),
         )
         fleet.events.append(event)
-        if isinstance(group, Group) and group.ends_on_collision and group.active[row, 0] and not group.by_hand[row, 0]:
-            group.active = group.active.copy()
-            group.active[row] = False
-            if group.controller is not None:
+        if (
+            isinstance(group, Group)
+            and group.ends_on_collision
+            and group.driver.active[row, 0]
+            and not group.driver.by_hand[row, 0]
+        ):
+            group.driver.end(row)
+            if group.driver.controller is not None:
                 ended = attrs.evolve(
                     event, kind="controller_ended", other="", part="", other_part="", point=None, speed=None
                 )

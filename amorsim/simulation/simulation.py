@@ -183,12 +183,12 @@ class Simulation:
     @property
     def active(self) -> npt.NDArray[np.bool_]:
         """Whether each robot's controller has not ended, `(N,)`."""
-        return self._gather(lambda group: group.active)[:, 0]
+        return self._gather(lambda group: group.driver.active)[:, 0]
 
     @property
     def by_hand(self) -> npt.NDArray[np.bool_]:
         """Whether each robot was handed over and is driven from outside, `(N,)`."""
-        return self._gather(lambda group: group.by_hand)[:, 0]
+        return self._gather(lambda group: group.driver.by_hand)[:, 0]
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
@@ -369,11 +369,11 @@ class Simulation:
         handle = self.robot(name, replica)
         if to not in ("hand", "controller"):
             raise AmorsimError(f"robot {name!r}: expected to hand it over to 'hand' or 'controller', got {to!r}")
-        if to == "controller" and handle._group.controller is None:
+        if to == "controller" and handle._group.driver.controller is None:
             raise AmorsimError(f"robot {name!r} has no controller; it can only be driven by hand")
         if handle.is_by_hand == (to == "hand") and (to == "hand" or handle.is_active):
             return
-        handle._group.hand_over(handle._row, to == "hand")
+        handle._group.driver.hand_over(handle._row, to == "hand")
         self._fleet.part_from_all(int(handle._group.bodies[handle._row]))
         self._log_change(handle, "handed_over", "driver", to)
 

@@ -197,7 +197,7 @@ def _play(scenario: Scenario, commands: Sequence[Array] | Array, replicas: int) 
     group = simulation._fleet.groups[0]
     true, believed = [simulation.true_pose], [simulation.estimated_pose]
     for command in commands:
-        group.controller_state["command"] = np.repeat(command[None], replicas, axis=0)
+        group.driver.state["command"] = np.repeat(command[None], replicas, axis=0)
         simulation.step()
         true.append(simulation.true_pose)
         believed.append(simulation.estimated_pose)

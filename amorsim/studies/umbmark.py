@@ -237,7 +237,7 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
                     f"robot {event.name!r} met {event.other!r} at {event.time:.1f} s, and so came not round the "
                     "square; take a smaller side, or drive in an empty world"
                 )
-        is_round = group.controller_state["reached"] >= 4 * controller.laps
+        is_round = group.driver.state["reached"] >= 4 * controller.laps
         if is_round.all() and not (np.abs(group.joint_rates) > _STANDS).any():
             late -= 1
     true = relative(true_start, simulation.true_pose)

@@ -267,7 +267,11 @@ def _fastest(drive: Drive, nominal: Drive) -> list[float]:
     speeds = drive.top_speeds()
     if speeds is not None:
         told = speeds[0].tolist()
-        found = [told[0], found[1] if drive.course(np.zeros((1, len(nominal.joints)))) is None else 0.0, told[1]]
+        found = [
+            told[0],
+            found[1] if drive.heading_offset(np.zeros((1, len(nominal.joints)))) is None else 0.0,
+            told[1],
+        ]
         if drive.curvature_max() is not None:  # what rolls along a curve does not go aside
             found[1] = 0.0
     return [speed if math.isfinite(speed) else default for speed, default in zip(found, (1.0, 1.0, 1.0), strict=True)]

@@ -121,7 +121,7 @@ def test_a_square_comes_back_with_motors_that_lag_longer_than_a_step(acceleratio
     controller = Square(side=2.0, speed=0.4)
     sim = simulate(controller, pose=(1.0, 1.0, 0.0), drive=drive(acceleration_max=acceleration, lag=lag))
     (group,) = sim._fleet.groups
-    while group.controller_state["reached"][0, 0] < 4:
+    while group.driver.state["reached"][0, 0] < 4:
         sim.step()
         assert sim.time < 25.0 + 4.0 * (4.0 + 25.0 * lag)
     sim.run(10.0 * lag)

@@ -59,7 +59,7 @@ def test_a_constant_command_drives_the_exact_circle_whatever_the_step(name, step
     drive = stack([make(name)])
     command, speed, turn = ROUND[name]
     joints, rates = settle(drive, command)
-    course = drive.course(joints)
+    course = drive.heading_offset(joints)
     course = 0.0 if course is None else course[0, 0]
     seconds = 4.0
     pose, _ = go(drive, joints, rates, command, seconds, steps)
@@ -89,12 +89,12 @@ def test_a_command_for_a_motion_makes_that_motion(name):
         joints = np.zeros((1, len(drive.joints)))
         command = drive.command_for(wanted, joints)
         joints, rates = settle(drive, command[0], seconds=10.0)
-        course = drive.course(joints)
+        course = drive.heading_offset(joints)
         pose, after = go(drive, joints, rates, command[0], 0.5, 1)
         if course is None:
             assert drive.twist(joints, after)[0] == pytest.approx(0.5 * wanted[0], abs=1e-12)
         else:
-            assert (drive.course(after) + pose[2] - course)[0, 0] == pytest.approx(0.5 * turn, abs=1e-12)
+            assert (drive.heading_offset(after) + pose[2] - course)[0, 0] == pytest.approx(0.5 * turn, abs=1e-12)
             assert (after - joints)[0, 1] * drive.wheel_radius[0, 0] == pytest.approx(0.5 * forward, abs=1e-12)
 
 
@@ -301,7 +301,7 @@ def test_what_the_drive_can_do_is_what_it_says(name):
     for wanted in ([[fastest, 0.0, 0.0]], [[forward, 0.0, turn]]):
         command = drive.command_for(np.array(wanted), joints)[0]
         before, rates = settle(drive, command)
-        course = drive.course(before)
+        course = drive.heading_offset(before)
         _, after = go(drive, before, rates, command, 0.1, 1)
         moved = drive.twist(before, after)[0] / 0.1
         if course is None:

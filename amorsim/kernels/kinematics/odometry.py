@@ -10,9 +10,8 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.actuation import respond
-from amorsim.kernels.kinematics.poses import arc, displaced
 
-__all__ = ["drive_wheels", "grow_covariance", "reckon_rows", "reckon_wheels", "wheel_rates", "wheel_twists"]
+__all__ = ["drive_wheels", "grow_covariance", "wheel_rates", "wheel_twists"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -25,7 +24,6 @@ Column = Any
 _NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
 _WEIGHTS = (0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692)
 
-_TURN = 2.0 * math.pi
 _SMALL = 1e-3  # [rad] below this the series' first left-out term, a**6/5040, is under 1e-21
 
 
@@ -169,110 +167,6 @@ def _grow_row(
     out[1, 0] = out[0, 1]
     out[2, 0] = out[0, 2]
     out[2, 1] = out[1, 2]
-
-
-@part
-def reckon_rows(
-    counts: Floats,
-    counts_per_revolution: Floats,
-    radius_left: Column,
-    radius_right: Column,
-    track: Column,
-    variance: Column,
-    pose: Floats,
-    covariance: Floats,
-    before: Floats,
-    after: Floats,
-    begin: int,
-    end: int,
-    first: Floats,
-    radius: Floats,
-    jacobian: Floats,
-    both: Ints,
-    out: Floats,
-    grown: Floats,
-) -> None:
-    """What `reckon_wheels` does, with room to work in: (2,) twice, (3, 2), and 0 and 1."""
-    last = counts_per_revolution.shape[1] - 1
-    jacobian[0, 0] = 0.5
-    jacobian[0, 1] = 0.5
-    jacobian[1, 0] = 0.0
-    jacobian[1, 1] = 0.0
-    both[0] = 0
-    both[1] = 1
-    for i in range(begin, end):
-        radius[0] = radius_left[i, 0]
-        radius[1] = radius_right[i, 0]
-        jacobian[2, 0] = -1.0 / track[i, 0]
-        jacobian[2, 1] = 1.0 / track[i, 0]
-        for j in range(2):
-            after[i, j] = counts[i, j] / counts_per_revolution[i, min(j, last)] * _TURN
-            first[j] = after[i, j] if math.isnan(before[i, j]) else before[i, j]
-        at_left = (after[i, 0] - first[0]) * radius[0]
-        at_right = (after[i, 1] - first[1]) * radius[1]
-        forward = 0.5 * (at_left + at_right)
-        turn = (at_right - at_left) / track[i, 0]
-        _grow_row(
-            covariance[i],
-            pose[i, 2],
-            forward,
-            0.0,
-            turn,
-            jacobian,
-            first,
-            after[i],
-            both,
-            radius,
-            variance[i, 0],
-            grown[i],
-        )
-        ahead, left, turned = arc(forward, 0.0, turn, 1.0)
-        out[i, 0], out[i, 1], out[i, 2] = displaced(pose[i, 0], pose[i, 1], pose[i, 2], ahead, left, turned)
-
-
-@kernel
-def reckon_wheels(
-    counts: Floats,
-    counts_per_revolution: Floats,
-    radius_left: Column,
-    radius_right: Column,
-    track: Column,
-    variance: Column,
-    pose: Floats,
-    covariance: Floats,
-    before: Floats,
-    after: Floats,
-    begin: int,
-    end: int,
-    out: Floats,
-    grown: Floats,
-) -> None:
-    """Poses `out` (N, 3) and their covariances `grown` (N, 3, 3), by what the encoders of two wheels count (N, 2).
-
-    `pose` and `covariance` are those before, `before` the wheels' angles then (N, 2) [rad], nan for none yet; `after`
-    gets those of now. Parameters are (N, 1), as in `wheel_twists` and `grow_covariance`; counts in a turn are those of
-    each wheel (N, 2), or of both (N, 1). Rows begin..end-1 are worked on.
-    """
-    reckon_rows(
-        counts,
-        counts_per_revolution,
-        radius_left,
-        radius_right,
-        track,
-        variance,
-        pose,
-        covariance,
-        before,
-        after,
-        begin,
-        end,
-        np.empty(2),
-        np.empty(2),
-        np.empty((3, 2)),
-        np.empty(2, dtype=np.int64),
-        out,
-        grown,
-    )
 
 
 @kernel

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.kernels.compile import inlined, kernel, part
 from amorsim.kernels.random.normals import normals
 
-__all__ = ["fill_normal", "fill_uniform", "pairs", "philox"]
+__all__ = ["fill_normal", "fill_uniform", "lay_out", "pairs", "philox"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -67,7 +67,8 @@ def pairs(key: np.uint64, counter: npt.NDArray[np.uint32], row: int, block: int,
 
 
 @part
-def _lay_out(first: Floats, second: Floats, out: Floats) -> None:
+def lay_out(first: Floats, second: Floats, out: Floats) -> None:
+    """Lay pairs of draws side by side into `out` (k,); of an odd number the last has one draw."""
     for b in range(out.shape[0] // 2):
         out[2 * b] = first[b]
         out[2 * b + 1] = second[b]
@@ -84,7 +85,7 @@ def fill_uniform(
     second = np.empty((out.shape[1] + 1) // 2)
     for i in range(out.shape[0]):
         pairs(keys[i], counter, i, block, first, second)
-        _lay_out(first, second, out[i])
+        lay_out(first, second, out[i])
 
 
 @kernel
@@ -99,4 +100,4 @@ def fill_normal(
     for i in range(out.shape[0]):
         pairs(keys[i], counter, i, block, first, second)
         normals(first, second, first_bits, power)
-        _lay_out(first, second, out[i])
+        lay_out(first, second, out[i])

@@ -21,7 +21,7 @@ from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, bound_scan, bucket_of
 from amorsim.kernels.raycast.rays import cell_of, direction, march, rounding, to_frame
 
-__all__ = ["COARSE", "FINE", "LANES", "ROOM_F", "ROOM_Q", "ROOM_RINGS", "cast_scan", "cast_scans", "sorted_beams"]
+__all__ = ["COARSE", "FINE", "LANES", "ROOM_F", "ROOM_Q", "ROOM_RINGS", "cast_scan", "cast_scans"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -232,16 +232,6 @@ def _measure(
         q[i + _LEFT] = np.int64(is_left)
         left |= np.int64(is_left)
     return bool(left)
-
-
-def sorted_beams(cos_b: Floats, sin_b: Floats) -> tuple[Floats, Floats, Integers, Integers]:
-    """Beams (k,) as `cast_scan` takes them: cosines, sines and numbers in order, filled up to lanes, and sectors."""
-    beams = len(cos_b)
-    lanes = (beams + LANES - 1) // LANES * LANES
-    cos_s, sin_s, order = np.ones(lanes), np.zeros(lanes), np.zeros(lanes, dtype=np.int64)
-    starts = np.zeros(int(4.0 * FINE) + 1, dtype=np.int64)
-    sort_beams(cos_b, sin_b, FINE, order, starts, cos_s, sin_s)
-    return cos_s, sin_s, order, starts
 
 
 @part

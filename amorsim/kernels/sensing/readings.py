@@ -11,7 +11,7 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import wrap
 
-__all__ = ["place_ring", "scatter", "specific_force", "wrap_headings"]
+__all__ = ["blank_near", "place_ring", "scatter", "specific_force", "wrap_headings"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -41,6 +41,14 @@ def wrap_headings(poses: Floats, out: Floats) -> None:
     """Headings of `poses` (N, 3) in [-pi, pi], into `out` (N, 1) [rad]."""
     for i in range(poses.shape[0]):
         out[i, 0] = wrap(poses[i, 2])
+
+
+@kernel
+def blank_near(ranges: Floats, range_min: Column, out: Floats) -> None:
+    """Write `ranges` (N, k) [m] into `out`, -inf, "too close to measure", for those below `range_min` (N, 1)."""
+    for i in range(ranges.shape[0]):
+        for j in range(ranges.shape[1]):
+            out[i, j] = -math.inf if ranges[i, j] < range_min[i, 0] else ranges[i, j]
 
 
 @kernel

@@ -10,8 +10,9 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Aim, Context, Draws, Noise, State
+from amorsim.contracts import Aim, Context, Draws, Noise, NoiseStep, State
 from amorsim.core.draws import Medians, stream_key
+from amorsim.core.noise_steps import NoiseProgram
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
 from amorsim.core.workers import Workers
@@ -21,6 +22,7 @@ from amorsim.simulation.blame import Whose
 __all__ = ["Chain", "Streams"]
 
 Array = npt.NDArray[np.float64]
+Steps = list[tuple[NoiseStep, Draws]]
 
 
 class Streams:
@@ -63,18 +65,43 @@ class Chain:
         self.elements: list[Noise] = []
         kinds = [type(element.noise) for element in elements]
         self.aims = [i for i, kind in enumerate(kinds) if kind.aim is not Noise.aim]
-        self.corrupts = [i for i, kind in enumerate(kinds) if kind.corrupt is not Noise.corrupt]
+        self.corrupts = [
+            i
+            for i, (element, kind) in enumerate(zip(elements, kinds, strict=True))
+            if kind.corrupt is not Noise.corrupt or element.noise.steps()
+        ]
         # Of elements for one column of a table of values: where it begins; and how many columns there are.
         self.column = [columns.index(element.column) if element.column else None for element in elements]
         self.columns = len(columns)
-        # Called with an element's number, the element and what its `corrupt` gets, in the place of that.
+        # Called with an element's number, the element and what its `corrupt` gets, in the place of that. It has to be
+        # there when parameters are set.
         self.watch: Callable[..., Array] | None = None
+        self._links: list[_Link] = []
+        # All of the chain as steps that a kernel takes; None where some of it is written in Python, or watched.
+        self.steps: Steps | None = None
         self.slides = [i for i, kind in enumerate(kinds) if kind.slide is not Noise.slide]
         self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
 
     def set_parameters(self, rows: Sequence[Sequence[NoiseElement]]) -> None:
         """Take the parameters of every row's chain."""
         self.elements = [stack([chain[i].noise for chain in rows]) for i in range(len(self.names))]
+        self._links = list(self._linked())
+        self.steps = [] if not self._links else self._links[0].steps if len(self._links) == 1 else None
+
+    def _linked(self) -> Iterator[_Link]:
+        """What the values go through: one link for neighbouring elements that are steps, one for each other element."""
+        steps: list[tuple[NoiseStep, Draws]] = []
+        for i in self.corrupts:
+            its = self.elements[i].steps() if self.column[i] is None and self.watch is None else ()
+            if its:
+                steps += [(step, self.draws[i]) for step in its]
+                continue
+            if steps:
+                yield _Steps(steps)
+                steps = []
+            yield _Element(self, i)
+        if steps:
+            yield _Steps(steps)
 
     def start(self, context: Context) -> list[State]:
         """The elements' states at the start of an episode."""
@@ -140,23 +167,57 @@ class Chain:
 
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
         """What the values `(N, k)` become on their way through the chain."""
-        for i in self.corrupts:
-            column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
-            corrupt = element.corrupt if self.watch is None else functools.partial(self.watch, i, element)
-            try:
-                if column is None:
-                    values = corrupt(values, side, elapsed, state, draws)
-                else:
-                    mine = slice(column, None, self.columns)
-                    part = np.ascontiguousarray(values[:, mine])
-                    values = values.copy()
-                    values[:, mine] = corrupt(part, _Part(side, mine), elapsed, state, draws)
-            except RAISED as error:
-                self._blame(i, error)
+        for link in self._links:
+            values = link.corrupt(values, side, elapsed)
         return values
+
+    def through(self, i: int, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        """What element `i` makes of the values."""
+        column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
+        corrupt = element.corrupt if self.watch is None else functools.partial(self.watch, i, element)
+        try:
+            if column is None:
+                return corrupt(values, side, elapsed, state, draws)
+            mine = slice(column, None, self.columns)
+            part = np.ascontiguousarray(values[:, mine])
+            values = values.copy()
+            values[:, mine] = corrupt(part, _Part(side, mine), elapsed, state, draws)
+            return values
+        except RAISED as error:
+            self._blame(i, error)
 
     def _blame(self, i: int, error: BaseException) -> NoReturn:
         self._whose.blame(f"noise element {self.names[i]!r} of {self._where}", self.elements[i], error)
+
+
+class _Element:
+    """An element of a chain that is called by itself."""
+
+    steps: Steps | None = None
+
+    def __init__(self, chain: Chain, i: int) -> None:
+        self._chain, self._i = chain, i
+
+    def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        return self._chain.through(self._i, values, side, elapsed)
+
+
+class _Steps:
+    """Neighbouring elements that a kernel takes together."""
+
+    def __init__(self, steps: Steps) -> None:
+        self.steps: Steps | None = steps
+        self._program: NoiseProgram | None = None
+        self._size = 0
+
+    def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
+        if self._program is None or self._size != values.shape[1]:
+            self._size = values.shape[1]
+            self._program = NoiseProgram([self._size], [self.steps or ()])
+        return self._program.apply(np.ravel(values)).reshape(values.shape)
+
+
+_Link = _Element | _Steps
 
 
 class _Part(Mapping[str, Array]):

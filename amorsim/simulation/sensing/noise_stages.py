@@ -178,7 +178,7 @@ class KeptStages:
             )
         unit = group.sensors[sensor]
         watch = self._watches.get((id(group), sensor))
-        moment = group.row_clock.counter[row, 0], group.row_clock.counter[row, 1], int(unit.held.stamp[row, 0])
+        moment = group.row_clock.counter[row, 0], group.row_clock.counter[row, 1], int(unit.stamp[row, 0])
         found = []
         for index in unit.chain.corrupts:
             samples = watch.kept.get(index, ()) if watch is not None else ()

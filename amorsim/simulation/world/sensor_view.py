@@ -89,42 +89,27 @@ class GroupView:
             raise ComponentError(
                 f"view.cast: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_told(bearings)}"
             )
-        table = self._table(bearings)
-        out = np.empty((len(origins), bearings.shape[1]))
+        cos_b, sin_b = self._table(bearings)
         per_row = len(origins) // self.rows
         if per_row > 1 and len(range_max) == len(origins):
             limits = np.ascontiguousarray(range_max[:, 0])
         else:
-            limits = self._per_row(range_max)
-            if per_row > 1:
-                limits = np.repeat(limits, per_row)
-        self.scan(origins, table, limits, out, traversal, bodies)
-        return out
-
-    def scan(
-        self,
-        origins: Array,
-        table: Table,
-        limits: Array,
-        out: Array,
-        traversal: str = "exact",
-        bodies: bool = True,
-    ) -> None:
-        """Write what `cast` gives into `out`, by the directions of all beams and the longest range from each origin."""
-        cos_b, sin_b = table
+            limits = self._per_origin(range_max, per_row)
+        out = np.empty((len(origins), bearings.shape[1]))
         world = self._world
-        grid, lines, origin = world.map.grid, world.map.segment_index, world.map.origin
 
         def part(a: int, b: int) -> None:
             mine = slice(a, b) if len(cos_b) > 1 else slice(None)
+            beams = origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b]
             if traversal == "bresenham":
-                bresenham.bresenham_cast(grid, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
-                return
-            scans.cast_scans(grid, lines, *origin, origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b])
+                bresenham.bresenham_cast(world.map.grid, *world.map.origin, *beams)
+            else:
+                scans.cast_scans(world.map.grid, world.map.segment_index, *world.map.origin, *beams)
 
         world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:
-            self.cast_bodies(origins, cos_b, sin_b, limits, out)
+            self._cast_bodies(origins, cos_b, sin_b, limits, out)
+        return out
 
     def _table(self, bearings: Array) -> Table:
         """Cosines and sines of the bearings; those of one scan, the same for all rows, are kept while asked for."""
@@ -163,7 +148,7 @@ class GroupView:
     ) -> tuple[Array, npt.NDArray[np.int64]]:
         """What beams meet first; see `amorsim.contracts.View.look`."""
         per_row = len(origins) // self.rows
-        limits = np.repeat(self._per_row(range_max), per_row)
+        limits = self._per_origin(range_max, per_row)
         return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits, landmarks)
 
     def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
@@ -221,16 +206,16 @@ class GroupView:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
         _check_origins("cone", origins)
         per_row = len(origins) // self.rows
-        angles = self._per_row(half_angle)
-        limits = np.repeat(self._per_row(range_max), per_row)
-        widest = float(angles[0])
-        if (angles == widest).all():
+        limits = self._per_origin(range_max, per_row)
+        widths = np.asarray(half_angle)
+        widest = float(widths.flat[0])
+        if (widths == widest).all():
             return self._cones(origins, widest, limits, traversal).reshape(self.rows, per_row)
         out = np.empty((self.rows, per_row))
-        for angle in np.unique(angles):
+        for angle in np.unique(widths):
             # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
             found = self._cones(origins, float(angle), limits, traversal).reshape(self.rows, per_row)
-            out = np.where((angles == angle)[:, None], found, out)
+            out = np.where(widths == angle, found, out)
         return out
 
     def _per_row(self, values: Array) -> Array:
@@ -239,38 +224,37 @@ class GroupView:
             return np.array(values[:, 0])
         return np.array(np.broadcast_to(values, (self.rows, 1))[:, 0])
 
+    def _per_origin(self, values: Array, per_row: int) -> Array:
+        """One number for each of the places that a row looks from."""
+        numbers = self._per_row(values)
+        return np.repeat(numbers, per_row) if per_row > 1 else numbers
+
     def _cones(self, origins: Array, half_angle: float, limits: Array, traversal: str) -> Array:
+        """The nearest returns `(N * m,)` in cones of one width."""
         bearings = cone_bearings(half_angle)
         if traversal == "bresenham":
-            reach = limits.reshape(self.rows, -1)[:, :1]
-            return np.asarray(self.cast(origins, bearings, reach, traversal).min(axis=1))
-        least = np.empty(len(origins))
-        self.hear(origins, half_angle, self._table(bearings), limits, least)
-        return least
-
-    def hear(self, origins: Array, half_angle: float, table: Table, limits: Array, out: Array) -> None:
-        """Write what `cone` gives into `out` `(N * m,)`, by the directions of a cone's rays."""
+            return np.asarray(self.cast(origins, bearings, limits[:, None], traversal).min(axis=1))
+        table = self._table(bearings)
+        out = np.empty(len(origins))
         world = self._world
-        grid, lines, origin = world.map.grid, world.map.segment_index, world.map.origin
 
         def part(a: int, b: int) -> None:
-            cones.cast_cones(grid, lines, *origin, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
+            walls = world.map.grid, world.map.segment_index, *world.map.origin
+            cones.cast_cones(*walls, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
 
         world.workers.share(len(origins), CONE_WORK, part)
         if world.has_company:
-            self.cast_bodies(origins, *table, limits, out[:, None])
+            self._cast_bodies(origins, *table, limits, out[:, None])
+        return out
 
-    def cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
+    def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer than what it holds."""
-        self._world.cast(*self.carriers(len(origins) // self.rows), origins, cos_b, sin_b, limits, out)
-
-    def carriers(self, per_row: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """Which body carries what looks from each of so many places in a row, and which replica it is of."""
+        per_row = len(origins) // self.rows
         known = self._carriers.get(per_row)
         if known is None:
             own = np.repeat(self._bodies, per_row)
             known = self._carriers[per_row] = own, self._world.replica_index[own]
-        return known
+        self._world.cast(*known, origins, cos_b, sin_b, limits, out)
 
 
 def _check_origins(asked: str, origins: Any) -> None:

@@ -1,4 +1,4 @@
-"""What is done together by a plan has the bits of what every component does by itself."""
+"""What is done for all devices in one call has the bits of what every component does by itself."""
 
 from __future__ import annotations
 
@@ -25,14 +25,37 @@ def itself(thing: Any) -> Any:
 
 @functools.cache
 def own(kind: type) -> Any:
-    return attrs.frozen(kw_only=True)(type(f"Own{kind.__name__}", (kind,), {}))
+    body = {"steps": lambda self: (), "corrupt": IN_NUMPY[kind]} if kind in IN_NUMPY else {}
+    return attrs.frozen(kw_only=True)(type(f"Own{kind.__name__}", (kind,), body))
 
 
-def own_sensors(robot: Robot) -> Robot:
-    return attrs.evolve(
-        robot,
-        sensors={name: attrs.evolve(unit, sensor=itself(unit.sensor)) for name, unit in robot.sensors.items()},
-    )
+def scattered(self: Any, values: Any, _side: Any, _elapsed: Any, _state: Any, draws: am.Draws) -> Any:
+    deviation = self.std + self.proportional * np.abs(np.where(np.isfinite(values), values, 0.0))
+    noise = deviation * draws.normal(values.shape[1])
+    return np.where(np.isfinite(values) & (deviation > 0.0), np.where(np.isfinite(values), values, 0.0) + noise, values)
+
+
+def rounded(self: Any, values: Any, *_: Any) -> Any:
+    return (np.rint if self.rounding == "nearest" else np.floor)(values / self.step) * self.step
+
+
+def clipped(self: Any, values: Any, *_: Any) -> Any:
+    held = np.where(values < self.minimum, self.minimum, values)
+    return np.where((held > self.maximum) & (held < np.inf), self.maximum, held)
+
+
+def lost(self: Any, values: Any, _side: Any, _elapsed: Any, _state: Any, draws: am.Draws) -> Any:
+    return np.where(draws.uniform(values.shape[1]) < self.probability, np.inf, values)
+
+
+IN_NUMPY: dict[type, Callable[..., Any]] = {
+    am.noise.Gaussian: scattered,
+    am.noise.Bias: lambda self, values, *_: values - (0.0 - self.value),
+    am.noise.Scale: lambda self, values, *_: values * self.factor,
+    am.noise.Quantize: rounded,
+    am.noise.Saturate: clipped,
+    am.noise.Dropout: lost,
+}
 
 
 def own_noise(robot: Robot) -> Robot:
@@ -58,7 +81,7 @@ def chain(*noise: Any) -> tuple[NoiseElement, ...]:
 
 
 def sensors() -> dict[str, MountedSensor]:
-    """All kinds that have a twin, with chains of all elements that have one, two of a kind among them."""
+    """Several kinds, with chains of all elements that are steps, two of a kind among them, and others between them."""
     mount = am.Mount(x=0.05, y=-0.02, heading=0.4)
     white = am.noise.Gaussian(std=0.005, proportional=0.01)
     return {
@@ -72,13 +95,21 @@ def sensors() -> dict[str, MountedSensor]:
         "rear": MountedSensor(
             sensor=am.sensors.Laser(beams=7, fov=6.28),
             mount=am.Mount(heading=3.0),
-            noise=chain(am.noise.Scale(factor=1.1)),
+            noise=chain(am.noise.Scale(factor=1.1), am.noise.Saturate(minimum=0.4, maximum=2.0)),
         ),
         "sonar": MountedSensor(sensor=building.ring(5), mount=mount, noise=chain(am.noise.Bias(value=-0.0), white)),
         "compass": MountedSensor(
             sensor=am.sensors.Compass(), mount=mount, noise=chain(white, white, am.noise.Quantize(step=0.03))
         ),
         "gyro": MountedSensor(sensor=am.sensors.Gyro(), noise=chain(am.noise.Scale(factor=0.9), white)),
+        "lossy": MountedSensor(
+            sensor=am.sensors.Laser(beams=5), rate=4.0, noise=chain(white, am.noise.Dropout(probability=0.3))
+        ),
+        "mixed": MountedSensor(
+            sensor=am.sensors.Gyro(),
+            latency=0.25,
+            noise=chain(white, am.noise.BiasRandomWalk(std=0.1), white, am.noise.Quantize(step=0.001)),
+        ),
         "bare": MountedSensor(sensor=am.sensors.Gyro()),
     }
 
@@ -117,14 +148,11 @@ def run(made: am.Scenario, **settings: Any) -> am.Simulation:
     return sim
 
 
-@pytest.mark.parametrize("change", [own_sensors, own_noise])
 @pytest.mark.parametrize(("robots", "replicas", "threads"), [(1, 1, 1), (1, 5, 1), (3, 2, 2)])
-def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: int, threads: int) -> None:
+def test_bits_do_not_tell_whether_a_kernel_does_the_noise(robots: int, replicas: int, threads: int) -> None:
     made = scenario(robots)
     together = run(made, replicas=replicas, threads=threads)
-    alone = run(changed(made, change), replicas=replicas)
-    for sim, others in ((together, 0), (alone, len(sensors()) - 2 * (change is own_noise))):
-        assert len(sim._fleet.groups[0].sensing.others) == others
+    alone = run(changed(made, own_noise), replicas=replicas)
     for name, reading in together.readings.items():
         np.testing.assert_array_equal(reading.true, alone.readings[name].true, err_msg=name)
         np.testing.assert_array_equal(reading.measured, alone.readings[name].measured, err_msg=name)
@@ -133,7 +161,7 @@ def test_bits_do_not_tell_the_roads_apart(change: Any, robots: int, replicas: in
 
 @pytest.mark.parametrize("counts", [39400.0, (39400.0, 512.0)])
 @pytest.mark.parametrize("replicas", [1, 4])
-def test_bits_do_not_tell_whether_two_wheels_are_reckoned_in_one_call(replicas: int, counts: Any) -> None:
+def test_a_drive_of_a_users_own_is_reckoned_to_the_same_bits(replicas: int, counts: Any) -> None:
     made = changed(
         scenario(2),
         lambda robot: attrs.evolve(
@@ -193,23 +221,7 @@ def test_a_copy_of_a_simulation_goes_its_own_way_to_the_same_bits(copied: Any) -
     assert other.digest() == digest
 
 
-@pytest.mark.parametrize(
-    "unit",
-    [
-        MountedSensor(sensor=building.ring(), rate=4.0),
-        MountedSensor(sensor=building.ring(), latency=0.25),
-        MountedSensor(sensor=building.ring(), noise=chain(am.noise.Gaussian(std=0.1, per="increment"))),
-        MountedSensor(sensor=building.ring(), noise=chain(am.noise.AimGaussian(std=0.1))),
-        MountedSensor(sensor=am.sensors.Laser(traversal="bresenham")),
-    ],
-)
-def test_what_has_no_twin_is_read_by_itself(unit: MountedSensor) -> None:
-    robot = building.robot(sensors={"encoder": building.encoder(), "other": unit})
-    group = am.Simulation(building.scenario(robot))._fleet.groups[0]
-    assert [other.name for other in group.sensing.others] == ["other"]
-
-
-def test_a_parameter_that_is_set_is_in_the_plan_from_the_next_step_on() -> None:
+def test_a_parameter_that_is_set_is_taken_from_the_next_step_on() -> None:
     sim = run(scenario(1))
     sim.set("r0", "sensors.gyro.noise.scale0.factor", 2.0)
     sim.set("r0", "sensors.gyro.noise.gaussian1.std", 0.0)

@@ -1,0 +1,126 @@
+"""What noise does to values, said as steps that a kernel takes: a whole chain of them in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.draws import Draws
+from amorsim.kernels.sensing import noise_steps as kernels
+
+__all__ = ["NoiseProgram", "NoiseStep"]
+
+Array = npt.NDArray[np.float64]
+
+_RANDOM = (kernels.SCATTER, kernels.REPLACE)
+_WORK = {kernels.SCATTER: 0.5, kernels.REPLACE: 0.25}  # rays that a value costs as much as, where it is drawn for
+
+
+class NoiseStep(NamedTuple):
+    """One step of what an element of noise does (`Noise.steps`): made by one of the methods below.
+
+    Parameters of a step are numbers, or the element's own fields, which over rows are arrays `(N, 1)`.
+    """
+
+    kind: int
+    a: Any
+    b: Any
+
+    @classmethod
+    def scatter(cls, std: Any, proportional: Any = 0.0) -> NoiseStep:
+        """Add normal noise of mean 0, its standard deviation `std` and `proportional` times the value's size."""
+        return cls(kernels.SCATTER, std, proportional)
+
+    @classmethod
+    def add(cls, value: Any) -> NoiseStep:
+        """Add the same to every value."""
+        return cls(kernels.ADD, value, 0.0)
+
+    @classmethod
+    def multiply(cls, factor: Any) -> NoiseStep:
+        """Multiply every value."""
+        return cls(kernels.MULTIPLY, factor, 0.0)
+
+    @classmethod
+    def round(cls, step: Any) -> NoiseStep:
+        """Round to the nearest multiple of `step`, halfway cases to the even one."""
+        return cls(kernels.ROUND, step, 0.0)
+
+    @classmethod
+    def floor(cls, step: Any) -> NoiseStep:
+        """Round down to a multiple of `step`."""
+        return cls(kernels.FLOOR, step, 0.0)
+
+    @classmethod
+    def clip(cls, low: Any, high: Any) -> NoiseStep:
+        """Raise what is below `low`, and lower what is above `high` and no inf."""
+        return cls(kernels.CLIP, low, high)
+
+    @classmethod
+    def replace(cls, probability: Any, value: Any) -> NoiseStep:
+        """Put `value` in the place of each value with a probability."""
+        return cls(kernels.REPLACE, probability, value)
+
+
+class NoiseProgram:
+    """The steps of several devices' noise, laid out for one call of the kernel.
+
+    Parameters
+    ----------
+    sizes
+        How many values each device has.
+    steps
+        Of each device in the order in which they are taken, each step with the draws of the element that it is of.
+        All draws have the same rows.
+    """
+
+    def __init__(self, sizes: Sequence[int], steps: Sequence[Sequence[tuple[NoiseStep, Draws]]]) -> None:
+        flat = [pair for its in steps for pair in its]
+        self._draws = flat[0][1] if flat else None
+        self._random = [(s, draws, size) for s, (draws, size) in enumerate(_drawing(sizes, steps)) if size]
+        self._blocks = np.zeros(len(flat), dtype=np.int64)
+        if self._draws is None:
+            return
+        rows = len(self._draws.keys)
+        parameters = [[np.broadcast_to(_column(value), (rows, 1)) for value in step[1:]] for step, _ in flat]
+        self._program = kernels.Program(
+            sizes=np.array(sizes, dtype=np.int64),
+            ends=np.cumsum([len(its) for its in steps], dtype=np.int64),
+            kinds=np.array([step.kind for step, _ in flat], dtype=np.int64),
+            parameters=np.array(parameters)[..., 0].transpose(0, 2, 1).copy(),
+            keys=np.array([draws.keys for _, draws in flat]),
+            counter=self._draws.counter,
+        )
+        costs = [size * _WORK.get(step.kind, 0.05) for size, its in zip(sizes, steps, strict=True) for step, _ in its]
+        self._work = 1 + int(sum(costs))
+
+    def apply(self, values: Array) -> Array:
+        """What the steps make of the values `(V,)`, device by device, with the next draws of the tick.
+
+        Of each device the values of row 0 come first.
+        """
+        if self._draws is None:
+            return values
+        for s, draws, size in self._random:
+            self._blocks[s] = draws.next_block(size)
+        out = np.empty(values.shape)
+
+        def work(first: int, end: int) -> None:
+            kernels.take_steps(first, end, self._program, self._blocks, values, out)
+
+        self._draws.share(self._work, work)
+        return out
+
+
+def _drawing(sizes: Sequence[int], steps: Sequence[Sequence[tuple[NoiseStep, Draws]]]) -> Iterator[tuple[Draws, int]]:
+    """The draws of each step, and how many numbers it draws for a row."""
+    for size, its in zip(sizes, steps, strict=True):
+        for step, draws in its:
+            yield draws, size if step.kind in _RANDOM else 0
+
+
+def _column(value: Any) -> Array:
+    return np.asarray(value, dtype=np.float64)
