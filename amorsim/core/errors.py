@@ -85,7 +85,7 @@ class Fault:
     value: Any = attrs.field(default=None, eq=False, repr=False)
 
     def __str__(self) -> str:
-        file = f"{self.file}:{self.line}" if self.line else self.file
+        file = f"{self.file}:{self.line}" if self.file and self.line else self.file
         where = ": ".join(part for part in (file, self.named or self.path) if part)
         return f"{where}: {self.message}" if where else self.message
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -92,7 +93,7 @@ def view(
         problem = _show(order)
     if problem:
         # Who made the scenario in Python knows nothing of the file.
-        raise AmorsimError(problem.replace(f"{file}: ", "") if file else problem)
+        raise AmorsimError(re.sub(rf"{re.escape(str(file))}(:\d+)?: ", "", problem) if file else problem)
 
 
 def _show(order: dict[str, Any]) -> str:
