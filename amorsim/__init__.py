@@ -49,6 +49,8 @@ if TYPE_CHECKING:
         ComponentError,
         ContactError,
         ControllerError,
+        DocumentError,
+        Fault,
         MapError,
         PluginError,
         RunError,
@@ -66,7 +68,11 @@ if TYPE_CHECKING:
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
     from amorsim.scenario.devices import load_device
+    from amorsim.scenario.document import Document, open_document
     from amorsim.scenario.maps import load_map, save_map
+    from amorsim.scenario.model_files import save_device, save_robot
+    from amorsim.scenario.origins import Origin
+    from amorsim.scenario.partial import Outline, Partial
     from amorsim.scenario.read import load
     from amorsim.scenario.robots import load_robot
     from amorsim.scenario.spec import (
@@ -102,8 +108,8 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError MapError PluginError RunError ScenarioError "
-        "SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PluginError "
+        "RunError ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -113,7 +119,11 @@ _MODULES = {
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.maps": "load_map save_map",
+    "amorsim.scenario.model_files": "save_device save_robot",
+    "amorsim.scenario.origins": "Origin",
+    "amorsim.scenario.partial": "Outline Partial",
     "amorsim.scenario.devices": "load_device",
+    "amorsim.scenario.document": "Document open_document",
     "amorsim.scenario.robots": "load_robot",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
@@ -144,6 +154,8 @@ __all__ = [
     "ControllerError",
     "Deviation",
     "Distribution",
+    "Document",
+    "DocumentError",
     "Draws",
     "Drive",
     "Drop",
@@ -151,6 +163,7 @@ __all__ = [
     "Estimate",
     "Estimator",
     "Event",
+    "Fault",
     "Floor",
     "FloorPoints",
     "Frame",
@@ -173,8 +186,11 @@ __all__ = [
     "NoiseStep",
     "Obstacle",
     "ObstacleFrame",
+    "Origin",
+    "Outline",
     "ParameterError",
     "Part",
+    "Partial",
     "PluginError",
     "Pose",
     "RandomStart",
@@ -215,12 +231,15 @@ __all__ = [
     "logarithm",
     "motions",
     "noise",
+    "open_document",
     "parameter",
     "record",
     "relative",
     "reproduce",
     "run",
+    "save_device",
     "save_map",
+    "save_robot",
     "sensors",
     "stack",
     "testing",

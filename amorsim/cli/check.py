@@ -61,9 +61,9 @@ def command(
     for line in (*(f"{read.map.name}: {warning}" for warning in found), *(() if of_model else advice(read))):
         complain(f"warning: {line}")
     if resolved:
-        from amorsim.scenario.write import document_of, document_text
+        from amorsim.scenario.write import resolved_table, table_text
 
-        say(document_text(document_of(simulation.scenario), with_remarks=True).rstrip())
+        say(table_text(resolved_table(simulation.scenario), with_remarks=True).rstrip())
     elif of_model:
         robot = simulation.scenario.robots[0]
         sensors = ", ".join(robot.sensors) or "no sensors"

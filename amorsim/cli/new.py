@@ -14,23 +14,50 @@ from amorsim.core.whole_files import write_text
 
 __all__ = ["command"]
 
-_FILES = ("scenario.toml", "controller.py", "rooms.wld")
+SCENARIO = "scenario.toml"
+_FILES = (SCENARIO, "controller.py", "rooms.wld")
 
 
 def command(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="The folder to make; it may exist, but nothing in it is replaced.")
     ],
+    source: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="SCENARIO",
+            help="Begin with this scenario: a file (.toml), or the name of a bundled one. It names its files by "
+            "relative paths.",
+        ),
+    ] = None,
+    copy: Annotated[
+        bool, typer.Option("--copy", help="With --from: copy the files that the scenario names into the folder too.")
+    ] = False,
 ) -> None:
     """Make a folder with a scenario, a controller of ten lines and a map, which run as they are."""
-    template = resources.files("amorsim.cli") / "template"
-    there = [name for name in _FILES if (folder / name).exists()]
+    if copy and source is None:
+        raise RunError("--copy is for a scenario that is given with --from")
+    wanted = _FILES if source is None else (SCENARIO,)
+    there = [name for name in wanted if (folder / name).exists()]
     if there:
         raise RunError(f"{folder}: {', '.join(there)} would be replaced; name another folder")
+    document = None
+    if source is not None:
+        from amorsim.scenario.document import open_document
+
+        document = open_document(source)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RunError(f"{folder}: cannot make this folder ({error.strerror or error})") from None
-    for name in _FILES:
-        write_text(folder / name, (template / name).read_text(encoding="utf-8"))
-    say(f"made {', '.join(_FILES)} in {folder}; now: amorsim run {folder / 'scenario.toml'}")
+    if document is not None:
+        before = set(folder.iterdir())
+        document.save(folder / SCENARIO, copy=copy)
+        made = ", ".join(sorted(path.name for path in folder.iterdir() if path not in before))
+    else:
+        template = resources.files("amorsim.cli") / "template"
+        for name in _FILES:
+            write_text(folder / name, (template / name).read_text(encoding="utf-8"))
+        made = ", ".join(_FILES)
+    say(f"made {made} in {folder}; now: amorsim run {folder / SCENARIO}")

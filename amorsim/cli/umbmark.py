@@ -107,7 +107,7 @@ def _report(found: Umbmark) -> str:
 
 
 def _write(read: Scenario, found: Umbmark, folder: Path) -> None:
-    from amorsim.scenario.write import document_text, with_copies
+    from amorsim.scenario.write import table_text, with_copies
     from amorsim.studies.umbmark import corrected_scenario
 
     lines = ["parameters,direction,run,x,y"]
@@ -125,15 +125,15 @@ def _write(read: Scenario, found: Umbmark, folder: Path) -> None:
             robot.clear()
             robot.update(name=rest.pop("name"), model=MODEL, **rest)
             write_text(folder / MODEL, _model_text(model, found))
-    write_text(folder / SCENARIO, document_text(document))
+    write_text(folder / SCENARIO, table_text(document))
 
 
 def _model_text(model: dict[str, Any], found: Umbmark) -> str:
     """The model as a file of its own: what stands under a robot in a scenario, one level higher."""
     from amorsim.scenario.models import FORMAT
-    from amorsim.scenario.write import document_text
+    from amorsim.scenario.write import table_text
 
-    text = re.sub(r"^\[robots\.", "[", document_text({"robots": [model]}), flags=re.MULTILINE)
+    text = re.sub(r"^\[robots\.", "[", table_text({"robots": [model]}), flags=re.MULTILINE)
     exact = found.exact
     return (
         f"# {found.robot}, its drive corrected by UMBmark (amorsim umbmark):\n"

@@ -6,7 +6,9 @@ A message says who, what was given, what was expected and what to do.
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
+from typing import Any
 
 import attrs
 
@@ -15,6 +17,7 @@ __all__ = [
     "ComponentError",
     "ContactError",
     "ControllerError",
+    "DocumentError",
     "Fault",
     "MapError",
     "PluginError",
@@ -53,6 +56,10 @@ class ControllerError(AmorsimError):
         super().__init__(message)
 
 
+class DocumentError(AmorsimError):
+    """A path that leads nowhere in a document, or a change that its file cannot take."""
+
+
 class SnapshotError(AmorsimError):
     """A state that cannot be copied or put back."""
 
@@ -66,17 +73,34 @@ class Fault:
     """One thing wrong with a scenario: where it stands, what was found, what would be right.
 
     `path` leads to it in the document; `named` is the same with the names of robots, obstacles and zones in the places
-    of their numbers, where they have any, for messages.
+    of their numbers, where they have any, for messages. `line` counts from 1 in the file, where one is known, and
+    `value` is what was found.
     """
 
     file: str
     path: str
     message: str
     named: str = ""
+    line: int | None = None
+    value: Any = attrs.field(default=None, eq=False, repr=False)
 
     def __str__(self) -> str:
-        where = ": ".join(part for part in (self.file, self.named or self.path) if part)
+        file = f"{self.file}:{self.line}" if self.file and self.line else self.file
+        where = ": ".join(part for part in (file, self.named or self.path) if part)
         return f"{where}: {self.message}" if where else self.message
+
+    @property
+    def remedy(self) -> str:
+        """What would be right, in the words of the message; nothing where it does not say."""
+        if found := re.search(r"Did you mean .*\?", self.message):
+            return found[0]
+        if found := re.search(r"expected (?:(?!, got ).)*", self.message):
+            return found[0]
+        _, mark, last = re.sub(r" \(column \d+\)$", "", self.message).rpartition("; ")
+        if mark:
+            return last
+        found = re.search(r": (write .*)|, but: (.*)\.$", self.message)
+        return (found[1] or f"one of: {found[2]}") if found else ""
 
 
 class ScenarioError(AmorsimError):

@@ -23,7 +23,7 @@ from amorsim.render.picture import draw_run
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
 from amorsim.runs.traces import Traces
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import document_of, with_copies, write_document
+from amorsim.scenario.write import resolved_table, with_copies, write_table
 from amorsim.simulation.simulation import MOST_STEPS, Simulation
 
 __all__ = ["RunSession", "RunSummary", "record", "run_name", "steps_of"]
@@ -106,7 +106,7 @@ class RunSession:
         duration = scenario.duration if duration is None else duration
         planned = steps_of(simulation, duration) if wanted_steps is None else wanted_steps
         scenario = attrs.evolve(scenario, seed=simulation.seed, duration=duration)
-        document_of(scenario, maps_in_files=False)  # complains before there is a folder
+        resolved_table(scenario, maps_in_files=False)  # complains before there is a folder
         self.steps = 0
         self._simulation = simulation
         self._scenario = scenario
@@ -142,7 +142,7 @@ class RunSession:
 
     def _open(self) -> None:
         simulation = self._simulation
-        write_document(with_copies(self._scenario, self.folder), self.folder / "scenario.toml")
+        write_table(with_copies(self._scenario, self.folder), self.folder / "scenario.toml")
         files = (path.relative_to(self.folder).as_posix() for path in self.folder.rglob("*") if path.is_file())
         self._about["inputs"] = fingerprints(self.folder, sorted(name for name in files if name != ABOUT))
         self._folder.write_about(self._about)

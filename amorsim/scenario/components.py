@@ -21,6 +21,7 @@ from amorsim.scenario.controller_files import (
 )
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.program_text import check_program
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording, column_problem, not_for_sensors
 from amorsim.scenario.values import check_values
 
@@ -158,7 +159,8 @@ def _read_own(node: Node, arguments: tuple[str, ...]) -> dict[str, Any] | None:
     use_node = node.child("use")
     try:
         path, name = split_reference(use, use_node.folder)
-        function = load_controller(path, name, options, arguments)
+        load = load_controller if node.book.runs_programs else check_program
+        function = load(path, name, options, arguments)
     except ControllerError as error:
         use_node.fault(str(error))
         return {}

@@ -8,7 +8,7 @@ import inspect
 import os
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,7 +19,15 @@ from amorsim.core.trouble import RAISED, error_in_words, in_words
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
 
-__all__ = ["is_controller_file", "load_controller", "reference_to", "split_reference"]
+__all__ = [
+    "check_arguments",
+    "is_controller_file",
+    "load_controller",
+    "no_such_name",
+    "read_program",
+    "reference_to",
+    "split_reference",
+]
 
 
 def is_controller_file(use: str) -> bool:
@@ -70,22 +78,36 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
     module = _load_module(path)
     found = vars(module).get(name)
     if found is None:
-        own = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]
-        known = ", ".join(own) or "none"
-        raise ControllerError(f"there is no {name!r} in {path}, but: {known}.{did_you_mean(name, own)}")
+        raise no_such_name(path, name, [key for key, value in vars(module).items() if callable(value)])
     if not callable(found):
         raise ControllerError(f"{name!r} in {path} is neither a function nor a class, but {in_words(found)}")
-    _check_arguments(path, name, found, options, arguments)
+    try:
+        signature = inspect.signature(found)
+    except (TypeError, ValueError):  # written in C: nothing to check against
+        return found
+    check_arguments(path, name, signature, inspect.isclass(found), options, arguments)
     return found
 
 
-def _load_module(path: Path) -> ModuleType:
+def no_such_name(path: Path, name: str, there: Iterable[str]) -> ControllerError:
+    """What to raise where a file has no function or class of a name, but others."""
+    own = [key for key in there if not key.startswith("_")]
+    known = ", ".join(own) or "none"
+    return ControllerError(f"there is no {name!r} in {path}, but: {known}.{did_you_mean(name, own)}")
+
+
+def read_program(path: Path) -> bytes:
+    """What a Python file says; raises `ControllerError`."""
     try:
-        data = read_bytes(path)
+        return read_bytes(path)
     except (OSError, ValueError) as error:
         is_missing = isinstance(error, FileNotFoundError)
         problem = "there is no such file" if is_missing else f"cannot be read: {reason(error)}"
         raise ControllerError(f"{path}: {problem}") from error
+
+
+def _load_module(path: Path) -> ModuleType:
+    data = read_program(path)
     beside = files_beside(path, data)
     said = [data, *(part for name, file in beside.items() for part in (name.encode(), file.read_bytes()))]
     digest = hashlib.blake2b(b"\0".join([str(path).encode(), *said]), digest_size=8).hexdigest()
@@ -102,7 +124,7 @@ def _load_module(path: Path) -> ModuleType:
     try:
         # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
         make_importable(beside)
-        exec(compile(data, str(path), "exec"), vars(module))
+        exec(compile(data, str(path), "exec", dont_inherit=True), vars(module))
     except RAISED as error:
         del sys.modules[module_name]
         raise ControllerError(f"{path}{_line(error, path)}: {_text(error)}") from error
@@ -122,13 +144,17 @@ def _text(error: BaseException) -> str:
     return f"{type(error).__name__}: {error.msg}" if isinstance(error, SyntaxError) else error_in_words(error)
 
 
-def _check_arguments(path: Path, name: str, found: Any, options: Mapping[str, Any], arguments: tuple[str, ...]) -> None:
+def check_arguments(
+    path: Path,
+    name: str,
+    signature: inspect.Signature,
+    is_class: bool,
+    options: Mapping[str, Any],
+    arguments: tuple[str, ...],
+) -> None:
+    """Raise `ControllerError` unless a function or a class of this signature takes the options."""
     # A class is made with the options alone, a function called with them after its arguments.
-    leading = () if inspect.isclass(found) else (None,) * len(arguments)
-    try:
-        signature = inspect.signature(found)
-    except (TypeError, ValueError):  # written in C: nothing to check against
-        return
+    leading = () if is_class else (None,) * len(arguments)
     try:
         signature.bind(*leading, **options)
     except TypeError as error:

@@ -1,242 +1,478 @@
-"""Documents of scenarios: all that a file needs to say for the same scenario to be read from it again."""
+"""Documents: scenarios' files as their authors wrote them, which can be changed in places and saved."""
 
 from __future__ import annotations
 
-import types
-from collections.abc import Mapping, Sequence
-from typing import Any
+import contextlib
+import copy
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from amorsim.controllers.user import UserController
-from amorsim.core.errors import Fault, PluginError, ScenarioError
-from amorsim.core.map import Map
-from amorsim.motions.user import UserMotion
+import attrs
+
+from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
+from amorsim.core.parameters import ParameterError
+from amorsim.core.reading import read_bytes, reason
+from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.bodies import write_shape
-from amorsim.scenario.deviations import write_deviations
-from amorsim.scenario.fields import write_fields
-from amorsim.scenario.floor import Floor
-from amorsim.scenario.floor_file import write_floor
-from amorsim.scenario.models import FORMAT, LOOKS
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario, Zone
-from amorsim.scenario.starts import series_of
-from amorsim.scenario.worlds import start_of
+from amorsim.scenario.copies import Copies
+from amorsim.scenario.editing import Editor, Splice
+from amorsim.scenario.elsewhere import copied, named_files, near
+from amorsim.scenario.faults import Book, shown
+from amorsim.scenario.layout import MISSING, Path_, changed, found_at
+from amorsim.scenario.lines import with_lines
+from amorsim.scenario.model_files import check_model, read_model
+from amorsim.scenario.models import merge_models
+from amorsim.scenario.names_in_lists import index_of
+from amorsim.scenario.origins import KINDS, Origin, Origins, kind_of, lifted
+from amorsim.scenario.partial import Partial, read_partial
+from amorsim.scenario.read import book_of, read_values
+from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.spec import Scenario
+from amorsim.scenario.toml_values import are_same, plain
+from amorsim.scenario.worlds import Maps
+from amorsim.scenario.written import Written, line_of, read_written
 
-__all__ = ["document_of", "resolved"]
+__all__ = ["Document", "open_document"]
+
+Change = list[Splice]
 
 
-def resolved(scenario: Scenario) -> dict[str, Any]:
-    """The complete document of a scenario: the one it was read with, or else `document_of` it."""
-    return dict(scenario.document) if scenario.document is not None else document_of(scenario)
-
-
-def document_of(scenario: Scenario, *, registry: Registry | None = None, maps_in_files: bool = True) -> dict[str, Any]:
-    """The complete document of a scenario: no models, every default filled in, files by their absolute paths.
-
-    Unless `maps_in_files`, a map that was made in Python may be among them, and is left out.
+def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
+    """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
 
     Raises
     ------
-    ScenarioError
-        With a fault for everything that has no name in a file: a component that nobody registered, a map or a
-        controller that is in no file, a shape that no table describes.
+    DocumentError
+        If there is no such file, or it is no text in UTF-8.
     """
-    writer = _Writer(registry or default_registry(), maps_in_files)
-    document = writer.scenario(scenario)
-    if writer.faults:
-        raise ScenarioError(writer.faults)
-    return document
+    registry = registry or default_registry()
+    file = Path(path)
+    names = registry.names("scenario")
+    if str(path) in names and not file.is_file():
+        file = registry.file("scenario", str(path))
+    try:
+        data = read_bytes(file)
+        return Document(data.decode(), file, registry=registry)
+    except FileNotFoundError:
+        raise DocumentError(f"{path}: there is no such file.{did_you_mean(str(path), names)}") from None
+    except UnicodeDecodeError as error:
+        byte = f"byte {error.start} is {error.object[error.start]:#04x}"
+        raise DocumentError(f"{path}: not a text file in UTF-8: {byte}") from None
+    except (OSError, ValueError) as error:
+        raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
 
 
-_ONE_QUANTITY: Mapping[str, str] = types.MappingProxyType({})
+def _are_equal(one: Any, other: Any) -> bool:
+    """Whether two values mean the same, where a whole number may stand for a number."""
+    is_flag = isinstance(one, bool), isinstance(other, bool)
+    return bool(one == other) and is_flag[0] == is_flag[1]
 
 
-class _Writer:
-    """One method a thing; collects what cannot be written."""
+class _Looked(NamedTuple):
+    """What came of reading a document."""
 
-    def __init__(self, registry: Registry, maps_in_files: bool) -> None:
-        self._registry = registry
-        self._maps_in_files = maps_in_files
-        self.faults: list[Fault] = []
+    book: Book
+    maps: Maps
+    merged: dict[str, Any]  # its tables, with those of the models
+    scenario: Scenario | None  # none if there are faults
+    faults: tuple[Fault, ...]
 
-    def scenario(self, scenario: Scenario) -> dict[str, Any]:
-        """The whole document."""
-        document = {
-            "format": FORMAT,
-            "world": self._map(scenario.map, "world"),
-            "simulation": write_fields(scenario, names=("dt", "duration", "seed")),
-            "recording": self._recording(scenario.recording),
-            "robots": [
-                self._series(series, self._robot(series[0], scenario.map, f"robots.{i}"))
-                for i, series in enumerate(series_of(scenario.robots))
-            ],
-        }
-        if scenario.obstacles:
-            document["obstacles"] = [
-                self._series(series, self._obstacle(series[0], f"obstacles.{i}"))
-                for i, series in enumerate(series_of(scenario.obstacles))
-            ]
-        for key, things in (("landmarks", scenario.landmarks), ("lights", scenario.lights)):
-            if things:
-                document[key] = [write_fields(thing) for thing in things]
-        if scenario.zones:
-            document["zones"] = [self._zone(zone, f"zones.{i}") for i, zone in enumerate(scenario.zones)]
-        if scenario.floor != Floor():
-            document["floor"] = write_floor(scenario.floor, self._shape)
-        return document
 
-    def _fault(self, path: str, message: str) -> None:
-        self.faults.append(Fault(file="", path=path, message=message))
+class Document:
+    """A scenario's file as its author wrote it: read, changed in places, checked and saved; made by `open_document`.
 
-    def _component(self, kind: str, component: Any, path: str, unit: str = "") -> dict[str, Any]:
-        try:
-            name = self._registry.name_of(kind, type(component))
-        except PluginError as error:
-            self._fault(path, str(error))
-            return {}
-        if name is None:
-            what = f"{type(component).__module__}.{type(component).__qualname__}"
-            self._fault(
-                path,
-                f"{what} is no {kind} that is registered, so a file cannot name it; register it in a plugin",
-            )
-            return {}
-        return {"use": name, **write_fields(component, unit)}
+    A path leads to a value as in ``--set``: ``"robots.rover.drive.track"``, with the names or the numbers of robots
+    and of other things in lists. A change touches the lines that say what it is about, and no others: comments, order,
+    blank lines and the spelling of numbers stay.
+    """
 
-    def _map(self, found: Map, path: str) -> dict[str, Any]:
-        file = found.source
-        if file is None:
-            if self._maps_in_files:
-                self._fault(
-                    f"{path}.map",
-                    "the map was not read from a file, so a file cannot name it; give it one with save_map",
-                )
-            return {}
-        return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
+    def __init__(self, text: str, path: str | os.PathLike[str], *, registry: Registry | None = None) -> None:
+        self._path = Path(path)
+        self._registry = registry or default_registry()
+        self._bom = "\N{BOM}" if text.startswith("\N{BOM}") else ""
+        written = read_written(text.removeprefix("\N{BOM}"))
+        self._has_bad_lines = bool(written.bad)
+        self._editor = Editor(list(written.statements), written.values)
+        self._opened = written.values
+        self._origins = Origins(self._path, self._registry)
+        self._done: list[Change] = []
+        self._undone: list[Change] = []
 
-    def _recording(self, recording: Recording) -> dict[str, Any]:
-        written = write_fields(recording, names=("sensors", "picture"))
-        if recording.also:
-            written["also"] = [
-                self._component("recorder", recorder, f"recording.also.{i}")
-                for i, recorder in enumerate(recording.also)
-            ]
-        return written
+    def __repr__(self) -> str:
+        return f"<document {str(self._path)!r}>"
 
-    def _series(self, series: Sequence[Robot | Obstacle], written: dict[str, Any]) -> dict[str, Any]:
-        """The table of many alike, from that of the first of them."""
-        if len(series) == 1:
-            return written
-        name, *_ = series
-        stem = name.name.rstrip("0123456789")
-        whole: dict[str, Any] = {"name": stem, "count": len(series)}
-        if "pose" in written:
-            whole["start"] = {"poses": [write_fields(body.pose) for body in series]}
-        return whole | {key: value for key, value in written.items() if key not in ("name", "pose")}
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
 
-    def _robot(self, robot: Robot, world: Map, path: str) -> dict[str, Any]:
-        written: dict[str, Any] = {"name": robot.name}
-        if robot.model:
-            written["resolved_from"] = robot.model
-        pose = robot.pose
-        if robot.start is not None:
-            written["start"] = write_fields(robot.start)
+    @property
+    def text(self) -> str:
+        """The file's text, as `save` would write it."""
+        return self._bom + self._editor.text
+
+    # ---------------------------------------------------------------------------------------------------------- values
+
+    def get(self, path: str) -> Any:
+        """The value that holds at a path, as files say it: angles in degrees, tables as dicts.
+
+        It is the file's own, or else that of the robot's model, of a device, or a default; `inherited` says which. A
+        table has what the file and the model say in it.
+
+        Raises
+        ------
+        DocumentError
+            If nothing says it.
+        """
+        values = self._editor.values
+        at = self._at(path)
+        value = found_at(self._origins.merged(values, at), at)
+        if value is MISSING:
+            origin = self._origins.find(values, at)
+            if origin is None:
+                raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+            value = origin.value
+        return plain(value)
+
+    def inherited(self, path: str) -> Origin:
+        """Where the value comes from that holds at a path, and what would hold if the file did not say it.
+
+        Raises
+        ------
+        DocumentError
+            If nothing says it.
+        """
+        at = self._at(path)
+        origin = self._origins.find(self._editor.values, at)
+        if origin is None:
+            raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+        if origin.source == "file":
+            statements = self._editor.statements
+            origin = attrs.evolve(origin, line=line_of(statements, self._editor.layout, at))
+        return origin
+
+    def set(self, path: str, value: Any) -> None:
+        """Say a value at a path, in the place of the one that is there.
+
+        Of a table or a list, only what differs is written. What the model or a device says anyway is left out: a value
+        that is set back to it is the file's own no more. So is a default, unless it was written out when the file was
+        opened. Another ``use`` is another component: the keys of the one before go.
+
+        Raises
+        ------
+        DocumentError
+            If the path leads nowhere, or TOML has no such value.
+        """
+        value = plain(value)
+        with self._changing():
+            self._set(self._at(path), value)
+
+    def _set(self, at: Path_, value: Any) -> None:
+        values = self._editor.values
+        written = found_at(values, at)
+        if are_same(written, value):
+            return
+        for length, part in enumerate(at):
+            if isinstance(part, int) and found_at(values, at[:length]) is MISSING:  # in a list of the model's
+                there = found_at(self._origins.merged(values, at), at[:length])
+                self._editor.set(at[:length], plain(changed(there, at[length:], value)))
+                return
+        holder = found_at(values, at[:-1])
+        if at[-1] == "use" and isinstance(holder, dict) and holder.get("use", value) != value:
+            self._editor.set(at[:-1], {"use": value})
+        elif isinstance(value, dict) and isinstance(written, dict):
+            self._set_table(at, written, value)
+        elif not isinstance(value, dict) and self._is_inherited(at, value):
+            if written is not MISSING:
+                self._drop(at)
         else:
-            pose = pose or start_of(world, robot)
-            written["pose"] = write_fields(pose)
-        written["shape"] = self._shape(robot.shape, path)
-        if robot.controller is not None:
-            written["controller"] = self._controller(robot.controller, f"{path}.controller")
-        written["on_collision"] = robot.on_collision
-        written.update(write_fields(robot, names=LOOKS))
-        if robot.ground:
-            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
-        written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
-        written["sensors"] = {
-            name: self._sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
-        }
-        written["estimators"] = {
-            name: self._component("estimator", estimator, f"{path}.estimators.{name}")
-            for name, estimator in robot.estimators.items()
-        }
-        if robot.errors:
-            written["errors"] = self._errors(robot, pose or Pose(), path)
-        knowledge: dict[str, Any] = {}
-        if robot.knowledge.map is not None:
-            knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
-        if robot.knowledge.landmarks:
-            points = robot.knowledge.landmarks
-            ids = robot.knowledge.landmark_ids or (0,) * len(points)
-            knowledge["landmarks"] = [
-                {"id": number, "x": x, "y": y} if number else [x, y] for number, (x, y) in zip(ids, points, strict=True)
-            ]
-        if knowledge:
-            written["knowledge"] = knowledge
-        return written
+            self._editor.set(at, value)
+            self._drop_list(at)
 
-    def _errors(self, robot: Robot, pose: Pose, path: str) -> dict[str, Any]:
-        parts = {"drive": robot.drive, "sensors": robot.sensors, "pose": pose}
+    def _drop_list(self, at: Path_) -> None:
+        """Leave out the list that a path leads into, where it is the model's again."""
+        for length in range(self._models_begin + 1, len(at)):
+            holder = at[:length]
+            if isinstance(at[length], int):
+                if self._is_inherited(holder, found_at(self._editor.values, holder)):
+                    self._drop(holder)
+                return
+
+    def _set_table(self, at: Path_, written: dict[str, Any], value: dict[str, Any]) -> None:
+        if "use" in value:  # first, for the keys of another component go with it
+            self._set((*at, "use"), value["use"])
+        inherited = found_at(self._origins.merged(self._editor.values, at), at)
+        for key in written:
+            if key not in value and found_at(self._editor.values, (*at, key)) is not MISSING:
+                self._editor.remove((*at, key))
+        for key, item in value.items():
+            if key not in written and isinstance(inherited, dict) and are_same(inherited.get(key), item):
+                continue
+            self._set((*at, key), item)
+        if found_at(self._editor.values, at) is MISSING:
+            self._editor.set(at, {})
+
+    def _is_inherited(self, at: Path_, value: Any) -> bool:
+        """Whether a value holds at a path if the file says nothing of it, and the file need not say it."""
+        origin = self._origins.find(self._editor.values, at)
+        if origin is not None and origin.source == "file":
+            origin = origin.under
+        if origin is None or not _are_equal(origin.value, value):
+            return False
+        return origin.source != "default" or found_at(self._opened, at) is MISSING
+
+    def _drop(self, at: Path_) -> None:
+        """Leave out what is at a path, and the tables about it that are empty then and were not in the file."""
+        self._editor.remove(at)
+        for length in range(len(at) - 1, 0, -1):
+            is_new = found_at(self._opened, at[:length]) is MISSING
+            if found_at(self._editor.values, at[:length]) != {} or not is_new:
+                return
+            self._editor.remove(at[:length])
+
+    def remove(self, path: str) -> None:
+        """Leave out what the file says at a path: a value, a table or an item of a list.
+
+        Raises
+        ------
+        DocumentError
+            If the file says nothing of it.
+        """
+        at = self._at(path)
+        if not at or found_at(self._editor.values, at) is MISSING:
+            origin = self._origins.find(self._editor.values, at) if at else None
+            where = "" if origin is None or origin.file is None else f"; {origin.file} does, of which the robot is made"
+            raise DocumentError(f"{path}: the file says nothing of it{where}")
+        with self._changing():
+            self._editor.remove(at)
+
+    def add(self, path: str, value: Any, index: int | None = None) -> str:
+        """Put an item into the list at a path, which is begun where there is none; returns the item's path.
+
+        Parameters
+        ----------
+        path
+            Of the list: ``"obstacles"``.
+        value
+            The item: ``{"name": "box", "shape": {"circle": 0.2}}``.
+        index
+            Before which item of the list; at its end if none is given.
+
+        Raises
+        ------
+        DocumentError
+            If there is something else than a list, or TOML has no such value.
+        """
+        at, value = self._at(path), plain(value)
+        there = found_at(self._editor.values, at)
+        if there is not MISSING and not isinstance(there, list):
+            raise DocumentError(f"{path}: expected a list, to which something can be added; it is {shown(there)}")
+        count = 0 if there is MISSING else len(there)
+        place = self._place(path, count if index is None else index, count + 1)
+        with self._changing():
+            if there is MISSING:
+                self._editor.begin_list(at, value)
+            else:
+                self._editor.insert(at, place, value)
+        return ".".join(map(str, (*at, place)))
+
+    def move(self, path: str, index: int) -> str:
+        """Put an item of a list elsewhere in it, with all that the file says of it; returns its path there.
+
+        Raises
+        ------
+        DocumentError
+            If the path leads to no item of a list, or the list has no such place.
+        """
+        at = self._at(path)
+        there = found_at(self._editor.values, at[:-1]) if at else MISSING
+        if not isinstance(there, list):
+            raise DocumentError(f"{path}: expected an item of a list, as 'robots.rover'")
+        place = self._place(path, index, len(there))
+        with self._changing():
+            self._editor.move(at, place)
+        return ".".join(map(str, (*at[:-1], place)))
+
+    @staticmethod
+    def _place(path: str, index: int, count: int) -> int:
+        if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < count:
+            raise DocumentError(f"{path}: index: expected a whole number from 0 to {count - 1}, got {shown(index)}")
+        return index
+
+    @property
+    def _models_begin(self) -> int:
+        """How many parts a path has at least to what a model may say."""
+        return 2 if kind_of(self._editor.values) == "scenario" else 0
+
+    def _at(self, path: str | Sequence[str | int]) -> Path_:
+        """A path with numbers in the places of names."""
+        parts = path.split(".") if isinstance(path, str) else [str(part) for part in path]
+        place: Any = self._editor.values
+        at: Path_ = ()
+        for number, part in enumerate(parts):
+            if number == self._models_begin:  # a model may have what the file does not say
+                place = found_at(self._origins.merged(self._editor.values, (*at, part)), at)
+            if isinstance(path, str) and not part.strip():
+                raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
+            part = part.strip() if isinstance(path, str) else part
+            if isinstance(place, list):
+                index = index_of(place, part)
+                if isinstance(index, str):
+                    raise DocumentError(f"{'.'.join(map(str, (*at, part)))}: {index}")
+                place, at = place[index], (*at, index)
+                continue
+            if place is not MISSING and not isinstance(place, dict):
+                where = ".".join(map(str, at))
+                raise DocumentError(f"{'.'.join(parts[: number + 1])}: nothing is under {where}: it is {shown(place)}")
+            place = place.get(part, MISSING) if place is not MISSING else MISSING
+            at = (*at, part)
+        return at
+
+    # --------------------------------------------------------------------------------------------------------- journal
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[None]:
+        """What changes within it is one step of `undo`; if it raises, nothing has changed."""
+        log = self._editor.log = []
         try:
-            return write_deviations(robot.errors, parts)
-        except (LookupError, AttributeError, ValueError) as error:
-            self._fault(f"{path}.errors", f"one of its paths leads to no number: {error}")
-            return {}
+            yield
+        except BaseException:
+            for splice in reversed(log):
+                self._editor.apply(splice, back=True)
+            raise
+        if log:
+            self._done.append(log)
+            self._undone.clear()
 
-    def _sensor(self, mounted: MountedSensor, path: str) -> dict[str, Any]:
-        unit = mounted.sensor.unit
-        written = self._component("sensor", mounted.sensor, path)
-        written["mount"] = write_fields(mounted.mount)
-        written.update(write_fields(mounted, names=("rate", "latency")))
-        if mounted.noise:
-            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
-        return written
+    def undo(self) -> bool:
+        """Take the last change back, to the byte; false if there is none."""
+        if not self._done:
+            return False
+        change = self._done.pop()
+        for splice in reversed(change):
+            self._editor.apply(splice, back=True)
+        self._undone.append(change)
+        return True
 
-    def _chain(
-        self, chain: tuple[NoiseElement, ...], path: str, unit: str, columns: Mapping[str, str] = _ONE_QUANTITY
-    ) -> list[dict[str, Any]]:
-        written = []
-        for i, element in enumerate(chain):
-            fields = self._component("noise", element.noise, f"{path}.{i}", columns.get(element.column, unit))
-            column = {"column": element.column} if element.column else {}
-            written.append({"use": fields.pop("use", ""), "name": element.name, **column, **fields})
-        return written
+    def redo(self) -> bool:
+        """Make the change again that was taken back last; false if there is none."""
+        if not self._undone:
+            return False
+        change = self._undone.pop()
+        for splice in change:
+            self._editor.apply(splice)
+        self._done.append(change)
+        return True
 
-    def _controller(self, controller: Any, path: str, kind: str = "controller") -> dict[str, Any]:
-        if not isinstance(controller, (UserController, UserMotion)):
-            return self._component(kind, controller, path)
-        if controller.source:
-            return {"use": controller.source, **dict(controller.options)}
-        name = getattr(controller.function, "__qualname__", repr(controller.function))
-        self._fault(
-            path,
-            f"{name} was given as an object, so a file cannot name it; put it into a file of its own, and "
-            f"say use = 'FILE.py:{name}'",
-        )
-        return {}
+    # --------------------------------------------------------------------------------------------------------- meaning
 
-    def _obstacle(self, obstacle: Obstacle, path: str) -> dict[str, Any]:
-        written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
-        if obstacle.start is not None:
-            written["start"] = write_fields(obstacle.start)
+    def scenario(self) -> Scenario:
+        """The scenario that the document means, as `load` reads it from the file, with its programs loaded.
+
+        Raises
+        ------
+        ScenarioError
+            With all faults, each with its line.
+        DocumentError
+            If it is a model or a device.
+        """
+        looked = self._look(runs_programs=True)
+        if looked.faults:
+            raise ScenarioError(looked.faults, looked.book.warnings)
+        if looked.scenario is None:
+            raise DocumentError(f"{self._path}: this is the {kind_of(self._editor.values)} of robots, and no scenario")
+        return attrs.evolve(looked.scenario, resolved=resolved_table(looked.scenario, registry=self._registry))
+
+    def faults(self) -> tuple[Fault, ...]:
+        """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
+
+        Nothing of a user's runs: of controllers and motions in files the text is checked. What only shows when they
+        run is told by `scenario`, and what depends on draws, such as starts at random, by `Simulation`.
+        """
+        return self._look().faults
+
+    def partial(self) -> Partial:
+        """What can be read of the document whatever faults it has, to show it; nothing of a user's runs."""
+        looked = self._look()
+        return read_partial(looked.merged, looked.book, self._registry, looked.maps, looked.faults)
+
+    def _look(self, *, runs_programs: bool = False) -> _Looked:
+        """All that the document says, read and checked."""
+        written = self._written()
+        book = book_of(written, self._path)
+        book.runs_programs = runs_programs
+        maps = Maps(self._registry)
+        tables = copy.deepcopy(lifted(written.values))
+        kind = kind_of(written.values)
+        values: dict[str, Any] = {}
+        if kind == "scenario":
+            values = read_values(tables, book, (), self._registry, maps, True, False)
         else:
-            written["pose"] = write_fields(obstacle.pose)
-        written.update(write_fields(obstacle, names=LOOKS))
-        if obstacle.motion is not None:
-            written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")
-        return written
+            check_model(written.values, kind, book)
+            source = book.source(())
+            at = tuple(map(str, KINDS[kind]))
+            book.set_source(at, attrs.evolve(source, depth=len(at)))
+            merge_models(tables, book, self._registry)
+            read_model(tables["robots"][0], kind, book, self._registry)
+        scenario = None
+        if not book.count and kind == "scenario":
+            try:
+                scenario = Scenario(**values, source=self._path)
+            except ParameterError as error:
+                book.fault((error.name,), error.problem)
+        faults = with_lines(book.faults, {str(self._path): written})
+        return _Looked(book, maps, tables, scenario, tuple(faults))
 
-    def _zone(self, zone: Zone, path: str) -> dict[str, Any]:
-        written: dict[str, Any] = {"name": zone.name, "shape": self._shape(zone.shape, path)}
-        written["pose"] = write_fields(zone.pose)
-        if zone.ground:
-            written["ground"] = self._chain(zone.ground, f"{path}.ground", "m")
-        return written
+    def _written(self) -> Written:
+        if self._has_bad_lines:  # they may stand elsewhere by now
+            return read_written(self._editor.text)
+        return Written(self._editor.text, self._editor.values, self._editor.statements)
 
-    def _shape(self, shape: Any, path: str) -> dict[str, Any]:
-        written = write_shape(shape)
-        if written is None:
-            self._fault(
-                f"{path}.shape",
-                "a shape that is no circle, polygon or rounded convex polygon cannot be written into a file",
-            )
-        return written or {}
+    # ------------------------------------------------------------------------------------------------------------ file
+
+    def save(self, path: str | os.PathLike[str] | None = None, *, copy: bool = False) -> Path:
+        """Write the file, whole or not at all; returns where it is.
+
+        Written elsewhere, it names maps, models, programs and other files from there, by relative paths; the document
+        stays that of its own file.
+
+        Parameters
+        ----------
+        path
+            Another file, which is replaced if it is there.
+        copy
+            Whether files that lie outside the folder of `path` are copied into it, with what they need in turn. None
+            is replaced: of two files of one name, the copy gets a number.
+
+        Raises
+        ------
+        RunError
+            If it cannot be written; what was there is there still.
+        """
+        file = self._path if path is None else Path(path)
+        text = self.text
+        if file.absolute().parent != self._path.absolute().parent or copy:
+            text = self._for(file.absolute(), copy)
+        write_bytes(file, text.encode())
+        return file
+
+    def _for(self, target: Path, copy: bool, copies: Copies | None = None) -> str:
+        """The text for another file."""
+        folder, here = target.parent, self._path.absolute().parent
+        other = Document(self.text, self._path, registry=self._registry)
+        values = self._editor.values
+        copies = copies or Copies(folder, replaces=False, taken=(target.name,))
+        for named in named_files(values, self._registry, here):
+            file = Path(os.path.abspath(here / named.name))  # noqa: PTH100 - a link keeps the name that it was given
+            if not copy or file.is_relative_to(folder):
+                name = near(file, folder)
+            elif named.kind == "model":
+                name = copies.of_text(file, open_document(file, registry=self._registry)._for(target, copy, copies))
+            else:
+                name = copied(named, file, values, copies, self._registry)
+            if name != named.name:
+                other._editor.set(named.at, named.said(name))
+        return other.text

@@ -10,6 +10,7 @@ import attrs
 
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
 from amorsim.plugins.checks import check_name
+from amorsim.scenario.lines import with_lines
 
 __all__ = ["Book", "Node", "Source"]
 
@@ -21,43 +22,81 @@ class Source:
     """A file, or a setting of the command line, that values came from.
 
     `folder` is where relative paths in it start; `depth` how many parts of a path in the whole document are
-    left off to get the path in the file (a robot's model begins at the robot).
+    left off to get the path in the file (a robot's model begins at the robot); `kind` is ``"file"``, ``"model"`` or
+    ``"device"``.
     """
 
     file: str
     folder: Path
     depth: int = 0
+    kind: str = "file"
 
 
 @attrs.define
-class _Branch:
+class Branch:
     """A part of the document: where it came from, if that was said, and the parts below of which something was."""
 
     source: Source | None = None
-    below: dict[str, _Branch] = attrs.field(factory=dict)
+    below: dict[str, Branch] = attrs.field(factory=dict)
+
+    def copy(self) -> Branch:
+        """The same, for changes of its own."""
+        return Branch(self.source, {part: branch.copy() for part, branch in self.below.items()})
 
 
 class Book:
     """The faults found so far, and which parts of the document came from which source."""
 
     def __init__(self, source: Source) -> None:
-        self._root = _Branch(source)
+        self._root = Branch(source)
         self._faults: dict[Fault, None] = {}  # in order
         self._count = 0
+        self.places: list[Path_] = []
+        """Where in the whole document the faults are, each as often as it was found."""
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
+        self.runs_programs = True
+        """Whether users' programs may be loaded, which runs them; else their text alone is checked."""
+        self.has_lost_lines = False
+        """Whether lines that are no TOML were left out; what is missing may stand there, and is no fault of its own."""
         self.document: Any = None
         """The whole document, for the names of what stands in its lists."""
         self.warnings: tuple[str, ...] = ()
         """Of the map, to be told with the faults."""
 
+    @classmethod
+    def silent(cls) -> Book:
+        """A book of which nobody asks where its values came from."""
+        return cls(Source(file="", folder=Path()))
+
+    def again(self, document: Any) -> Book:
+        """A book without faults for another reading of what came from the same sources."""
+        other = Book.silent()
+        other._root = self._root.copy()
+        other.has_lost_lines = self.has_lost_lines
+        other.runs_programs = self.runs_programs
+        other.document = document
+        return other
+
     def set_source(self, path: Path_, source: Source) -> None:
         """From now on, everything at `path` and below came from `source`."""
+        self.set_branch(path, Branch(source))
+
+    def set_branch(self, path: Path_, branch: Branch) -> None:
+        """From now on, what is at `path` came from where `branch` says."""
+        place = self._root
+        for part in path:
+            place = place.below.setdefault(part, Branch())
+        place.source, place.below = branch.source, branch.below
+
+    def branch(self, path: Path_) -> Branch:
+        """Where what is at `path` came from, and the parts below; a copy."""
         branch = self._root
         for part in path:
-            branch = branch.below.setdefault(part, _Branch())
-        branch.source = source
-        branch.below.clear()
+            if part not in branch.below:
+                return Branch(self.source(path))
+            branch = branch.below[part]
+        return Branch(self.source(path), branch.copy().below)
 
     def source(self, path: Path_) -> Source:
         """Where the value at `path` came from."""
@@ -71,11 +110,17 @@ class Book:
         assert found is not None
         return found
 
-    def fault(self, path: Path_, message: str) -> None:
-        """Note what is wrong at `path`."""
+    def fault(self, path: Path_, message: str, value: Any = None) -> None:
+        """Note what is wrong at `path`, with the value that is there."""
         source = self.source(path)
+        self.places.append(path)
+        if self.has_lost_lines and message.startswith("missing"):
+            self._count += 1
+            return
         place, named = (".".join(parts[source.depth :]) for parts in (path, self._named(path)))
-        self.add(Fault(file=source.file, path=place, message=message, named="" if named == place else named))
+        self.add(
+            Fault(file=source.file, path=place, message=message, named="" if named == place else named, value=value)
+        )
 
     def _named(self, path: Path_) -> Path_:
         """A path with the name of a robot, obstacle or zone in the place of its number, if no other is called so."""
@@ -103,9 +148,9 @@ class Book:
         return self._count
 
     def raise_if_any(self) -> None:
-        """Raise `ScenarioError` with all faults, if there are any."""
+        """Raise `ScenarioError` with all faults and their lines, if there are any."""
         if self._faults:
-            raise ScenarioError(self._faults, self.warnings)
+            raise ScenarioError(with_lines(self._faults), self.warnings)
 
 
 @attrs.frozen
@@ -118,7 +163,7 @@ class Node:
 
     def fault(self, message: str) -> None:
         """Note what is wrong with this value."""
-        self.book.fault(self.path, message)
+        self.book.fault(self.path, message, self.value)
 
     @property
     def folder(self) -> Path:

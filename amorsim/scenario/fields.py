@@ -20,7 +20,7 @@ from amorsim.core.trouble import in_words
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
 
-__all__ = ["file_fields", "read_component", "read_fields", "write_fields"]
+__all__ = ["NONE", "default_in_file", "file_fields", "read_component", "read_fields", "write_fields"]
 
 NONE = "none"
 _MOST = 2**63 - 1
@@ -188,6 +188,15 @@ def write_fields(component: Any, sensor_unit: str = "", names: Iterable[str] | N
             continue
         written[key] = _written(value, parameter.type, parameter.is_angle)
     return written
+
+
+def default_in_file(parameter: Parameter) -> Any:
+    """The default of a parameter as a file has it; None where a value must be given."""
+    if parameter.is_required:
+        return None
+    if parameter.default is None:
+        return NONE if types.NoneType in typing.get_args(parameter.type) else None
+    return _written(parameter.default, parameter.type, parameter.is_angle)
 
 
 def _written(value: Any, kind: Any, is_angle: bool) -> Any:

@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import copy
-import re
-import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+
+import attrs
 
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.core.reading import read_text, reason
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.angles import parse_float
-from amorsim.scenario.faults import Book, Node, Source, shown
+from amorsim.scenario.faults import Book, Branch, Node, Source, shown
+from amorsim.scenario.written import Written, read_written
 
-__all__ = ["FORMAT", "LOOKS", "MODEL_KEYS", "check_format", "drop_removed", "merge_models", "read_layers", "read_toml"]
+__all__ = [
+    "FORMAT",
+    "LOOKS",
+    "MODEL_KEYS",
+    "are_of_one_kind",
+    "check_format",
+    "drop_removed",
+    "merge_models",
+    "read_file",
+    "read_layers",
+    "read_toml",
+]
 
 FORMAT = 1
 LOOKS = ("fiducial", "height", "colour")  # of a robot or an obstacle
@@ -39,7 +50,18 @@ _NAMED = ("sensors", "estimators")
 
 
 def read_toml(path: Path) -> dict[str, Any] | str:
-    """The document in a TOML file, or a text that says why there is none."""
+    """The table in a TOML file, or a text that says why there is none."""
+    written = read_file(path)
+    if isinstance(written, str):
+        return written
+    if written.bad:
+        first = written.bad[0]
+        return f"line {first.line}: {first.message}"
+    return written.values
+
+
+def read_file(path: Path) -> Written | str:
+    """What a TOML file says, and which of its lines are no TOML; or a text that says why it cannot be read."""
     try:
         text = read_text(path)
     except FileNotFoundError:
@@ -48,23 +70,7 @@ def read_toml(path: Path) -> dict[str, Any] | str:
         return f"not a text file in UTF-8: byte {error.start} is {error.object[error.start]:#04x}"
     except (OSError, ValueError) as error:
         return f"cannot be read: {'it is a folder' if isinstance(error, IsADirectoryError) else reason(error)}"
-    try:
-        return tomllib.loads(text.removeprefix("\N{BOM}"), parse_float=parse_float)
-    except (ValueError, RecursionError) as error:
-        return _toml_problem(error)
-
-
-def _toml_problem(error: Exception) -> str:
-    """What is wrong with a file's TOML; what Python tells only in words of its own is said plainly."""
-    text = str(error)
-    place = re.search(r"\(at (line \d+), column \d+\)", text)
-    where = f"{place[1]}: " if place else ""
-    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
-        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
-        return f"{where}the table [{name}] stands in this file already; put what is here under the first one"
-    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
-        return f"{where}this key has a value already; leave one of the two out"
-    return f"not valid TOML: {error}"
+    return read_written(text.removeprefix("\N{BOM}"))
 
 
 def check_format(node: Node) -> None:
@@ -166,12 +172,12 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
             return None
     model = read_toml(path)
     if isinstance(model, str):
-        node.fault(f"the model {path}: {model}" if "TOML" not in model else f"the model {path} is {model}")
+        node.fault(f"the model {path}: {model}")
         return None
     if path.resolve() in seen:
         node.fault(f"{name} builds on itself")
         return None
-    source = Source(file=str(path), folder=path.parent)
+    source = Source(file=str(path), folder=path.parent, kind="model" if kind == "robot" else kind)
     # Faults at the model's top level are found here, where no scenario's keys are mixed in.
     alone = Book(source)
     top = Node(model, (), alone)
@@ -193,27 +199,36 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
 
 def _merged(layers: list[Layer], node: Node) -> dict[str, Any]:
     """The layers, each over those before it, and over all of them the node's own table."""
-    own, depth = node.book.source(node.path), len(node.path)
+    # The table's own parts may come from several files: those of a robot with a model, which have devices.
+    before = Book(node.book.source(node.path))
+    before.set_branch(node.path, node.book.branch(node.path))
     merged: dict[str, Any] = {}
     for source, values in layers:
-        at = Source(file=source.file, folder=source.folder, depth=depth)
-        _merge(merged, copy.deepcopy(values), node.path, at, node.book)
-    _merge(merged, node.value, node.path, own, node.book)
+        alone = Book(attrs.evolve(source, depth=len(node.path)))
+        _merge(merged, copy.deepcopy(values), node.path, alone.branch, node.book)
+    _merge(merged, node.value, node.path, before.branch, node.book)
     return merged
 
 
-def _merge(under: dict[str, Any], over: dict[str, Any], path: tuple[str, ...], own: Source, book: Book) -> None:
+def _merge(
+    under: dict[str, Any],
+    over: dict[str, Any],
+    path: tuple[str, ...],
+    origin: Callable[[tuple[str, ...]], Branch],
+    book: Book,
+) -> None:
     for key, value in over.items():
         old = under.get(key)
         at = (*path, key)
-        if isinstance(old, dict) and isinstance(value, dict) and _is_of_one_kind(at, old, value):
-            _merge(old, value, at, own, book)
+        if isinstance(old, dict) and isinstance(value, dict) and are_of_one_kind(at, old, value):
+            _merge(old, value, at, origin, book)
         else:
             under[key] = value
-            book.set_source(at, own)
+            book.set_branch(at, origin(at))
 
 
-def _is_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
+def are_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
+    """Whether a table that lies over another is merged with it key by key, and does not replace it."""
     # Half of one shape, or of one error, and half of another is none.
     if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= _ERROR):
         return False

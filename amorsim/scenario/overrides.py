@@ -9,9 +9,10 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import Fault, did_you_mean
+from amorsim.core.errors import Fault
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.faults import Book, Source, shown
+from amorsim.scenario.names_in_lists import index_of
 
 __all__ = ["Override", "apply_overrides", "parse_overrides"]
 
@@ -86,7 +87,7 @@ def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str
     made: tuple[str, ...] = ()
     for part in override.path[:-1]:
         if isinstance(place, list):
-            index = _index(place, part)
+            index = index_of(place, part)
             if isinstance(index, str):
                 return index, (*done, part)
             place = place[index]
@@ -100,7 +101,7 @@ def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str
             return f"there is nothing under {'.'.join(done)}: it is {shown(place)}", (*done, part)
     last = override.path[-1]
     if isinstance(place, list):
-        index = _index(place, last)
+        index = index_of(place, last)
         if isinstance(index, str):
             return index, (*done, last)
         place[index] = override.value
@@ -112,20 +113,3 @@ def _apply(document: dict[str, Any], override: Override) -> tuple[str, tuple[str
         place.clear()
     place[last] = override.value
     return "", made or (*done, last)
-
-
-def _index(items: list[Any], part: str) -> int | str:
-    """The index of the item that a part of a path means, or what is wrong with it."""
-    names = [_name(item) for item in items]
-    if part in names:
-        return names.index(part)
-    if part.isascii() and part.isdigit() and int(part[:9]) < len(items):
-        return int(part)
-    known = ", ".join(name for name in names if name)
-    there = f"{len(items)} of them" + (f": {known}" if known else "")
-    return f"there is no {part!r} among these, but {there}.{did_you_mean(part, filter(None, names))}"
-
-
-def _name(item: Any) -> str:
-    name = item.get("name", item.get("use")) if isinstance(item, dict) else None
-    return name if isinstance(name, str) else ""

@@ -20,16 +20,17 @@ from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_recording
-from amorsim.scenario.document import document_of
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.floor_file import read_floor
-from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_toml
+from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_file, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
+from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
+from amorsim.scenario.written import Written
 
 __all__ = ["check_words", "is_model", "load", "loads", "scenario_for_map", "scenario_for_model"]
 
@@ -57,30 +58,40 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
         With all the faults that were found, each with file, key path, and what would be right.
     """
     registry = registry or default_registry()
-    path, document = find_document(source, registry)
-    origin = Source(file=str(path), folder=path.parent)
-    return _read(document, Book(origin), overrides, registry, path)
+    path, book, table = _find(source, registry)
+    return _read(table, book, overrides, registry, path)
 
 
-def find_document(source: str | Path, registry: Registry) -> tuple[Path, dict[str, Any]]:
+def _find(source: str | Path, registry: Registry) -> tuple[Path, Book, dict[str, Any]]:
     """The file that is meant by a path or by the name of a registered scenario, and the table in it.
+
+    The book has the faults of lines that are no TOML. Nothing in the table has been looked at.
 
     Raises
     ------
     ScenarioError
-        If there is no such file, or it is not TOML. Nothing in the table has been looked at.
+        If there is no such file, or it is no text.
     """
     path = Path(source)
     names = registry.names("scenario")
     if str(source) in names and not is_file(path):
         path = registry.file("scenario", str(source))
-    document = read_toml(path)
-    if isinstance(document, str):
+    written = read_file(path)
+    if isinstance(written, str):
         hint = did_you_mean(str(source), names)
         if not path.suffix:
-            document += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
-        raise ScenarioError([Fault(file=str(source), path="", message=document)])
-    return path, document
+            written += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
+        raise ScenarioError([Fault(file=str(source), path="", message=written)])
+    return path, book_of(written, path), written.values
+
+
+def book_of(written: Written, path: Path) -> Book:
+    """A book for what a file says, with the faults of its lines that are no TOML."""
+    book = Book(Source(file=str(path), folder=path.parent))
+    book.has_lost_lines = bool(written.bad)
+    for fault in written.faults(str(path)):
+        book.add(fault)
+    return book
 
 
 def loads(
@@ -134,6 +145,7 @@ def check_words(
     """Raise the faults of a scenario's own words: of all that `load` would find, but for what the maps hold.
 
     No map is read, so that nothing is compiled for it: who has just installed waits for that, and hears this before.
+    Nothing of a user's runs: of controllers and motions in files, the text is checked.
 
     Parameters
     ----------
@@ -150,12 +162,11 @@ def check_words(
     registry = registry or default_registry()
     path = Path(source)
     if of_map is None:
-        path, document = find_document(source, registry)
-        origin = Source(file=str(path), folder=path.parent)
+        path, book, table = _find(source, registry)
     else:
-        document, origin = _map_alone(path, of_map), Source(file="", folder=path.parent)
-    book = Book(origin)
-    _values(document, book, overrides, registry, Maps(registry, are_read=False), False, False)
+        table, book = _map_alone(path, of_map), Book(Source(file="", folder=path.parent))
+    book.runs_programs = False
+    read_values(table, book, overrides, registry, Maps(registry, are_read=False), False, False)
     book.raise_if_any()
 
 
@@ -191,7 +202,7 @@ def _read(
     starts: bool = True,
     is_map_alone: bool = False,
 ) -> Scenario:
-    values = _values(document, book, overrides, registry, Maps(registry), starts, is_map_alone)
+    values = read_values(document, book, overrides, registry, Maps(registry), starts, is_map_alone)
     book.raise_if_any()
     try:
         scenario = Scenario(**values, source=file)
@@ -199,10 +210,10 @@ def _read(
         book.fault((error.name,), error.problem)
         book.raise_if_any()
         raise
-    return attrs.evolve(scenario, document=document_of(scenario, registry=registry))
+    return attrs.evolve(scenario, resolved=resolved_table(scenario, registry=registry))
 
 
-def _values(
+def read_values(
     document: dict[str, Any],
     book: Book,
     overrides: Iterable[str],
@@ -217,10 +228,11 @@ def _values(
     apply_overrides(document, [setting for setting in settings if setting.chooses_model], book)
     merge_models(document, book, registry)
     apply_overrides(document, [setting for setting in settings if not setting.chooses_model], book)
-    return _read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
+    return read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
 
 
-def _read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
+def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
+    """What a `Scenario` is made with, of the whole table, into which models were merged."""
     check_format(top.child("format"))
     top.refuse_unknown(_KEYS)
     if "description" in top:

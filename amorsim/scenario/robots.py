@@ -28,7 +28,7 @@ from amorsim.scenario.components import (
 from amorsim.scenario.deviations import read_deviations
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_fields
-from amorsim.scenario.models import LOOKS, merge_models
+from amorsim.scenario.models import LOOKS, drop_removed, merge_models
 from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
 
@@ -83,6 +83,7 @@ def load_robot(model: str | Path, *, registry: Registry | None = None, **changes
     book = Book(Source(file="", folder=Path()))
     document: dict[str, Any] = {"robots": [{"model": str(model)}]}
     merge_models(document, book, registry)
+    drop_removed(document["robots"][0])
     robot = read_robot(Node(document["robots"][0], ("robots", "0"), book), Maps(registry), None, registry)
     book.raise_if_any()
     assert robot is not None

@@ -445,8 +445,8 @@ def _zones(given: Iterable[Zone]) -> tuple[Zone, ...]:
 class Scenario:
     """A world, the robots in it, and how time runs.
 
-    `source` is the file it was read from, `document` what stood there with all models and defaults filled in and
-    files named (what a run's folder keeps); both are none for a scenario built in Python.
+    `source` is the file it was read from, `resolved` the tables in it with all models and defaults filled in and files
+    named (what a run's folder keeps); both are none for a scenario built in Python.
     """
 
     map: Map = attrs.field(validator=is_a(Map, "am.load_map('room.wld')"))
@@ -461,7 +461,7 @@ class Scenario:
     seed: int = parameter(0, ge=0, le=2**63 - 1, help="of all random draws")
     recording: Recording = attrs.field(factory=Recording)
     source: Path | None = None
-    document: Mapping[str, Any] | None = None
+    resolved: Mapping[str, Any] | None = None
 
     def __attrs_post_init__(self) -> None:
         if not self.robots:

@@ -1,8 +1,7 @@
-"""Scenarios on the disk: documents written as readable TOML, with copies of the files that they name."""
+"""Scenarios on the disk: their tables written as readable TOML, with copies of the files that they name."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,19 +10,16 @@ import attrs
 import tomlkit
 from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 
-from amorsim.core.errors import MapError, RunError
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
-from amorsim.core.whole_files import copy_file, write_text
+from amorsim.core.whole_files import write_text
 from amorsim.scenario.angles import LongDegrees
-from amorsim.scenario.beside import files_beside
-from amorsim.scenario.controller_files import is_controller_file
-from amorsim.scenario.document import document_of
-from amorsim.scenario.maps import companions_of, save_map
+from amorsim.scenario.copies import Copies
+from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.starts import series_of
 
-__all__ = ["document_of", "document_text", "with_copies", "with_maps", "write_document"]
+__all__ = ["resolved_table", "table_text", "with_copies", "with_maps", "write_table"]
 
 # Tables of a robot that get a header of their own; whatever else holds keys stands on one line.
 _HEADED = (
@@ -42,24 +38,24 @@ _HEADED = (
 _LINE = 100
 
 
-def write_document(document: Mapping[str, Any], path: str | Path) -> None:
-    """Write a document as TOML; numbers as the shortest decimals that read as the same bits.
+def write_table(table: Mapping[str, Any], path: str | Path) -> None:
+    """Write a scenario's table as TOML; numbers as the shortest decimals that read as the same bits.
 
     Raises
     ------
     RunError
         If the file cannot be written; one that was there is there still.
     """
-    write_text(path, document_text(document))
+    write_text(path, table_text(table))
 
 
-def document_text(document: Mapping[str, Any], *, with_remarks: bool = False) -> str:
-    """A document as TOML: a table a thing, mounts, poses and noise on a line each.
+def table_text(table: Mapping[str, Any], *, with_remarks: bool = False) -> str:
+    """A scenario as TOML: a table a thing, mounts, poses and noise on a line each.
 
     With remarks it also says, in comments, that a sensor has no rate; TOML has no word for that.
     """
     root = tomlkit.document()
-    for key, value in document.items():
+    for key, value in table.items():
         if key in ("robots", "obstacles", "landmarks", "lights", "zones"):
             array = tomlkit.aot()
             for item in value:
@@ -130,7 +126,7 @@ def _value(value: Any) -> Item:
 
 
 def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
-    """The document of a scenario, its map and controller files copied into a folder and named there.
+    """The table of a scenario, its map and controller files copied into a folder and named there.
 
     A map that was made in Python gets a file there. Each file is copied once; files of the same name from different
     places get numbers. A map of several files gets a folder of its own, for the files name each other.
@@ -140,38 +136,38 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     RunError
         If a file cannot be read, or its copy not be written.
     ScenarioError
-        As for `document_of`; nothing has been copied then.
+        As for `resolved_table`; nothing has been copied then.
     """
-    copies = _Copies(Path(folder))
-    document_of(scenario, maps_in_files=False)  # complains before anything is written
+    copies = Copies(Path(folder))
+    resolved_table(scenario, maps_in_files=False)  # complains before anything is written
     scenario = _with_files(scenario, copies)
-    document = document_of(scenario)
-    document["world"]["map"] = copies.of_map(scenario.map)
-    for (robot, *_), written in zip(series_of(scenario.robots), document["robots"], strict=True):
+    table = resolved_table(scenario)
+    table["world"]["map"] = copies.of_map(scenario.map.source)
+    for (robot, *_), written in zip(series_of(scenario.robots), table["robots"], strict=True):
         if robot.knowledge.map is not None:
-            written["knowledge"]["map"] = copies.of_map(robot.knowledge.map)
+            written["knowledge"]["map"] = copies.of_map(robot.knowledge.map.source)
         copies.of_program(written.get("controller", {}))
-    for (first, *_), written in zip(series_of(scenario.obstacles), document.get("obstacles", ()), strict=True):
+    for (first, *_), written in zip(series_of(scenario.obstacles), table.get("obstacles", ()), strict=True):
         copies.of_program(written.get("motion", {}))
         _copy_files(first.motion, written.get("motion", {}), copies)
-    return document
+    return table
 
 
 def with_maps(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
-    """The document of a scenario, the maps that were made in Python written into a folder; other files stay in place.
+    """The table of a scenario, the maps that were made in Python written into a folder; other files stay in place.
 
     Raises
     ------
     RunError
         If a map cannot be written.
     ScenarioError
-        As for `document_of`; nothing has been written then.
+        As for `resolved_table`; nothing has been written then.
     """
-    document_of(scenario, maps_in_files=False)
-    return document_of(_with_files(scenario, _Copies(Path(folder))))
+    resolved_table(scenario, maps_in_files=False)
+    return resolved_table(_with_files(scenario, Copies(Path(folder))))
 
 
-def _with_files(scenario: Scenario, copies: _Copies) -> Scenario:
+def _with_files(scenario: Scenario, copies: Copies) -> Scenario:
     """The scenario with a file for every map that was made in Python."""
     written: dict[int, Map] = {}
 
@@ -191,119 +187,8 @@ def _with_files(scenario: Scenario, copies: _Copies) -> Scenario:
     return attrs.evolve(scenario, map=in_file(scenario.map), robots=robots)
 
 
-def _copy_files(component: Any, written: dict[str, Any], copies: _Copies) -> None:
+def _copy_files(component: Any, written: dict[str, Any], copies: Copies) -> None:
     """Name the copies of the files that a component's fields name."""
     for name, parameter in () if component is None else describe(type(component)).items():
         if parameter.file and written.get(name):
             written[name] = copies.of(written[name])
-
-
-class _Copies:
-    """Files copied into a folder, and what they are called there."""
-
-    # What a run writes into its folder beside them.
-    _TAKEN = (
-        "scenario.toml",
-        "run.json",
-        "poses.csv",
-        "velocities.csv",
-        "commands.csv",
-        "events.csv",
-        "obstacles.csv",
-        "parts.csv",
-        "picture.png",
-        "sensors",
-        "estimates",
-        "plots",
-    )
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._names: dict[str, str] = {}
-
-    def save(self, world: Map) -> Map:
-        """A map that was made in Python, written into the folder: as lines if it was made of them, else as pixels."""
-        name = self._free_name(Path(f"{world.name or 'map'}.{'png' if world.segments is None else 'wld'}"))
-        try:
-            saved = save_map(world, self._folder / name)
-        except MapError as error:
-            raise RunError(str(error)) from error
-        self._names[str((self._folder / name).absolute())] = name
-        return saved
-
-    def _free_name(self, path: Path) -> str:
-        name, number = path.name, 1
-        taken = {known.partition("/")[0].casefold() for known in (*self._TAKEN, *self._names.values())}
-        while name.casefold() in taken:
-            number += 1
-            name = f"{path.stem}_{number}{path.suffix}"
-        return name
-
-    def of_program(self, component: dict[str, Any]) -> None:
-        """Name the copy of the user's file that a component's table means, if it does."""
-        use = component.get("use", "")
-        if is_controller_file(use):
-            file, _, name = use.rpartition(":")
-            component["use"] = f"{self.of(file)}:{name}"
-            for key, beside in files_beside(Path(file)).items():
-                self._of_import(key, beside)
-
-    def _of_import(self, key: str, path: Path) -> None:
-        """Copy what a program imports from beside it, under its own name, for that is what is imported."""
-        target = self._folder / key
-        file = str(path)
-        if file in self._names or path.resolve() == target.resolve():
-            return
-        if key in self._names.values() or key in self._TAKEN:
-            try:
-                if target.is_file() and target.read_bytes() == path.read_bytes():
-                    return
-            except OSError as error:
-                raise RunError(f"{file}: cannot be copied into {self._folder} ({error.strerror or error})") from error
-            raise RunError(
-                f"{file}: cannot be copied into {self._folder} as {key}, which is another file there; give it "
-                "another name, for a run's folder has one place for both"
-            )
-        self._copy(path, target)
-        self._names[file] = key
-
-    def of_map(self, world: Map) -> str:
-        """The name of the copy of a map's file, with its companions copied too."""
-        try:
-            beside = companions_of(world.source)
-        except MapError as error:
-            raise RunError(str(error)) from error
-        path = world.source.path.absolute()
-        if str(path) in self._names or not beside:
-            return self.of(str(path))
-        # The part of the disk that all of them lie in, as a folder of the map's name.
-        root = Path(os.path.commonpath([path.parent, *(each.parent for each in beside)]))
-        folder = self._folder / self._free_name(Path(path.stem))
-        copies = [folder / each.relative_to(root) for each in (path, *beside)]
-        for each, copy in zip((path, *beside), copies, strict=True):
-            self._copy(each, copy)
-        read = companions_of(attrs.evolve(world.source, path=copies[0]))
-        for each in read:
-            if each not in copies:
-                raise RunError(f"{path}: its copy would still read {each}; name that file relative to {path.name}")
-        self._names[str(path)] = copies[0].relative_to(self._folder).as_posix()
-        return self._names[str(path)]
-
-    def _copy(self, path: Path, copy: Path) -> None:
-        """Copy a file, unless that is where it lies."""
-        try:
-            if copy.parent != self._folder:
-                copy.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise RunError(f"{copy.parent}: cannot make this folder ({error.strerror or error})") from None
-        if path.resolve() != copy.resolve():
-            copy_file(path, copy)
-
-    def of(self, file: str) -> str:
-        """The name of a file's copy."""
-        if file not in self._names:
-            path = Path(file)
-            name = self._free_name(path)
-            self._copy(path, self._folder / name)
-            self._names[file] = name
-        return self._names[file]

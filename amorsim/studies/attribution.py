@@ -173,7 +173,7 @@ def _commands(scenario: Scenario, robot: Robot, encoder: str) -> Array:
         sensors={**robot.sensors, encoder: attrs.evolve(robot.sensors[encoder], noise=())},
     )
     robots = [clean if other is robot else other for other in scenario.robots]
-    simulation = Simulation(attrs.evolve(scenario, robots=robots, document=None))
+    simulation = Simulation(attrs.evolve(scenario, robots=robots, resolved=None))
     group, row = simulation._fleet.robot_row(robot.name, 0)
     channels = len(robot.drive.channels)
     commands = []

@@ -107,6 +107,6 @@ def empty_world(reach: float, walls: Iterable[tuple[float, float, float, float]]
 def alone(scenario: Scenario, robot: Robot, world: Map | None = None) -> Scenario:
     """The scenario with no other robot; in another world, standing at its origin, with no obstacles either."""
     if world is None:
-        return attrs.evolve(scenario, robots=[robot], source=None, document=None)
+        return attrs.evolve(scenario, robots=[robot], source=None, resolved=None)
     placed = attrs.evolve(robot, pose=Pose(), start=None)
-    return attrs.evolve(scenario, map=world, robots=[placed], obstacles=[], zones=[], source=None, document=None)
+    return attrs.evolve(scenario, map=world, robots=[placed], obstacles=[], zones=[], source=None, resolved=None)

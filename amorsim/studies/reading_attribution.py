@@ -116,7 +116,7 @@ def attribute_readings(
         player = attrs.evolve(_with_only(chosen, sensor, kept), controller=Manual(), on_collision="continue")
         robots = [player if other is chosen else other for other in scenario.robots]
         return _play(
-            attrs.evolve(scenario, robots=robots, document=None), player.name, sensor, commands, replicas, every
+            attrs.evolve(scenario, robots=robots, resolved=None), player.name, sensor, commands, replicas, every
         )
 
     reference = play(set())

@@ -163,7 +163,7 @@ def corrected_scenario(scenario: Scenario, robot: str, geometry: WheelGeometry) 
     _differential(chosen)
     changed = _with_geometry(chosen, geometry, scenario.seed)
     robots = [changed if other is chosen else other for other in scenario.robots]
-    return attrs.evolve(scenario, robots=robots, document=None)
+    return attrs.evolve(scenario, robots=robots, resolved=None)
 
 
 def _differential(robot: Robot) -> Differential:

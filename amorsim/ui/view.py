@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,7 +20,7 @@ from amorsim.motions.user import UserMotion
 from amorsim.runs.session import run_name
 from amorsim.scenario.controller_files import reference_to
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import with_maps, write_document
+from amorsim.scenario.write import with_maps, write_table
 from amorsim.ui.simulator.orphan import is_child
 from amorsim.ui.simulator.pipes import python_for
 from amorsim.ui.simulator.recipe import Recipe
@@ -77,7 +78,7 @@ def view(
         file = ""
         if isinstance(scenario, Scenario):
             path = Path(passing).resolve() / f"{run_name(scenario)}.toml"
-            write_document(with_maps(_named(scenario), path.parent), path)
+            write_table(with_maps(_named(scenario), path.parent), path)
             file = str(path)
             recipe = Recipe(name=file, passing=str(path.parent))
         else:
@@ -92,7 +93,7 @@ def view(
         problem = _show(order)
     if problem:
         # Who made the scenario in Python knows nothing of the file.
-        raise AmorsimError(problem.replace(f"{file}: ", "") if file else problem)
+        raise AmorsimError(re.sub(rf"{re.escape(str(file))}(:\d+)?: ", "", problem) if file else problem)
 
 
 def _show(order: dict[str, Any]) -> str:

@@ -42,6 +42,23 @@ def test_check_prints_a_resolved_scenario_that_runs_as_it_is(amorsim: Command, s
     assert amorsim("check", "resolved.toml", "--resolved").out == result.out
 
 
+def test_new_begins_with_a_scenario_that_is_there(amorsim: Command, tmp_path: Path) -> None:
+    result = amorsim("new", "mine", "--from", "demo", "--copy")
+    assert result.status == 0, result.err
+    assert sorted(path.name for path in Path("mine").iterdir()) == ["office.wld", "scenario.toml"]
+    assert "made office.wld, scenario.toml in mine" in result.out
+    assert amorsim("check", "mine/scenario.toml").status == 0
+    assert amorsim("new", "near", "--from", "mine/scenario.toml").status == 0
+    text = Path("near/scenario.toml").read_text(encoding="utf-8")
+    assert text.count('map = "../mine/office.wld"') == 2
+    assert "# A Pioneer 2DX" in text
+    assert amorsim("check", "near/scenario.toml").status == 0
+    assert "--copy is for a scenario" in amorsim("new", "far", "--copy").err
+    assert "would be replaced" in amorsim("new", "near", "--from", "demo").err
+    assert "Did you mean 'demo'" in amorsim("new", "far", "--from", "dmo").err
+    assert not Path("far").exists()
+
+
 def test_new_makes_what_runs_and_replaces_nothing(amorsim: Command, tmp_path: Path) -> None:
     result = amorsim("new", "deep/mine")
     assert result.out == (
@@ -158,8 +175,8 @@ def test_the_manual_of_a_component_names_fields_as_files_do(amorsim: Command) ->
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("\n[simulation]\nseed = 2\n", "line {line}: the table [simulation] stands in this file already"),
-        ("\n[robots.errors]\n", "line {line}: the table [robots.errors] stands in this file already"),
+        ("\n[simulation]\nseed = 2\n", "scenario.toml:{line}: the table [simulation] stands in this file already"),
+        ("\n[robots.errors]\n", "scenario.toml:{line}: the table [robots.errors] stands in this file already"),
     ],
 )
 def test_a_table_given_twice_is_told_in_plain_words(amorsim: Command, study: Path, text: str, says: str) -> None:

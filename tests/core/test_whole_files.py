@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import stat
@@ -138,3 +139,33 @@ def test_everything_that_writes_goes_through_here() -> None:
         if writes.search(line)
     ]
     assert found == []
+
+
+# What is written by its own means: whole_files itself, what is written within `replacing`, lines that a run appends to,
+# what is set aside for them, and a page for the browser in the temporary folder.
+OWN_MEANS = {
+    "core/whole_files.py",
+    "maps/bmp.py",
+    "maps/wld.py",
+    "runs/folder.py",
+    "testing/maps.py",
+    "ui/serve/opening.py",
+    "ui/opening.py",
+}
+WRITES = {"write_text", "write_bytes"}
+
+
+def test_all_that_replaces_files_goes_through_one_way():
+    package = Path(amorsim.__file__).parent
+    for file in package.rglob("*.py"):
+        name = file.relative_to(package).as_posix()
+        if name in OWN_MEANS:
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Call):
+                continue
+            is_method = isinstance(node.func, ast.Attribute) and node.func.attr in WRITES
+            modes = [arg.value for arg in node.args if isinstance(arg, ast.Constant) and isinstance(arg.value, str)]
+            is_open = getattr(node.func, "attr", getattr(node.func, "id", "")) == "open"
+            assert not is_method, f"{name}:{node.lineno} writes a file by its own means; use core.whole_files"
+            assert not (is_open and {"w", "wb", "w+"} & set(modes)), f"{name}:{node.lineno} opens a file for writing"

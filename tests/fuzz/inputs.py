@@ -21,8 +21,8 @@ from amorsim.maps.wld import Wld
 from amorsim.motions.track import read_track
 from amorsim.plugins.manager import make_registry
 from amorsim.scenario.angles import parse_float
-from amorsim.scenario.document import resolved
 from amorsim.scenario.read import loads
+from amorsim.scenario.resolved import resolved
 from tests.fuzz.scenarios import BASES, ROOM, TRACK
 
 __all__ = ["FUZZERS", "Fuzzer"]

@@ -186,3 +186,24 @@ def test_devices_do_what_their_figures_say(read):
         values = np.array(errors[name])
         middle = values[..., 60:120] if name == "laser" else values
         assert middle.std() == pytest.approx(expected, rel=slack), name
+
+
+def test_what_each_file_says_of_a_device_is_a_fault_of_that_file(registry, tmp_path, folder):
+    (tmp_path / "cart.toml").write_text(
+        'format = 1\nmodel = "pioneer2dx-typical"\n[sensors.compass]\nlatency = -1\nmount = { x = 0.1, z = 3 }\n'
+    )
+    path = tmp_path / "one.toml"
+    path.write_text(
+        f'format = 1\n[world]\nmap = "{folder / "room.wld"}"\n[[robots]]\nmodel = "cart.toml"\n'
+        "[robots.sensors.compass]\nrate = -1\nmount.heading = 1\n"
+    )
+    with pytest.raises(ScenarioError) as caught:
+        am.load(path)
+    found = {(fault.file, fault.path, fault.line) for fault in caught.value.faults}
+    cart = str(tmp_path / "cart.toml")
+    assert found == {
+        (str(path), "robots.0.sensors.compass.rate", 7),
+        (str(path), "robots.0.sensors.compass.mount.heading", 8),
+        (cart, "sensors.compass.latency", 4),
+        (cart, "sensors.compass.mount.z", 5),
+    }

@@ -8,9 +8,9 @@ import pytest
 import amorsim as am
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.document import document_of
 from amorsim.scenario.read import loads
-from amorsim.scenario.write import document_text
+from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.write import table_text
 from tests import building
 
 TEXT = """
@@ -53,9 +53,9 @@ def test_a_file_says_what_is_on_the_floor(tmp_path):
 
 def test_what_is_written_reads_the_same(tmp_path):
     scenario = read(TEXT, tmp_path)
-    text = document_text(document_of(scenario))
+    text = table_text(resolved_table(scenario))
     assert loads(tomllib.loads(text), tmp_path).floor == scenario.floor
-    assert "floor" not in document_of(read("", tmp_path))
+    assert "floor" not in resolved_table(read("", tmp_path))
 
 
 @pytest.mark.parametrize(

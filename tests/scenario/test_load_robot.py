@@ -30,9 +30,15 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
     with pytest.raises(am.ScenarioError, match=r"there is no robot called 'pioner2dx'.* Did you mean 'pioneer2dx'"):
         am.load_robot("pioner2dx")
     (tmp_path / "mine.toml").write_text('format = 1\nmodel = "pioneer2dx"\ndrive.tracks = 0.5\n')
-    with pytest.raises(am.ScenarioError, match=r"mine\.toml: drive\.tracks: there is no such key"):
+    with pytest.raises(am.ScenarioError, match=r"mine\.toml:3: drive\.tracks: there is no such key"):
         am.load_robot(tmp_path / "mine.toml")
     with pytest.raises(am.AmorsimError, match=r"a robot has no field 'controler'.* Did you mean 'controller'"):
         am.load_robot("pioneer2dx", controler=None)
     with pytest.raises(am.ParameterError, match="on_collision"):
         am.load_robot("pioneer2dx", on_collision="explode")
+
+
+def test_a_model_may_take_sensors_of_its_own_model_away(tmp_path):
+    (tmp_path / "blind.toml").write_text('format = 1\nmodel = "pioneer2dx"\nsensors.laser = false\n')
+    robot = am.load_robot(tmp_path / "blind.toml")
+    assert set(robot.sensors) == set(am.load_robot("pioneer2dx").sensors) - {"laser"}

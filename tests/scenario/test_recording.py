@@ -6,7 +6,7 @@ import pytest
 import amorsim as am
 from amorsim.core.errors import ScenarioError
 from amorsim.core.parameters import ParameterError
-from amorsim.scenario.document import document_of
+from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Recording
 
 ROBOT = '[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\n'
@@ -52,13 +52,13 @@ def test_a_recorder_is_chosen_and_written_down_again(with_counter, folder):
     (recorder,) = scenario.recording.also
     assert recorder.factor == 2.0
     assert not scenario.recording.picture
-    written = document_of(scenario, registry=with_counter)["recording"]
+    written = resolved_table(scenario, registry=with_counter)["recording"]
     assert written["also"] == [{"use": "counter", "factor": 2.0}]
 
 
 def test_each_run_has_one_of_its_own(with_counter, folder, tmp_path, monkeypatch):
     monkeypatch.setattr("amorsim.runs.session.default_registry", lambda: with_counter)
-    monkeypatch.setattr("amorsim.scenario.document.default_registry", lambda: with_counter)
+    monkeypatch.setattr("amorsim.scenario.resolved.default_registry", lambda: with_counter)
     text = f"[recording]\npicture = false\nalso = [{{ use = 'counter' }}]\n{ROBOT}"
     scenario = scenario_of(text, folder, with_counter)
     for name, duration, count in (("a", 0.5, "5"), ("b", 0.3, "3")):

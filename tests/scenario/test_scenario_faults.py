@@ -246,7 +246,7 @@ def test_a_model_that_is_no_toml_names_the_line(faults, tmp_path):
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (b"format = 1\n[world\n", "line 2"),
+        (b"format = 1\n[world\n", "bad.toml:2: not valid TOML"),
         (b"\xff\xfe\x00", "not a text file in UTF-8: byte 0 is 0xff"),
         (b"format = " + b"9" * 5000, "not valid TOML"),
         (b"a = " + b"[" * 100_000, "not valid TOML"),
@@ -322,3 +322,42 @@ def test_a_message_calls_robots_obstacles_and_zones_by_name(folder, registry):
     assert [fault.path for fault in faults] == [f"{path}.nmae" for path in paths]
     told = ["zones.0", "robots.rover", "robots.1", "obstacles.cat", "obstacles.1", "obstacles.2"]
     assert [str(fault).partition(": ")[0] for fault in faults] == [f"{path}.nmae" for path in told]
+
+
+def test_a_fault_has_its_line_value_and_remedy(registry, tmp_path):
+    path = tmp_path / "faulty.toml"
+    path.write_text(
+        'format = 1\nworld = 3\n[simulation]\ndt = -1\n\n[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\n'
+        "[robots.sensors.laser]\nnoise = [\n    # one\n    { use = 'gaussian', std = -1 },\n]\nbeems = 3\n"
+    )
+    with pytest.raises(ScenarioError) as caught:
+        load(path, registry=registry)
+    found = {fault.named or fault.path: (fault.line, fault.value, fault.remedy) for fault in caught.value.faults}
+    assert found == {
+        "simulation.dt": (4, -1, "expected a number [s] >= 1e-06 and <= 10"),
+        "world": (2, 3, "expected a table"),
+        "robots.rover.sensors.laser.noise.0.std": (12, -1, "expected a number [m] >= 0"),
+        "robots.rover.sensors.laser.beems": (14, 3, "Did you mean 'beams'?"),
+    }
+    assert str(path) + ":4: simulation.dt: expected" in str(caught.value)
+
+
+def test_lines_that_are_no_toml_are_faults_with_all_others(registry, tmp_path):
+    path = tmp_path / "faulty.toml"
+    path.write_text('format = 1\n[world\nmap = "room.wld"\n[simulation]\ndt = 0.1 s\nduration = -1\nduration = 2\n')
+    with pytest.raises(ScenarioError) as caught:
+        load(path, registry=registry)
+    faults = caught.value.faults
+    assert [(fault.line, fault.path) for fault in faults] == [(2, ""), (5, ""), (7, ""), (6, "simulation.duration")]
+    assert faults[1].value == "dt = 0.1 s"
+    assert faults[2].remedy == "leave one of the two out"
+
+
+def test_a_fault_of_a_model_has_the_line_in_the_models_file(registry, tmp_path, folder):
+    (tmp_path / "cart.toml").write_text('format = 1\nmodel = "pioneer2dx"\n\n[drive]\ntrack = "wide"\n')
+    path = tmp_path / "one.toml"
+    path.write_text(f'format = 1\n[world]\nmap = "{folder / "room.wld"}"\n[[robots]]\nmodel = "cart.toml"\n')
+    with pytest.raises(ScenarioError) as caught:
+        load(path, registry=registry)
+    (fault,) = caught.value.faults
+    assert (fault.file, fault.line, fault.path) == (str(tmp_path / "cart.toml"), 5, "drive.track")

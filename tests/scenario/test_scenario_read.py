@@ -262,4 +262,4 @@ def test_paths_are_taken_as_they_are_given(registry, folder, monkeypatch):
     monkeypatch.chdir(folder)
     scenario = load("short.toml", registry=registry)
     assert scenario.source == Path("short.toml")
-    assert scenario.document["world"]["map"] == str(folder / "room.wld")
+    assert scenario.resolved["world"]["map"] == str(folder / "room.wld")

@@ -17,9 +17,9 @@ from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.saturate import Saturate
 from amorsim.scenario.angles import parse_float
-from amorsim.scenario.document import document_of, resolved
 from amorsim.scenario.maps import load_map
 from amorsim.scenario.read import load, loads
+from amorsim.scenario.resolved import resolved, resolved_table
 from amorsim.scenario.spec import (
     Deviation,
     Distribution,
@@ -31,7 +31,7 @@ from amorsim.scenario.spec import (
     Robot,
     Scenario,
 )
-from amorsim.scenario.write import document_text, with_copies, write_document
+from amorsim.scenario.write import table_text, with_copies, write_table
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.laser import Laser
 from tests.disks import small_disk
@@ -89,23 +89,23 @@ def parts(scenario):
 def test_a_resolved_document_is_read_as_the_same_scenario(full, registry):
     again = loads(resolved(full), "/nowhere", registry=registry)
     assert parts(again) == parts(full)
-    assert again.document == full.document
-    assert "model" not in full.document["robots"][0]
+    assert again.resolved == full.resolved
+    assert "model" not in full.resolved["robots"][0]
 
 
 def test_written_and_read_it_is_the_same(full, registry, tmp_path):
     path = tmp_path / "scenario.toml"
-    write_document(full.document, path)
-    assert tomllib.loads(path.read_text(), parse_float=parse_float) == full.document
+    write_table(full.resolved, path)
+    assert tomllib.loads(path.read_text(), parse_float=parse_float) == full.resolved
     again = load(path, registry=registry)
     assert parts(again) == parts(full)
     second = tmp_path / "again.toml"
-    write_document(again.document, second)
+    write_table(again.resolved, second)
     assert second.read_bytes() == path.read_bytes()
 
 
 def test_the_text_has_a_table_a_thing_and_short_things_on_a_line(full):
-    text = document_text(full.document)
+    text = table_text(full.resolved)
     headers = [line for line in text.splitlines() if line.startswith("[")]
     assert headers == [
         "[world]",
@@ -140,7 +140,7 @@ def test_the_text_has_a_table_a_thing_and_short_things_on_a_line(full):
 
 
 def test_every_default_is_there(full):
-    scout = full.document["robots"][1]
+    scout = full.resolved["robots"][1]
     assert scout["controller"]["tolerance"] > 0
     assert scout["sensors"]["laser"]["noise"][0] == {
         "use": "gaussian",
@@ -149,8 +149,8 @@ def test_every_default_is_there(full):
         "proportional": 0.0,
         "per": "sample",
     }
-    assert full.document["world"]["push_sign"] == "clockwise"
-    assert full.document["simulation"] == {"dt": 0.05, "duration": 60.0, "seed": 0}
+    assert full.resolved["world"]["push_sign"] == "clockwise"
+    assert full.resolved["simulation"] == {"dt": 0.05, "duration": 60.0, "seed": 0}
 
 
 def test_copies_make_a_folder_that_runs_by_itself(full, registry, folder, tmp_path):
@@ -159,8 +159,8 @@ def test_copies_make_a_folder_that_runs_by_itself(full, registry, folder, tmp_pa
     assert document["world"]["map"] == "room.wld"
     assert document["robots"][0]["controller"]["use"] == "mine.py:drive"
     assert document["robots"][0]["knowledge"]["map"] == "room.wld"
-    assert full.document["world"]["map"] == str(folder / "room.wld"), "the scenario's own document stays"
-    write_document(document, tmp_path / "scenario.toml")
+    assert full.resolved["world"]["map"] == str(folder / "room.wld"), "the scenario's own document stays"
+    write_table(document, tmp_path / "scenario.toml")
     moved = tmp_path.rename(tmp_path.with_name("moved"))
     again = load(moved / "scenario.toml", registry=registry)
     assert again.map.to_array().tobytes() == full.map.to_array().tobytes()
@@ -194,14 +194,14 @@ def test_what_cannot_be_copied_or_written_is_said(full, tmp_path):
     with pytest.raises(RunError, match=r"none/\S+: cannot be written \(No such file or directory\)"):
         with_copies(full, tmp_path / "none")
     with pytest.raises(RunError, match="cannot be written"):
-        write_document(full.document, tmp_path / "none" / "scenario.toml")
+        write_table(full.resolved, tmp_path / "none" / "scenario.toml")
 
 
 def test_a_full_disk_leaves_the_scenario_that_was_there(full, tmp_path):
     file = tmp_path / "scenario.toml"
     file.write_text("format = 1\n")
     with small_disk(), pytest.raises(RunError, match=r"scenario\.toml: cannot be written \(File too large\)"):
-        write_document(full.document, file)
+        write_table(full.resolved, file)
     assert file.read_text() == "format = 1\n"
     assert list(tmp_path.iterdir()) == [file]
 
@@ -241,9 +241,9 @@ def test_a_scenario_built_in_python_has_a_document_too(registry, folder):
         obstacles=[Obstacle(name="post", shape=Shape.circle(0.05), pose=Pose(x=2.0, y=2.0, heading=1.2))],
         dt=1,
     )
-    document = document_of(scenario, registry=registry)
+    document = resolved_table(scenario, registry=registry)
     assert type(document["simulation"]["dt"]) is float
-    again = loads(tomllib.loads(document_text(document), parse_float=parse_float), "/", registry=registry)
+    again = loads(tomllib.loads(table_text(document), parse_float=parse_float), "/", registry=registry)
     assert parts(again) == parts(scenario)
 
 
@@ -265,7 +265,7 @@ def test_what_has_no_name_in_a_file_is_listed(registry):
         ],
     )
     with pytest.raises(ScenarioError) as caught:
-        document_of(scenario, registry=registry)
+        resolved_table(scenario, registry=registry)
     found = {fault.path: fault.message for fault in caught.value.faults}
     assert set(found) == {"world.map", "robots.0.ground.0", "robots.0.controller", "robots.0.errors", "robots.0.shape"}
     assert "Mine is no noise that is registered" in found["robots.0.ground.0"]
@@ -318,7 +318,7 @@ def test_any_numbers_survive_being_written(registry, folder, x, heading, radius,
         dt=dt,
         seed=seed,
     )
-    text = document_text(document_of(scenario, registry=registry))
+    text = table_text(resolved_table(scenario, registry=registry))
     again = loads(tomllib.loads(text, parse_float=parse_float), "/", registry=registry)
     assert parts(again) == parts(scenario)
-    assert document_text(again.document) == text
+    assert table_text(again.resolved) == text

@@ -12,10 +12,10 @@ import pytest
 import amorsim as am
 from amorsim.core.starts import freest_start, wall_gaps
 from amorsim.scenario.angles import parse_float
-from amorsim.scenario.document import document_of
 from amorsim.scenario.read import loads
+from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.starts import GridStart
-from amorsim.scenario.write import document_text
+from amorsim.scenario.write import table_text
 from amorsim.simulation.world import placing
 from tests import building
 
@@ -43,7 +43,7 @@ pose = { x = 3.0, y = 2.0 }
 
 
 def again(scenario, folder, registry):
-    text = document_text(document_of(scenario, registry=registry))
+    text = table_text(resolved_table(scenario, registry=registry))
     return text, loads(tomllib.loads(text, parse_float=parse_float), folder, registry=registry)
 
 

@@ -9,7 +9,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.noise import AimGaussian, Gaussian
 from amorsim.scenario.read import loads
 from amorsim.scenario.spec import Landmark, MountedSensor, NoiseElement, Obstacle
-from amorsim.scenario.write import document_text
+from amorsim.scenario.write import table_text
 from amorsim.sensors import Compass, Fiducial
 from tests.building import robot
 
@@ -84,8 +84,8 @@ def test_everything_is_read(folder, registry):
 
 def test_written_it_is_read_as_the_same(folder, registry):
     made = read_text(TEXT, folder, registry)
-    again = read_text(document_text(made.document), folder, registry)
-    assert again.document == made.document
+    again = read_text(table_text(made.resolved), folder, registry)
+    assert again.resolved == made.resolved
     assert again.landmarks == made.landmarks
     assert again.lights == made.lights
     assert again.robots[0].sensors == made.robots[0].sensors

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.scenario.document import document_of
 from amorsim.scenario.read import loads
+from amorsim.scenario.resolved import resolved_table
 
 ROOM = "width 7000\nheight 4000\n0 0 7000 0\n7000 0 7000 4000\n7000 4000 0 4000\n0 4000 0 0\n"
 BASE: dict[str, Any] = {
@@ -36,8 +36,8 @@ def test_zones_are_read_and_written_again(tmp_path: Path) -> None:
     oil, sill = scenario.zones
     assert (oil.name, oil.pose.x, oil.ground[0].name) == ("oil", 3.0, "scale")
     assert sill.name == "zone2"
-    again = loads(document_of(scenario), tmp_path)
-    assert document_of(again) == document_of(scenario)
+    again = loads(resolved_table(scenario), tmp_path)
+    assert resolved_table(again) == resolved_table(scenario)
     assert again.zones[1].shape == sill.shape
 
 

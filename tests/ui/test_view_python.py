@@ -16,7 +16,7 @@ import pytest
 import amorsim as am
 from amorsim.contracts import Controller
 from amorsim.core.same_cells import have_same_cells
-from amorsim.scenario.write import with_maps, write_document
+from amorsim.scenario.write import with_maps, write_table
 from amorsim.ui.simulator.recipe import Recipe
 from tests import building
 from tests.ui.sessions import Driven
@@ -196,7 +196,7 @@ def test_a_scenario_that_is_saved_keeps_its_map(tmp_path: Path) -> None:
     world = building.room()
     robot = building.robot(knowledge=am.Knowledge(map=world))
     file = passing / "made.toml"
-    write_document(with_maps(building.scenario(robot, map=world), passing), file)
+    write_table(with_maps(building.scenario(robot, map=world), passing), file)
     (project / "first.wld").write_text("somebody else's")
     with Driven(Recipe(name=str(file), passing=str(passing)), project=project) as session:
         assert session.request({"do": "save_scenario", "name": "first"})["ok"]

@@ -18,7 +18,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.scenario.maps import companions_of
 from amorsim.scenario.names import name_from, rename_maps
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import document_of, write_document
+from amorsim.scenario.write import resolved_table, write_table
 from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.pace import Pace
@@ -320,10 +320,10 @@ class Commands:
         robots = [simulation.robot(name).nominal for name in names]
         scenario = attrs.evolve(simulation.scenario, robots=robots, seed=simulation.seed)
         path = Path(str(command["file"]))
-        document = document_of(scenario)
+        document = resolved_table(scenario)
         _copy_maps(document, scenario, self._not_the_users(scenario), path)
         name_from(path.parent, document, scenario)
-        write_document(document, path)
+        write_table(document, path)
 
     def _not_the_users(self, scenario: Scenario) -> list[Path]:
         """The folders whose files a scenario of the user's should not name: they pass, or belong to a program."""

@@ -1,0 +1,482 @@
+"""Changes of a TOML file's text, each in the lines that it is about, and each read again before it counts.
+
+A statement that changes is read again alone, for its neighbours mean what they meant; where statements come, go or
+move, the whole file is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from amorsim.core.errors import DocumentError
+from amorsim.scenario import inline
+from amorsim.scenario.layout import MISSING, Layout, Path_, changed, found_at, inserted, without
+from amorsim.scenario.statements import Statement, cut, members
+from amorsim.scenario.toml_values import are_same, as_toml, keys_as_toml, parse, parse_value
+
+__all__ = ["Editor", "Splice"]
+
+_LONGEST = 100  # characters of a table on one line
+
+
+class Splice(NamedTuple):
+    """One change: which statements were replaced by which, and what the file meant before and after."""
+
+    start: int
+    old: list[Statement]
+    new: list[Statement]
+    old_values: dict[str, Any]
+    new_values: dict[str, Any]
+
+
+class Editor:
+    """The statements of a file, what they mean, and the changes that were made to them.
+
+    `values` are never changed but replaced, so that what was read from them stays.
+    """
+
+    def __init__(self, statements: list[Statement], values: dict[str, Any]) -> None:
+        self.statements = statements
+        self.values = values
+        self.log: list[Splice] = []
+        first = next((each.text for each in statements if each.text.endswith("\n")), "\n")
+        self._newline = "\r\n" if first.endswith("\r\n") else "\n"
+        self._layout: Layout | None = None
+
+    @property
+    def text(self) -> str:
+        """The whole file."""
+        return "".join([statement.text for statement in self.statements])
+
+    @property
+    def layout(self) -> Layout:
+        """Where each path is said."""
+        if self._layout is None:
+            self._layout = Layout(self.statements)
+        return self._layout
+
+    def apply(self, splice: Splice, *, back: bool = False) -> None:
+        """Make a change again, or take it `back`."""
+        old, new = (splice.new, splice.old) if back else (splice.old, splice.new)
+        self.statements[splice.start : splice.start + len(old)] = new
+        self.values = splice.old_values if back else splice.new_values
+        # A pair that says the same path leaves all others where they are.
+        if [each.keys for each in old] != [each.keys for each in new] or any(each.kind != "pair" for each in new):
+            self._layout = None
+
+    # ----------------------------------------------------------------------------------------------------------- set
+
+    def set(self, path: Path_, value: Any) -> None:
+        """Say a plain value at a path: of tables and lists only what differs is written."""
+        old = found_at(self.values, path)
+        if old is not MISSING and are_same(old, value):
+            return
+        if isinstance(old, dict) and isinstance(value, dict):
+            for key in [key for key in old if key not in value]:
+                self.remove((*path, key))
+            for key, item in value.items():
+                self.set((*path, key), item)
+            if found_at(self.values, path) is MISSING:  # an empty table in the place of one that dotted keys made
+                self._create(path, value)
+        elif isinstance(old, list) and isinstance(value, list):
+            self._set_list(path, old, value)
+        elif old is not MISSING:
+            self._replace(path, value)
+        else:
+            self._create(path, value)
+
+    def _set_list(self, path: Path_, old: list[Any], value: list[Any]) -> None:
+        if len(old) == len(value):
+            for index, item in enumerate(value):
+                self.set((*path, index), item)
+            return
+        short = min(len(old), len(value))
+        same = next((i for i in range(short) if not are_same(old[i], value[i])), short)
+        tail = next((i for i in range(short - same) if not are_same(old[-1 - i], value[-1 - i])), short - same)
+        for index in reversed(range(same, len(old) - tail)):
+            self.remove((*path, index))
+        if found_at(self.values, path) is MISSING:  # the last of [[tables]]
+            self._create(path, value)
+            return
+        for index in range(same, len(value) - tail):
+            self.insert(path, index, value[index])
+
+    def _replace(self, path: Path_, value: Any) -> None:
+        spot = self.layout.pair_over(path)
+        if spot is None and isinstance(path[-1], int):  # one of [[tables]] alone can be no other thing
+            self._replace(path[:-1], found_at(changed(self.values, path, value), path[:-1]))
+            return
+        if spot is None:  # a table of statements
+            place = self.layout.under(path)[0]
+            self.remove(path)
+            self._create(path, value, place)
+            return
+        index, rest = spot
+        statement = self.statements[index]
+        at, member, left = inline.find(statement.text, statement.first, rest)
+        if left:  # a table of dotted keys in an inline one
+            self.remove(path)
+            self._create(path, value)
+            return
+        last = statement.last if member is None else member.last
+        text = statement.text[:at] + as_toml(value) + statement.text[last:]
+        self._replace_pair(index, text, changed(self.values, path, value))
+
+    def _replace_pair(self, index: int, text: str, expected: dict[str, Any]) -> None:
+        """Replace a pair's text; its value must be read again as what is expected."""
+        old = self.statements[index]
+        path = self.layout.paths[index]
+        assert path is not None
+        try:
+            (new,) = cut(text)
+            if new.kind != "pair" or new.keys != old.keys:
+                raise ValueError("not the same pair")
+            value = parse_value(new.value)
+        except (ValueError, RecursionError) as error:
+            raise self._refused(path) from error
+        if not are_same(value, found_at(expected, path)):
+            raise self._refused(path)
+        self._splice(index, 1, [new], changed(self.values, path, value))
+
+    @staticmethod
+    def _refused(path: Path_) -> DocumentError:
+        name = ".".join(map(str, path))
+        return DocumentError(
+            f"{name}: this change cannot be made in the file as it is written; write out the table that it is in, "
+            "under a header of its own"
+        )
+
+    def _create(self, path: Path_, value: Any, place: int | None = None) -> None:
+        """Say a value at a path where there is none; statements for it may go where there is `place` for them."""
+        depth = len(path) - 1
+        while found_at(self.values, path[:depth]) is MISSING:
+            depth -= 1
+        holder = found_at(self.values, path[:depth])
+        keys = tuple(key for key in path[depth:] if isinstance(key, str))
+        if not isinstance(holder, dict) or len(keys) != len(path) - depth:
+            where = ".".join(map(str, path[:depth]))
+            raise DocumentError(f"there is nothing under {where}: it is {as_toml(holder)[:80]}")
+        expected = changed(self.values, path, value)
+        spot = self.layout.pair_over(path[:depth])
+        if spot is not None:
+            self._create_inside(path, keys, value, spot, expected)
+            return
+        for start, count, new in self._places(path, depth, keys, value, place):
+            if self._try(start, count, new, expected):
+                return
+        raise self._refused(path)
+
+    def _create_inside(
+        self, path: Path_, keys: tuple[str, ...], value: Any, spot: tuple[int, Path_], expected: dict[str, Any]
+    ) -> None:
+        index, rest = spot
+        statement = self.statements[index]
+        at, _, left = inline.find(statement.text, statement.first, rest)
+        dotted = tuple(key for key in left if isinstance(key, str))
+        if not dotted:
+            for key in reversed(keys[1:]):
+                value = {key: value}
+            keys = keys[:1]
+        text = inline.insert(statement.text, at, (*dotted, *keys), as_toml(value), None, self._newline)
+        self._replace_pair(index, text, expected)
+
+    def _places(
+        self, path: Path_, depth: int, keys: tuple[str, ...], value: Any, place: int | None
+    ) -> Iterator[tuple[int, int, list[str]]]:
+        """Where statements for a new value may go, the likeliest first: what they replace, and their lines."""
+        parent, layout = path[:depth], self.layout
+        header = layout.headers.get(parent)
+        end = (layout.under(parent) or [-1])[-1] + 1
+        is_large = isinstance(value, dict) and _is_large(value)
+        if not parent and len(keys) > 1:
+            yield self._before_lists(), 0, self._under_header(path, depth, keys, value)
+        if not parent and is_large:
+            yield self._before_lists(), 0, self._chunk(path, value)
+        if is_large:
+            yield end, 0, self._chunk(path, value)
+        if header is not None:
+            yield self._in_body(header, keys, value)
+        below = [i for i in layout.under(parent) if layout.paths[i] in layout.pairs and parent]
+        if below:  # of dotted keys
+            after = below[-1]
+            head = layout.head_of(after)
+            yield after + 1, 0, [self._line(self._indent(after), _names(path[len(head) :]), value)]
+        if isinstance(value, dict):
+            yield end, 0, self._chunk(path, value)
+        if len(path) > 1:
+            yield end, 0, self._under_header(path, depth, keys, value)
+        for length in range(depth - 1, -1, -1):
+            if path[:length] in layout.headers:
+                yield self._in_body(layout.headers[path[:length]], _names(path[length:]), value)
+                break
+        if place is not None and len(path) > 1:
+            yield place, 0, self._under_header(path, depth, keys, value)
+
+    def _in_body(self, header: int, keys: tuple[str, ...], value: Any) -> tuple[int, int, list[str]]:
+        """A pair at the end of the body of a header, under those that are there."""
+        layout = self.layout
+        end = layout.body_end(header)
+        pairs = [i for i in range(header + 1, end) if self.statements[i].kind == "pair"]
+        if pairs:
+            return pairs[-1] + 1, 0, [self._line(self._indent(pairs[-1]), keys, value)]
+        if header >= 0:
+            return header + 1, 0, [self._line(self._indent(header), keys, value)]
+        start = self._with_comments(end) if end < len(self.statements) else end
+        return start, 0, [self._line("", keys, value), *([self._newline] if end < len(self.statements) else [])]
+
+    def _indent(self, index: int) -> str:
+        text = self.statements[index].text
+        return text[: len(text) - len(text.lstrip(" \t"))]
+
+    def _line(self, indent: str, keys: tuple[str, ...], value: Any) -> str:
+        return f"{indent}{keys_as_toml(keys)} = {as_toml(value)}{self._newline}"
+
+    def _under_header(self, path: Path_, depth: int, keys: tuple[str, ...], value: Any) -> list[str]:
+        """A header for the first table that is missing, or else for the one that is there, and a pair under it."""
+        header = path[: depth + 1] if len(keys) > 1 else path[:depth]
+        line = self._line("", keys[1:] or keys, value)
+        return [self._newline, f"[{keys_as_toml(_names(header))}]{self._newline}", line]
+
+    def _chunk(self, path: Path_, table: dict[str, Any], *, is_item: bool = False) -> list[str]:
+        """A header with its pairs, the large tables in it under headers of their own, and a blank line before it."""
+        keys = keys_as_toml(_names(path))
+        lines = [self._newline, f"[[{keys}]]{self._newline}" if is_item else f"[{keys}]{self._newline}"]
+        large = {key: item for key, item in table.items() if isinstance(item, dict) and _is_large(item)}
+        lines += [self._line("", (key,), item) for key, item in table.items() if key not in large]
+        if large and not is_item and len(large) == len(table):
+            lines = []  # the headers below make this table too
+        for key, item in large.items():
+            lines += self._chunk((*path, key), item)
+        return lines
+
+    def _before_lists(self) -> int:
+        """Where a table of the top may begin: before the first [[list]], or at the end."""
+        first = next((i for i, each in enumerate(self.statements) if each.kind == "array"), len(self.statements))
+        return self._with_comments(first) if first < len(self.statements) else first
+
+    def _with_comments(self, index: int) -> int:
+        """Where the comments begin that stand right above a statement; those that begin the file are not its own."""
+        start = index
+        while start and self.statements[start - 1].text.lstrip(" \t").startswith("#"):
+            start -= 1
+        return start if start else index
+
+    # -------------------------------------------------------------------------------------------------------- remove
+
+    def remove(self, path: Path_) -> None:
+        """Leave out what is at a path; comments beside it or right above its header go with it."""
+        expected = without(self.values, path)
+        spot = self.layout.pair_over(path)
+        if spot is None:
+            self._remove_statements(path, expected)
+            return
+        index, rest = spot
+        statement = self.statements[index]
+        if not rest:
+            if not self._try(index, 1, [], expected, may_prune=True):
+                raise self._refused(path)
+            return
+        _, member, left = inline.find(statement.text, statement.first, rest)
+        if left:  # a table of dotted keys in an inline one
+            for name in list(found_at(self.values, path)):
+                self.remove((*path, name))
+            return
+        assert member is not None
+        keys = len(member.keys) or 1
+        holder, _, _ = inline.find(statement.text, statement.first, rest[: len(rest) - keys])
+        text = inline.remove(statement.text, holder, member)
+        pruned = expected
+        for length in range(1, keys):  # a table that dotted keys made goes with the last of them
+            if found_at(pruned, path[:-length]) == {}:
+                pruned = without(pruned, path[:-length])
+        self._replace_pair(index, text, pruned)
+
+    def _remove_statements(self, path: Path_, expected: dict[str, Any]) -> None:
+        runs = self._runs(path)
+        statements = list(self.statements)
+        for start, stop in reversed(runs):
+            after = stop
+            while after < len(statements) and not statements[after].text.strip():
+                after += 1
+            # Of the blank lines about what goes, those before it stay, but at the end of the file.
+            is_apart = start == 0 or not statements[start - 1].text.strip()
+            while after == len(statements) and start and not statements[start - 1].text.strip():
+                start -= 1
+            statements[start : after if is_apart or after == len(statements) else stop] = []
+        first, last = 0, len(self.statements)
+        while first < len(statements) and statements[first] is self.statements[first]:
+            first += 1
+        new = statements[first:]
+        while new and self.statements[last - 1] is new[-1]:
+            new.pop()
+            last -= 1
+        lines = [each.text for each in new]
+        if not self._try(first, last - first, lines, expected, may_prune=True):
+            raise self._refused(path)
+
+    def _runs(self, path: Path_) -> list[tuple[int, int]]:
+        """The runs of statements at a path or below it, with the comments above their headers."""
+        runs: list[tuple[int, int]] = []
+        paths, headers = self.layout.paths, self.layout.headers
+        for index in self.layout.under(path):
+            at = paths[index]
+            is_header = at is not None and headers.get(at) == index
+            start = self._with_comments(index) if is_header else index
+            if runs and all(paths[i] is None for i in range(runs[-1][1], index)) and (is_header or start == index):
+                is_bad = any(self.statements[i].kind == "bad" for i in range(runs[-1][1], index))
+                if not is_bad:
+                    runs[-1] = (runs[-1][0], index + 1)
+                    continue
+            runs.append((start, index + 1))
+        return runs
+
+    # ---------------------------------------------------------------------------------------------- items of lists
+
+    def insert(self, path: Path_, place: int, value: Any) -> None:
+        """Say an item more in the list at a path, before number `place`."""
+        there = found_at(self.values, path)
+        expected = inserted(self.values, path, place, value)
+        spot = self.layout.pair_over(path)
+        if spot is not None:
+            index, rest = spot
+            statement = self.statements[index]
+            at, _, _ = inline.find(statement.text, statement.first, rest)
+            text = inline.insert(statement.text, at, (), as_toml(value), place, self._newline)
+            self._replace_pair(index, text, expected)
+            return
+        if not isinstance(value, dict):
+            self._replace(path, found_at(expected, path))
+            return
+        lines = self._chunk(path, value, is_item=True)
+        if place < len(there):
+            start = self._runs((*path, place))[0][0]
+            lines = [*lines[1:], self._newline]
+        else:
+            start = self.layout.under(path)[-1] + 1
+        if not self._try(start, 0, lines, expected):
+            raise self._refused((*path, place))
+
+    def begin_list(self, path: Path_, value: Any) -> None:
+        """Say a list of one item where there is none: a table of the file's own gets a [[header]]."""
+        if len(path) > 1 or not isinstance(value, dict):
+            self.set(path, [value])
+            return
+        expected = changed(self.values, path, [value])
+        if not self._try(len(self.statements), 0, self._chunk(path, value, is_item=True), expected):
+            raise self._refused(path)
+
+    def move(self, path: Path_, place: int) -> None:
+        """Put the item at a path elsewhere in its list, where it is number `place` afterwards."""
+        *_, number = path
+        holder = path[:-1]
+        assert isinstance(number, int)
+        item = found_at(self.values, path)
+        rest = without(self.values, path)
+        expected = inserted(rest, holder, place, item)
+        if number == place:
+            return
+        spot = self.layout.pair_over(holder)
+        if spot is not None:
+            index, left = spot
+            statement = self.statements[index]
+            at, _, _ = inline.find(statement.text, statement.first, left)
+            member = list(members(statement.text, at))[number]
+            text = inline.remove(statement.text, at, member)
+            text = inline.insert(text, at, (), statement.text[member.first : member.last], place, self._newline)
+            self._replace_pair(index, text, expected)
+            return
+        runs = self._runs(path)
+        target = self._runs((*holder, place))
+        if len(runs) > 1 or len(target) > 1:
+            raise DocumentError(
+                f"{'.'.join(map(str, path))}: what the file says of it stands in several places; move them together"
+            )
+        (start, stop), (first, last) = runs[0], target[0]
+        lines = [each.text for each in self.statements]
+        own = lines[start:stop]
+        if place < number:
+            between, begin, count = lines[first:start], first, stop - first
+            new = [*own, self._newline, *_stripped(between)]
+        else:
+            between, begin, count = lines[stop:last], start, last - start
+            new = [*_stripped(between), self._newline, *own]
+        if not self._try(begin, count, new, expected):
+            raise self._refused(path)
+
+    # -------------------------------------------------------------------------------------------------- statements
+
+    def _try(
+        self, start: int, count: int, lines: list[str], expected: dict[str, Any], *, may_prune: bool = False
+    ) -> bool:
+        """Replace statements by lines, if the file then means what is expected; whether it does."""
+        start, count, lines = self._joined(start, count, lines)
+        bad = {each.text for each in self.statements[start : start + count] if each.kind == "bad"}
+        new = [Statement(each.text, "bad") if each.text in bad else each for each in cut("".join(lines))]
+        if any(each.kind == "bad" and each.text not in bad for each in new):
+            return False
+        statements = [*self.statements[:start], *new, *self.statements[start + count :]]
+        try:
+            values = parse("".join([each.text for each in statements if each.kind != "bad"]))
+        except (ValueError, RecursionError):
+            return False
+        if not are_same(values, expected) and not (may_prune and are_same(_pruned(values), _pruned(expected))):
+            return False
+        self._splice(start, count, new, values)
+        return True
+
+    def _joined(self, start: int, count: int, lines: list[str]) -> tuple[int, int, list[str]]:
+        """The same change with the line ends and blank lines that its neighbours need."""
+        before = self.statements[start - 1].text if start else ""
+        after = self.statements[start + count].text if start + count < len(self.statements) else ""
+        lines = list(lines)
+        if count == 0 and lines:
+            is_chunk = not lines[0].strip()
+            if is_chunk and not before.strip():
+                lines.pop(0)
+            if is_chunk and after.strip() and lines:
+                lines.append(self._newline)
+        if lines and start and not before.endswith("\n"):  # at the end of a file without a last line end
+            lines = [before + self._newline, *lines]
+            lines[-1] = lines[-1].removesuffix(self._newline)
+            return start - 1, count + 1, lines
+        is_last = start + count == len(self.statements)
+        if count and is_last and lines and not self.statements[-1].text.endswith("\n"):
+            lines = [line if line.endswith("\n") else line + self._newline for line in lines]
+            lines[-1] = lines[-1].removesuffix(self._newline)
+        return start, count, lines
+
+    def _splice(self, start: int, count: int, new: list[Statement], values: dict[str, Any]) -> None:
+        splice = Splice(start, self.statements[start : start + count], new, self.values, values)
+        self.apply(splice)
+        self.log.append(splice)
+
+
+def _names(path: Path_) -> tuple[str, ...]:
+    return tuple(key for key in path if isinstance(key, str))
+
+
+def _is_large(table: dict[str, Any]) -> bool:
+    """Whether a table is written under a header of its own."""
+    holds_tables = any(
+        isinstance(item, dict) and any(isinstance(inner, dict) for inner in item.values()) for item in table.values()
+    )
+    return bool(table) and (holds_tables or len(as_toml(table)) > _LONGEST)
+
+
+def _stripped(lines: list[str]) -> list[str]:
+    """Lines without the blank ones at both ends."""
+    start, stop = 0, len(lines)
+    while start < stop and not lines[start].strip():
+        start += 1
+    while stop > start and not lines[stop - 1].strip():
+        stop -= 1
+    return lines[start:stop]
+
+
+def _pruned(values: Any) -> Any:
+    """A table without the empty tables in it: dotted keys and headers that were removed leave none behind."""
+    if isinstance(values, dict):
+        found = {key: _pruned(item) for key, item in values.items()}
+        return {key: item for key, item in found.items() if item != {} and item != []}
+    return [_pruned(item) for item in values] if isinstance(values, list) else values

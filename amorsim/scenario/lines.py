@@ -1,0 +1,65 @@
+"""The lines of faults: where in the files what is wrong stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import Fault
+from amorsim.core.reading import read_bytes
+from amorsim.scenario.layout import Layout, Path_
+from amorsim.scenario.names_in_lists import index_of
+from amorsim.scenario.written import Written, line_of, read_written
+
+__all__ = ["line_at", "with_lines"]
+
+
+def with_lines(faults: Iterable[Fault], known: Mapping[str, Written] | None = None) -> list[Fault]:
+    """The faults, each with its line, where its file is one of TOML; files that are `known` are not read again."""
+    files: dict[str, tuple[Written, Layout] | None] = {
+        name: (written, Layout(written.statements)) for name, written in (known or {}).items()
+    }
+    found = []
+    for fault in faults:
+        if fault.line is None and fault.file not in files:
+            files[fault.file] = _read(fault.file)
+        said = files.get(fault.file)
+        if fault.line is None and said is not None:
+            written, layout = said
+            path = _numbered(written.values, fault.path.split(".")) if fault.path else ()
+            fault = attrs.evolve(fault, line=line_of(written.statements, layout, path))
+        found.append(fault)
+    return found
+
+
+def line_at(file: str, path: str) -> int | None:
+    """The line of a file that says what is at a path, or what is nearest above it."""
+    (fault,) = with_lines([Fault(file=file, path=path, message="")])
+    return fault.line
+
+
+def _read(file: str) -> tuple[Written, Layout] | None:
+    if not file.endswith(".toml"):
+        return None
+    try:
+        written = read_written(read_bytes(Path(file)).decode().removeprefix("\N{BOM}"))
+    except (OSError, ValueError):
+        return None
+    return written, Layout(written.statements)
+
+
+def _numbered(values: Any, parts: list[str]) -> Path_:
+    """A path with numbers where lists are."""
+    path: Path_ = ()
+    for part in parts:
+        if isinstance(values, list):
+            index = index_of(values, part)
+            if isinstance(index, str):
+                break
+            path, values = (*path, index), values[index]
+        else:
+            path, values = (*path, part), values.get(part) if isinstance(values, dict) else None
+    return path

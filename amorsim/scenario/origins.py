@@ -1,0 +1,149 @@
+"""Where the values of a document come from: the file, a robot's model, a device, or a default."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.core.parameters import Parameter
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.faults import Book, Source
+from amorsim.scenario.field_at import field_at
+from amorsim.scenario.fields import default_in_file
+from amorsim.scenario.layout import MISSING, Path_, found_at, without
+from amorsim.scenario.lines import line_at
+from amorsim.scenario.models import MODEL_KEYS, merge_models
+from amorsim.scenario.toml_values import are_same
+
+__all__ = ["KINDS", "Origin", "Origins", "kind_of", "lifted"]
+
+
+_OF_SCENARIOS = {"world", "robots", "simulation", "recording", "obstacles", "landmarks", "lights", "zones", "floor"}
+_OF_MODELS = {"drive", "shape", "sensors", "estimators", "controller", "ground", "errors", "on_collision"}
+_INHERITED = set(MODEL_KEYS) - {"model", "format", "description"}
+
+
+@attrs.frozen(kw_only=True)
+class Origin:
+    """Where a value comes from.
+
+    Parameters
+    ----------
+    source
+        ``"file"``, ``"model"``, ``"device"`` or ``"default"``.
+    value
+        The value, as files say it.
+    file
+        The file that says it; None for a default.
+    line
+        The line in that file, counted from 1, where one is known.
+    under
+        What would hold if the file did not say it; None where nothing would, and for what it does not say.
+    """
+
+    source: str
+    value: Any
+    file: Path | None = None
+    line: int | None = None
+    under: Origin | None = None
+
+
+KINDS: dict[str, Path_] = {
+    "scenario": (),
+    "model": ("robots", 0),
+    "device": ("robots", 0, "sensors", "device"),
+}
+"""The kinds of documents, and where in a scenario a document of the kind would be."""
+
+
+def kind_of(values: Mapping[str, Any]) -> str:
+    """The kind of a document: a scenario, a robot's model, or a device."""
+    if _OF_SCENARIOS & set(values):
+        return "scenario"
+    if _OF_MODELS & set(values):
+        return "model"
+    return "device" if {"use", "model"} & set(values) else "scenario"
+
+
+def lifted(values: dict[str, Any]) -> dict[str, Any]:
+    """The tables of a scenario that a document stands in: itself, or a robot of the model, or one with the device."""
+    kind = kind_of(values)
+    if kind == "scenario":
+        return values
+    own = {key: value for key, value in values.items() if key not in ("format", "description")}
+    return {"robots": [own if kind == "model" else {"sensors": {"device": own}}]}
+
+
+class Origins:
+    """Looks values of one document up, in the files that it builds on."""
+
+    def __init__(self, file: Path, registry: Registry) -> None:
+        self._file = file
+        self._registry = registry
+        self._merged: tuple[Any, dict[str, Any], Book] | None = None
+
+    def merged(self, values: dict[str, Any], path: Path_) -> dict[str, Any]:
+        """The values with the model and the devices of the robot that a path leads to under what is said of it."""
+        at = KINDS[kind_of(values)]
+        root = lifted(values)
+        if not _may_inherit(root, (*at, *path)):
+            return values
+        own = found_at(self._lifted_merged(root, (*at, *path)), at)
+        return {**values, **own} if at else own
+
+    def _lifted_merged(self, root: dict[str, Any], path: Path_) -> dict[str, Any]:
+        if not _may_inherit(root, path):
+            return root
+        robot, _ = self._robot(root["robots"][path[1]])
+        return {**root, "robots": [robot if i == path[1] else each for i, each in enumerate(root["robots"])]}
+
+    def _robot(self, said: dict[str, Any]) -> tuple[dict[str, Any], Book]:
+        if self._merged is None or not (self._merged[0] is said or are_same(self._merged[0], said)):
+            book = Book(Source(file=str(self._file), folder=self._file.parent))
+            tables = {"robots": [copy.deepcopy(said)]}
+            merge_models(tables, book, self._registry)
+            (robot,) = tables["robots"]
+            robot.pop("resolved_from", None)
+            self._merged = said, {**robot, **({"model": said["model"]} if "model" in said else {})}, book
+        return self._merged[1], self._merged[2]
+
+    def find(self, values: dict[str, Any], path: Path_) -> Origin | None:
+        """Where the value at a path comes from; None where nothing says it."""
+        if found_at(values, path) is MISSING:
+            return self._inherited(values, path)
+        under = self._inherited(without(values, path), path)
+        return Origin(source="file", value=found_at(self.merged(values, path), path), file=self._file, under=under)
+
+    def _inherited(self, values: dict[str, Any], path: Path_) -> Origin | None:
+        root, at = lifted(values), (*KINDS[kind_of(values)], *path)
+        merged = self._lifted_merged(root, at)
+        value = found_at(merged, at)
+        if value is not MISSING and merged is not root:
+            _, book = self._robot(root["robots"][at[1]])
+            said = book.source(("robots", "0", *map(str, at[2:])))
+            if said.kind != "file":
+                line = line_at(said.file, ".".join(map(str, at[said.depth :])))
+                return Origin(source=said.kind, value=value, file=Path(said.file), line=line)
+        field = field_at(merged, at, self._registry, self._file.parent)
+        return None if field is None else _default(field)
+
+
+def _default(field: Parameter) -> Origin | None:
+    value = default_in_file(field)
+    return None if value is None else Origin(source="default", value=value)
+
+
+def _may_inherit(root: Mapping[str, Any], path: Path_) -> bool:
+    """Whether a model or a device may say what is at a path: none says where a robot is, and what it is called."""
+    if len(path) < 2 or path[0] != "robots":
+        return False
+    robot = found_at(root, path[:2])
+    if not isinstance(robot, dict) or (len(path) > 2 and path[2] not in _INHERITED):
+        return False
+    sensors = robot.get("sensors")
+    devices = sensors.values() if isinstance(sensors, dict) else ()
+    return "model" in robot or any(isinstance(sensor, dict) and "model" in sensor for sensor in devices)

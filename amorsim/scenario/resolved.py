@@ -1,0 +1,284 @@
+"""Scenarios as tables: all that a file needs to say for the same scenario to be read from it again."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+
+from amorsim.controllers.user import UserController
+from amorsim.core.errors import Fault, PluginError, ScenarioError
+from amorsim.core.map import Map
+from amorsim.motions.user import UserMotion
+from amorsim.plugins.manager import default_registry
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.bodies import write_shape
+from amorsim.scenario.deviations import write_deviations
+from amorsim.scenario.fields import write_fields
+from amorsim.scenario.floor import Floor
+from amorsim.scenario.floor_file import write_floor
+from amorsim.scenario.models import FORMAT, LOOKS
+from amorsim.scenario.spec import (
+    Knowledge,
+    MountedSensor,
+    NoiseElement,
+    Obstacle,
+    Pose,
+    Recording,
+    Robot,
+    Scenario,
+    Zone,
+)
+from amorsim.scenario.starts import series_of
+from amorsim.scenario.worlds import start_of
+
+__all__ = ["resolved", "resolved_table"]
+
+
+def resolved(scenario: Scenario) -> dict[str, Any]:
+    """The complete table of a scenario: the one it was read with, or else `resolved_table`."""
+    return dict(scenario.resolved) if scenario.resolved is not None else resolved_table(scenario)
+
+
+def resolved_table(
+    scenario: Scenario, *, registry: Registry | None = None, maps_in_files: bool = True
+) -> dict[str, Any]:
+    """The complete table of a scenario: no models, every default filled in, files by their absolute paths.
+
+    Unless `maps_in_files`, a map that was made in Python may be among them, and is left out.
+
+    Raises
+    ------
+    ScenarioError
+        With a fault for everything that has no name in a file: a component that nobody registered, a map or a
+        controller that is in no file, a shape that no table describes.
+    """
+    writer = _Writer(registry or default_registry(), maps_in_files)
+    table = writer.scenario(scenario)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+def robot_table(robot: Robot, registry: Registry) -> dict[str, Any]:
+    """The complete table of a robot's model: no name, no start, no knowledge; programs by their absolute paths.
+
+    What is raised is as for `resolved_table`.
+    """
+    writer = _Writer(registry, maps_in_files=True)
+    plain = attrs.evolve(robot, model="", pose=None, start=None, knowledge=Knowledge())
+    table = writer.model(plain)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+def sensor_table(sensor: MountedSensor, registry: Registry) -> dict[str, Any]:
+    """The complete table of a sensor; what is raised is as for `resolved_table`."""
+    writer = _Writer(registry, maps_in_files=True)
+    table = writer.sensor(sensor, "")
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+_ONE_QUANTITY: Mapping[str, str] = types.MappingProxyType({})
+
+
+class _Writer:
+    """One method a thing; collects what cannot be written."""
+
+    def __init__(self, registry: Registry, maps_in_files: bool) -> None:
+        self._registry = registry
+        self._maps_in_files = maps_in_files
+        self.faults: list[Fault] = []
+
+    def scenario(self, scenario: Scenario) -> dict[str, Any]:
+        """The whole table."""
+        table = {
+            "format": FORMAT,
+            "world": self._map(scenario.map, "world"),
+            "simulation": write_fields(scenario, names=("dt", "duration", "seed")),
+            "recording": self._recording(scenario.recording),
+            "robots": [
+                self._series(series, self._robot(series[0], scenario.map, f"robots.{i}"))
+                for i, series in enumerate(series_of(scenario.robots))
+            ],
+        }
+        if scenario.obstacles:
+            table["obstacles"] = [
+                self._series(series, self._obstacle(series[0], f"obstacles.{i}"))
+                for i, series in enumerate(series_of(scenario.obstacles))
+            ]
+        for key, things in (("landmarks", scenario.landmarks), ("lights", scenario.lights)):
+            if things:
+                table[key] = [write_fields(thing) for thing in things]
+        if scenario.zones:
+            table["zones"] = [self._zone(zone, f"zones.{i}") for i, zone in enumerate(scenario.zones)]
+        if scenario.floor != Floor():
+            table["floor"] = write_floor(scenario.floor, self._shape)
+        return table
+
+    def _fault(self, path: str, message: str) -> None:
+        self.faults.append(Fault(file="", path=path, message=message))
+
+    def _component(self, kind: str, component: Any, path: str, unit: str = "") -> dict[str, Any]:
+        try:
+            name = self._registry.name_of(kind, type(component))
+        except PluginError as error:
+            self._fault(path, str(error))
+            return {}
+        if name is None:
+            what = f"{type(component).__module__}.{type(component).__qualname__}"
+            self._fault(
+                path,
+                f"{what} is no {kind} that is registered, so a file cannot name it; register it in a plugin",
+            )
+            return {}
+        return {"use": name, **write_fields(component, unit)}
+
+    def _map(self, found: Map, path: str) -> dict[str, Any]:
+        file = found.source
+        if file is None:
+            if self._maps_in_files:
+                self._fault(
+                    f"{path}.map",
+                    "the map was not read from a file, so a file cannot name it; give it one with save_map",
+                )
+            return {}
+        return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
+
+    def _recording(self, recording: Recording) -> dict[str, Any]:
+        written = write_fields(recording, names=("sensors", "picture"))
+        if recording.also:
+            written["also"] = [
+                self._component("recorder", recorder, f"recording.also.{i}")
+                for i, recorder in enumerate(recording.also)
+            ]
+        return written
+
+    def _series(self, series: Sequence[Robot | Obstacle], written: dict[str, Any]) -> dict[str, Any]:
+        """The table of many alike, from that of the first of them."""
+        if len(series) == 1:
+            return written
+        name, *_ = series
+        stem = name.name.rstrip("0123456789")
+        whole: dict[str, Any] = {"name": stem, "count": len(series)}
+        if "pose" in written:
+            whole["start"] = {"poses": [write_fields(body.pose) for body in series]}
+        return whole | {key: value for key, value in written.items() if key not in ("name", "pose")}
+
+    def _robot(self, robot: Robot, world: Map, path: str) -> dict[str, Any]:
+        written: dict[str, Any] = {"name": robot.name}
+        if robot.model:
+            written["resolved_from"] = robot.model
+        pose = robot.pose
+        if robot.start is not None:
+            written["start"] = write_fields(robot.start)
+        else:
+            pose = pose or start_of(world, robot)
+            written["pose"] = write_fields(pose)
+        written.update(self.model(robot, path, pose))
+        knowledge: dict[str, Any] = {}
+        if robot.knowledge.map is not None:
+            knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
+        if robot.knowledge.landmarks:
+            points = robot.knowledge.landmarks
+            ids = robot.knowledge.landmark_ids or (0,) * len(points)
+            knowledge["landmarks"] = [
+                {"id": number, "x": x, "y": y} if number else [x, y] for number, (x, y) in zip(ids, points, strict=True)
+            ]
+        if knowledge:
+            written["knowledge"] = knowledge
+        return written
+
+    def model(self, robot: Robot, path: str = "", pose: Pose | None = None) -> dict[str, Any]:
+        """What a model may say of a robot."""
+        written: dict[str, Any] = {"shape": self._shape(robot.shape, path)}
+        if robot.controller is not None:
+            written["controller"] = self._controller(robot.controller, f"{path}.controller")
+        written["on_collision"] = robot.on_collision
+        written.update(write_fields(robot, names=LOOKS))
+        if robot.ground:
+            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
+        written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
+        written["sensors"] = {
+            name: self.sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
+        }
+        written["estimators"] = {
+            name: self._component("estimator", estimator, f"{path}.estimators.{name}")
+            for name, estimator in robot.estimators.items()
+        }
+        if robot.errors:
+            written["errors"] = self._errors(robot, pose or Pose(), path)
+        return written
+
+    def _errors(self, robot: Robot, pose: Pose, path: str) -> dict[str, Any]:
+        parts = {"drive": robot.drive, "sensors": robot.sensors, "pose": pose}
+        try:
+            return write_deviations(robot.errors, parts)
+        except (LookupError, AttributeError, ValueError) as error:
+            self._fault(f"{path}.errors", f"one of its paths leads to no number: {error}")
+            return {}
+
+    def sensor(self, mounted: MountedSensor, path: str) -> dict[str, Any]:
+        """A sensor's table."""
+        unit = mounted.sensor.unit
+        written = self._component("sensor", mounted.sensor, path)
+        written["mount"] = write_fields(mounted.mount)
+        written.update(write_fields(mounted, names=("rate", "latency")))
+        if mounted.noise:
+            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
+        return written
+
+    def _chain(
+        self, chain: tuple[NoiseElement, ...], path: str, unit: str, columns: Mapping[str, str] = _ONE_QUANTITY
+    ) -> list[dict[str, Any]]:
+        written = []
+        for i, element in enumerate(chain):
+            fields = self._component("noise", element.noise, f"{path}.{i}", columns.get(element.column, unit))
+            column = {"column": element.column} if element.column else {}
+            written.append({"use": fields.pop("use", ""), "name": element.name, **column, **fields})
+        return written
+
+    def _controller(self, controller: Any, path: str, kind: str = "controller") -> dict[str, Any]:
+        if not isinstance(controller, (UserController, UserMotion)):
+            return self._component(kind, controller, path)
+        if controller.source:
+            return {"use": controller.source, **dict(controller.options)}
+        name = getattr(controller.function, "__qualname__", repr(controller.function))
+        self._fault(
+            path,
+            f"{name} was given as an object, so a file cannot name it; put it into a file of its own, and "
+            f"say use = 'FILE.py:{name}'",
+        )
+        return {}
+
+    def _obstacle(self, obstacle: Obstacle, path: str) -> dict[str, Any]:
+        written: dict[str, Any] = {"name": obstacle.name, "shape": self._shape(obstacle.shape, path)}
+        if obstacle.start is not None:
+            written["start"] = write_fields(obstacle.start)
+        else:
+            written["pose"] = write_fields(obstacle.pose)
+        written.update(write_fields(obstacle, names=LOOKS))
+        if obstacle.motion is not None:
+            written["motion"] = self._controller(obstacle.motion, f"{path}.motion", "motion")
+        return written
+
+    def _zone(self, zone: Zone, path: str) -> dict[str, Any]:
+        written: dict[str, Any] = {"name": zone.name, "shape": self._shape(zone.shape, path)}
+        written["pose"] = write_fields(zone.pose)
+        if zone.ground:
+            written["ground"] = self._chain(zone.ground, f"{path}.ground", "m")
+        return written
+
+    def _shape(self, shape: Any, path: str) -> dict[str, Any]:
+        written = write_shape(shape)
+        if written is None:
+            self._fault(
+                f"{path}.shape",
+                "a shape that is no circle, polygon or rounded convex polygon cannot be written into a file",
+            )
+        return written or {}

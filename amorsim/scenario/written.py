@@ -1,0 +1,188 @@
+"""A file of TOML as it is written: its statements, what they mean, and which of them are faulty."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import Fault
+from amorsim.scenario.inline import find
+from amorsim.scenario.layout import Layout, Path_
+from amorsim.scenario.statements import Statement, cut, value_end
+from amorsim.scenario.toml_values import parse
+
+__all__ = ["BadLine", "Written", "line_of", "read_written", "toml_problem"]
+
+_MOST = 20  # of bad lines, that are told
+
+
+@attrs.frozen
+class BadLine:
+    """A line that TOML does not take, counted from 1, and what is wrong with it."""
+
+    line: int
+    text: str
+    message: str
+
+
+class Written:
+    """What a file's text means without its bad lines, and these."""
+
+    def __init__(
+        self, text: str, values: dict[str, Any], statements: list[Statement] | None = None, bad: Iterable[BadLine] = ()
+    ) -> None:
+        self.values = values
+        self.bad = tuple(bad)
+        self._text = text
+        self._statements = statements
+
+    @property
+    def statements(self) -> list[Statement]:
+        """The text in its statements, those of bad lines being "bad"."""
+        if self._statements is None:  # which only changes and faults ask for
+            self._statements = cut(self._text)
+        return self._statements
+
+    def faults(self, file: str) -> list[Fault]:
+        """The bad lines as faults of the file."""
+        return [Fault(file=file, path="", message=each.message, line=each.line, value=each.text) for each in self.bad]
+
+
+def read_written(text: str) -> Written:
+    """What a text means; of lines that TOML does not take it is said what is wrong, and they mean nothing."""
+    try:
+        return Written(text, parse(text))
+    except (ValueError, RecursionError):
+        pass
+    statements = cut(text)
+    bad: dict[int, str] = {}
+    is_open = False  # whether the lines before are of a value that does not end
+    for index, statement in enumerate(tuple(statements)):
+        if statement.kind != "bad":
+            is_open = False
+        elif not is_open:
+            bad[index] = _problem_of(statement.text)
+            is_open = _is_open(statement.text)
+            _leave_out_body(statements, index, statement.text)
+    values: dict[str, Any] = {}
+    while len(bad) < _MOST:
+        try:
+            values = parse(_sound(statements))
+            break
+        except (ValueError, RecursionError) as error:
+            index = _first_bad(statements, str(error))
+            bad[index] = toml_problem(error)
+            old = statements[index]
+            statements[index] = Statement(old.text, "bad")
+            if old.kind != "pair":
+                _leave_out_body(statements, index, old.text)
+    else:  # this is no file of TOML
+        statements = [Statement(each.text, "bad") for each in statements]
+    lines = _line_numbers(statements)
+    told = sorted(bad)[:_MOST]
+    return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in told])
+
+
+def _is_open(text: str) -> bool:
+    """Whether a line begins a value of several lines that does not end."""
+    _, equals, value = text.partition("=")
+    value = value.strip()
+    return bool(equals) and (value.startswith(("[", "{", "'''", '"""')) and value_end(value, 0) is None)
+
+
+def _sound(statements: Sequence[Statement]) -> str:
+    return "".join([each.text for each in statements if each.kind != "bad"])
+
+
+def _leave_out_body(statements: list[Statement], index: int, text: str) -> None:
+    """Under a header that nobody can read, nobody knows what the pairs are of."""
+    if not text.lstrip().startswith("["):
+        return
+    for i in range(index + 1, len(statements)):
+        if statements[i].kind in ("table", "array"):
+            return
+        if statements[i].kind == "pair":
+            statements[i] = Statement(statements[i].text, "bad")
+
+
+def _first_bad(statements: Sequence[Statement], problem: str) -> int:
+    """The statement with which the file stops being TOML: up to it, all is."""
+
+    def is_sound(count: int) -> bool:
+        try:
+            parse(_sound(statements[:count]))
+        except (ValueError, RecursionError):
+            return False
+        return True
+
+    sound, faulty = 0, len(statements)  # how many of the first are sound, and are not
+    place = re.search(r"\(at line (\d+)", problem)
+    if place:  # where TOML's reader has noticed it is mostly where it is
+        line, wanted = 1, int(place[1])
+        for index, statement in enumerate(statements):
+            if statement.kind != "bad":
+                line += statement.text.count("\n")
+            if line > wanted:
+                if is_sound(index):
+                    sound = index
+                if not is_sound(index + 1):
+                    faulty = index + 1
+                break
+    while faulty - sound > 1:
+        middle = (sound + faulty) // 2
+        if is_sound(middle):
+            sound = middle
+        else:
+            faulty = middle
+    return faulty - 1
+
+
+def _problem_of(text: str) -> str:
+    try:
+        parse(text)
+    except (ValueError, RecursionError) as error:
+        return toml_problem(error)
+    return "not valid TOML"
+
+
+def toml_problem(error: Exception) -> str:
+    """What is wrong with a line of TOML; what Python tells only in words of its own is said plainly."""
+    text = str(error)
+    if isinstance(error, RecursionError):
+        return "not valid TOML that can be read: tables or lists in one another, too many"
+    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
+        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
+        return f"the table [{name}] stands in this file already; put what is here under the first one"
+    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
+        return "this key has a value already; leave one of the two out"
+    column = re.search(r", column (\d+)\)", text)
+    plain = re.sub(r" \(at .*?\)", "", text)
+    return f"not valid TOML: {plain}" + (f" (column {column[1]})" if column else "")
+
+
+def _line_numbers(statements: Sequence[Statement]) -> list[int]:
+    numbers, line = [], 1
+    for statement in statements:
+        numbers.append(line)
+        line += statement.text.count("\n")
+    return numbers
+
+
+def line_of(statements: Sequence[Statement], layout: Layout, path: Path_) -> int | None:
+    """The line, counted from 1, that says a path, or what is nearest above it; None where nothing of it is said."""
+    spot = layout.pair_over(path)
+    if spot is not None:
+        index, rest = spot
+        statement = statements[index]
+        at, member, _ = find(statement.text, statement.first, rest)
+        inside = statement.text[: at if member is None else member.start].count("\n")
+        return _line_numbers(statements[: index + 1])[-1] + inside
+    for length in range(len(path), 0, -1):
+        under = layout.under(path[:length])
+        if under:
+            own = layout.headers.get(path[:length])
+            return _line_numbers(statements[: (own if own is not None else under[0]) + 1])[-1]
+    return None
