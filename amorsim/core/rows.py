@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, describe
 
 __all__ = ["signature", "stack", "take"]
@@ -17,23 +18,19 @@ __all__ = ["signature", "stack", "take"]
 T = TypeVar("T")
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
 def _varies(parameter: Parameter, value: Any) -> bool:
     """Whether rows of one group may differ in this value (numbers that fix no shape)."""
     if parameter.static:
         return False
     if isinstance(value, tuple):
-        return bool(value) and (_is_table(value) or all(_is_number(item) or attrs.has(type(item)) for item in value))
-    return _is_number(value) or attrs.has(type(value))
+        return bool(value) and (_is_table(value) or all(is_number(item) or attrs.has(type(item)) for item in value))
+    return is_number(value) or attrs.has(type(value))
 
 
 def _is_table(value: tuple[Any, ...]) -> bool:
     """Whether these are tuples of numbers, all of one length: points and the like."""
     return len({len(item) if isinstance(item, tuple) else 0 for item in value}) == 1 and all(
-        isinstance(item, tuple) and item and all(map(_is_number, item)) for item in value
+        isinstance(item, tuple) and item and all(map(is_number, item)) for item in value
     )
 
 

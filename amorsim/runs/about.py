@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from amorsim.core.errors import RunError
+from amorsim.core.numbers import is_number
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.runs.folder import ABOUT, FORMAT
 from amorsim.runs.tables import check_file
@@ -19,6 +19,8 @@ from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import MAX_REPLICA, MOST_STEPS
 
 __all__ = ["read_about", "scenario_of"]
+
+_FAR = 1e300  # larger numbers are taken for mistakes
 
 LARGEST = 1 << 28  # [bytes]: room for the digests of three million replicas
 
@@ -31,10 +33,6 @@ def _is_text(value: Any) -> bool:
 
 def _is_whole(value: Any) -> bool:
     return type(value) is int and 0 <= value <= MOST_STEPS
-
-
-def _is_number(value: Any) -> bool:
-    return type(value) in (int, float) and abs(value) < 1e300 and math.isfinite(value)
 
 
 def _is_real(value: Any) -> bool:
@@ -74,12 +72,12 @@ _NEEDED: dict[str, tuple[Check, str]] = {
     "status": (_is_text, "a text"),
     "seed": (_is_seed, "a whole number"),
     "replicas": (_are_replicas, "a list of different whole numbers >= 0"),
-    "dt": (lambda value: _is_number(value) and value > 0, "a number [s] > 0"),
+    "dt": (lambda value: is_number(value, below=_FAR) and value > 0, "a number [s] > 0"),
     "steps": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
 }
 _OTHERS: dict[str, tuple[Check, str]] = {
     "format": (lambda value: type(value) is int and value == FORMAT, f"{FORMAT}, the format that this amorsim reads,"),
-    "duration": (_is_number, "a number [s]"),
+    "duration": (lambda value: is_number(value, below=_FAR), "a number [s]"),
     "inputs": (_are_inputs, "a table of fingerprints, by the names of files in the folder"),
     "amorsim": (_is_text, "a text"),
     "python": (_is_text, "a text"),
@@ -92,7 +90,7 @@ _OTHERS: dict[str, tuple[Check, str]] = {
     "distance": (_table_of(_is_real), "a table of numbers [m], by robot"),
     "final_error": (_table_of(_is_real), "a table of numbers [m], by robot"),
     "collisions": (_table_of(_is_whole), "a table of whole numbers, by robot"),
-    "seconds": (_is_number, "a number [s]"),
+    "seconds": (lambda value: is_number(value, below=_FAR), "a number [s]"),
 }
 
 

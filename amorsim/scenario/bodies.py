@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from amorsim.core.numbers import is_number
 from amorsim.core.shapes import Shape
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.spec import Pose
 
 __all__ = ["read_pose", "read_shape", "write_shape"]
+
+_FAR = 1e100  # larger numbers are taken for mistakes
 
 _EXPECTED = "expected { circle = RADIUS }, { rectangle = [LENGTH, WIDTH] } or { polygon = [[X, Y], ...] }, in metres"
 # What may stand beside each of them: where the centre lies, or by how much corners are rounded outwards.
@@ -53,7 +56,7 @@ def read_shape(node: Node) -> Shape | None:
 
 
 def _number(node: Node) -> float:
-    if _is_number(node.value):
+    if is_number(node.value, below=_FAR):
         return float(node.value)
     node.fault(f"expected a finite number [m], got {shown(node.value)}")
     return 0.0
@@ -62,23 +65,18 @@ def _number(node: Node) -> float:
 def _numbers(node: Node, kind: str) -> Any:
     value = node.value
     if kind == "rectangle":
-        if isinstance(value, list) and len(value) == 2 and all(_is_number(side) for side in value):
+        if isinstance(value, list) and len(value) == 2 and all(is_number(side, below=_FAR) for side in value):
             return [float(side) for side in value]
         node.fault(f"expected [LENGTH, WIDTH], two finite numbers [m], got {shown(value)}")
         return []
     points: list[Any] = value if isinstance(value, list) else [None]
     for index, point in enumerate(points):
-        if not (isinstance(point, list) and len(point) == 2 and all(_is_number(number) for number in point)):
+        if not (isinstance(point, list) and len(point) == 2 and all(is_number(number, below=_FAR) for number in point)):
             at = node if point is None else Node(point, (*node.path, str(index)), node.book)
             what = "a list of points [X, Y] [m]" if point is None else "[X, Y], two finite numbers [m]"
             at.fault(f"expected {what}, got {shown(at.value)}")
             return []
     return [[float(number) for number in point] for point in points]
-
-
-def _is_number(value: Any) -> bool:
-    # Farther out than any map; squares and areas of such numbers are still finite.
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.fabs(_capped(value)) < 1e100
 
 
 def _capped(value: float) -> float:

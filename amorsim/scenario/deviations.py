@@ -7,6 +7,7 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, ParameterError, describe
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
@@ -14,6 +15,8 @@ from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, Number
 
 __all__ = ["read_deviations", "write_deviations"]
+
+_FAR = 2.0**1023  # larger numbers are taken for mistakes
 
 _FIELDS = ("scale", "add", "value", "per")
 _KINDS = ("normal", "uniform")
@@ -127,7 +130,7 @@ def _read_number(node: Node, is_angle: bool) -> Number | None:
     """A number or a distribution, in SI units; None after a fault."""
     value = node.value
     convert = to_radians if is_angle else float
-    if _is_number(value):
+    if is_number(value, below=_FAR):
         return convert(value)
     if not isinstance(value, dict):
         node.fault(
@@ -142,7 +145,7 @@ def _read_number(node: Node, is_angle: bool) -> Number | None:
         return None
     child = node.child(kinds[0])
     pair = child.value
-    if not isinstance(pair, list) or len(pair) != 2 or not all(_is_number(item) for item in pair):
+    if not isinstance(pair, list) or len(pair) != 2 or not all(is_number(item, below=_FAR) for item in pair):
         words = "[MEAN, STANDARD DEVIATION]" if kinds[0] == "normal" else "[LOW, HIGH]"
         child.fault(f"expected {words}, two finite numbers, got {shown(pair)}")
         return None
@@ -151,12 +154,6 @@ def _read_number(node: Node, is_angle: bool) -> Number | None:
     except ParameterError as error:
         child.fault(error.problem)
         return None
-
-
-def _is_number(value: Any) -> bool:
-    if not isinstance(value, (int, float)) or isinstance(value, bool):
-        return False
-    return -(2.0**1023) < value < 2.0**1023
 
 
 def _check_true(node: Node, parts: dict[str, Any], path: tuple[str, ...], deviation: Deviation) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 
 from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.map import Map
+from amorsim.core.numbers import is_number
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.core.starts import freest_start, least_gaps
@@ -23,6 +23,8 @@ from amorsim.scenario.parts import at_start
 from amorsim.scenario.spec import Knowledge, Landmark, Pose, Robot
 
 __all__ = ["Maps", "is_free_at", "start_of"]
+
+_FAR = 1e100  # larger numbers are taken for mistakes
 
 
 class Maps:
@@ -113,7 +115,7 @@ def _read_landmark(node: Node) -> tuple[int, float, float] | None:
         mark = read_component(_Known, node)
         return None if mark is None else (mark.id, mark.x, mark.y)
     pair = node.value
-    if not (isinstance(pair, list) and len(pair) == 2 and all(_is_number(number) for number in pair)):
+    if not (isinstance(pair, list) and len(pair) == 2 and all(is_number(number, below=_FAR) for number in pair)):
         node.fault(f"expected [x, y], two finite numbers [m], or {{ id, x, y }}, got {shown(pair)}")
         return None
     return 0, float(pair[0]), float(pair[1])
@@ -126,12 +128,6 @@ class _Known:
     id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")
     x: float = parameter(unit="m", help="to the right in the world")
     y: float = parameter(unit="m", help="up in the world")
-
-
-def _is_number(value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return False
-    return abs(value) < 1e100 if isinstance(value, int) else math.isfinite(value)
 
 
 def start_of(world: Map, robot: Robot, *, must_be_free: bool = False) -> Pose:

@@ -15,6 +15,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import did_you_mean
+from amorsim.core.numbers import is_number
 from amorsim.ui.serve.wire import Kind, MessageError, shown, whole
 
 __all__ = ["COMMANDS", "Command", "check"]
@@ -28,12 +29,8 @@ MOST_POINTS = 10_000
 MOST_STEPS = 1000
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
 def _number(low: float = -LARGEST, high: float = LARGEST) -> Kind:
-    return Kind(f"a number from {low:g} to {high:g}", lambda value: _is_number(value) and low <= value <= high)
+    return Kind(f"a number from {low:g} to {high:g}", lambda value: is_number(value) and low <= value <= high)
 
 
 def _text(longest: int) -> Kind:
