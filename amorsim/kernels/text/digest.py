@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["NOTHING", "absorb", "absorb_rows", "absorb_together"]
+__all__ = ["absorb"]
 
 Floats = npt.NDArray[np.float64]
 
@@ -21,7 +21,7 @@ _HALF = np.uint64(32)
 
 # Arrays a kernel call takes: always so many, for each number of them would be compiled by itself.
 _BATCH = 8
-NOTHING = np.empty((0, 0))
+_NOTHING = np.empty((0, 0))
 
 
 @part
@@ -54,61 +54,9 @@ def _absorb(
             _mix(bits[i], out[i])
 
 
-@part
-def absorb_rows(
-    a: Floats,
-    b: Floats,
-    c: Floats,
-    d: Floats,
-    e: Floats,
-    sizes: npt.NDArray[np.int64],
-    first: Floats,
-    second: Floats,
-    begin: int,
-    end: int,
-    out: npt.NDArray[np.uint64],
-) -> None:
-    """What `absorb_together` does, for kernels."""
-    rows = out.shape[0]
-    for values in (a, b, c, d, e):
-        bits = values.view(np.uint64)
-        for i in range(begin, min(end, bits.shape[0])):
-            _mix(bits[i], out[i])
-    first_bits = first.view(np.uint64)
-    second_bits = second.view(np.uint64)
-    start = 0
-    for k in sizes:
-        for i in range(begin, end):
-            at = start + i * k
-            _mix(first_bits[at : at + k], out[i])
-            _mix(second_bits[at : at + k], out[i])
-        start += rows * k
-
-
-@kernel
-def absorb_together(
-    a: Floats,
-    b: Floats,
-    c: Floats,
-    d: Floats,
-    e: Floats,
-    sizes: npt.NDArray[np.int64],
-    first: Floats,
-    second: Floats,
-    begin: int,
-    end: int,
-    out: npt.NDArray[np.uint64],
-) -> None:
-    """Mix five arrays (N, k), and then many in turn, the first of each kind and the second, as `absorb` does.
-
-    `first` and `second` hold arrays (N, k) one after the other, of sizes k (A,). Rows begin..end-1 are mixed.
-    """
-    absorb_rows(a, b, c, d, e, sizes, first, second, begin, end, out)
-
-
 def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:
     """Mix the bits of arrays (N, k), C-contiguous and writeable, into the fingerprints `out` (N, 2), in order."""
     for start in range(0, len(values), _BATCH):
-        batch = [*values[start : start + _BATCH], *(NOTHING,) * _BATCH]
+        batch = [*values[start : start + _BATCH], *(_NOTHING,) * _BATCH]
         a, b, c, d, e, f, g, h = batch[:_BATCH]
         _absorb(a, b, c, d, e, f, g, h, out)

@@ -8,22 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.contracts import Drive
 from amorsim.core.poses import compose, logarithm, relative
 from amorsim.core.rows import take
 from amorsim.kernels.collision.paths import OTHER
 from amorsim.scenario.parts import at_start
 from amorsim.scenario.spec import Obstacle, Robot
 from amorsim.simulation.truth import has_draws, true_robot
-
-if TYPE_CHECKING:
-    from amorsim.simulation.group import Group
-    from amorsim.simulation.world.world import World
+from amorsim.simulation.world.world import World
 
 __all__ = ["Parts", "with_parts"]
 
@@ -34,13 +32,29 @@ Ints = npt.NDArray[np.int64]
 _LOOK = 1e-4  # of a step, to either side: so close together, two places give a velocity
 
 
+class Robots(Protocol):
+    """What the parts ask of the robots that have them: a group."""
+
+    bodies: Ints
+    dt: float
+    drive: Drive
+    joints: Array
+    true_pose: Array
+
+    def part_travel(self) -> Array:
+        """Bounds of the parts' paths: length [m] and turning [rad] `(N, p, 2)`."""
+
+    def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
+        """Poses of robots at fractions `(Q, 1)` of the step, and of their parts in their frames `(Q, p, 3)`."""
+
+
 class Parts:
     """The parts of all robots of a group, a mover of its own (`Mover` of `resolve`): N rows of p parts.
 
     Their poses follow from the joints, but are kept as well: so they are, to the bit, where contact found them free.
     """
 
-    def __init__(self, group: Group, world: World) -> None:
+    def __init__(self, group: Robots, world: World) -> None:
         entries = world.parts_of(group.bodies)
         self._group = group
         self._each = entries.shape[1]
