@@ -95,8 +95,8 @@ if TYPE_CHECKING:
         Zone,
     )
     from amorsim.simulation.events import Event
+    from amorsim.simulation.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.phases import PHASES
-    from amorsim.simulation.sensing.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.simulation import Simulation
     from amorsim.ui.view import view
 
@@ -136,7 +136,7 @@ _MODULES = {
     "amorsim.runs.session": "RunSession RunSummary record",
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
-    "amorsim.simulation.sensing.noise_stages": "KeptStages Stage keep_stages",
+    "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
 _PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")

@@ -20,10 +20,10 @@ from amorsim.simulation.contact.resolve import WALL, Movement
 from amorsim.simulation.events import Event
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.world.placing import draw_starts, with_start
+from amorsim.simulation.placing import draw_starts, with_start
 from amorsim.simulation.world.surroundings import Surroundings
 from amorsim.simulation.world.world import World
-from amorsim.simulation.world.zones import zone_streams
+from amorsim.simulation.zones import zone_streams
 
 __all__ = ["Fleet"]
 

@@ -37,7 +37,7 @@ from amorsim.simulation.sensing.sensor_unit import SensorUnit
 from amorsim.simulation.truth import true_robots
 from amorsim.simulation.world.sensor_view import GroupView
 from amorsim.simulation.world.world import World
-from amorsim.simulation.world.zones import Zones
+from amorsim.simulation.zones import Zones
 
 __all__ = ["Group"]
 

@@ -12,11 +12,11 @@ from amorsim.core.errors import AmorsimError
 from amorsim.simulation.blame import is_finite
 from amorsim.simulation.contact.contact_ends import still_near
 from amorsim.simulation.contact.resolve import WALL, Contact
+from amorsim.simulation.emissions import collect
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.world.emissions import collect
 
 Array = npt.NDArray[np.float64]
 

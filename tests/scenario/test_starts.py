@@ -16,7 +16,7 @@ from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.starts import GridStart
 from amorsim.scenario.write import table_text
-from amorsim.simulation.world import placing
+from amorsim.simulation import placing
 from tests import building
 
 GRID = "grid = [1.0, 1.0], spacing = 0.25"
@@ -109,7 +109,7 @@ def crowded(count, radius=0.1, **start):
 
 
 def test_more_than_there_is_room_for_is_told_before_a_try_is_made(monkeypatch):
-    monkeypatch.setattr("amorsim.simulation.world.placing._draw", None)
+    monkeypatch.setattr("amorsim.simulation.placing._draw", None)
     # 1000 circles, as polygons of 64 sides: 1000 * 32 sin(2 pi / 64) * 0.01 m2. With margins the box is 4.2 m wide.
     with pytest.raises(
         am.ScenarioError, match=r"obstacles.o000.start: the 1000 .* in the box 0.5, .* cover 31.37 m2"

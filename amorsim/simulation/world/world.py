@@ -62,7 +62,7 @@ class World:
     surroundings
         Marks, lamps, and how bodies look.
     emissions
-        The emitters that fire at this tick, by medium; see `amorsim.simulation.world.emissions`.
+        The emitters that fire at this tick, by medium; see `amorsim.simulation.emissions`.
     first
         `(R + 1,)` the first body of each replica.
     everyone
