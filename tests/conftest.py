@@ -12,6 +12,9 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 settings.register_profile("amorsim", deadline=None)
 settings.load_profile("amorsim")
 
-# A command that a shell starts in the background ignores Ctrl-C, and so would all that it starts.
+# A command that a shell starts in the background ignores Ctrl-C, and under nohup the terminal's end; all that it starts
+# would ignore them too.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
