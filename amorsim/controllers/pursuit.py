@@ -62,8 +62,7 @@ class Pursuit(Controller):
     lookahead
         Distance along the path to the point that it steers to [m].
     tolerance
-        Distance from the last waypoint, and from those where it changes direction, at which it stops [m], along the
-        path.
+        Distance along the path [m] from the last waypoint, or one where it changes direction, at which it stops.
     turn_rate
         Fastest turning rate [rad/s].
     """

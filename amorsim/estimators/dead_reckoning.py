@@ -63,7 +63,7 @@ def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np
 
 @attrs.frozen(kw_only=True)
 class DeadReckoning(Estimator):
-    """Adds up the nominal drive's displacements between encoder readings, from the pose it was told.
+    """Adds up the nominal drive's displacements between encoder readings, from the pose it was given.
 
     The covariance grows from 0 by white noise on the travel of each rolling joint, to first order; it does not
     depend on the number of steps. A drive may offer ``jacobian(before, after) -> (N, 3, r)``, the body's motion
