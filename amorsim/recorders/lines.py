@@ -65,7 +65,7 @@ class Printer:
         self._words = np.empty(0, dtype=np.uint64)
 
     def print(self, table: Array, rows: int, lines: Ints, columns: Columns) -> Iterator[Lines]:
-        """Lines after `columns`, some at a time, of `table` `(s, w)`, in which are numbers of `rows` rows.
+        """Lines with `columns`, some at a time, from `table` `(s, w)`, which holds numbers of `rows` rows.
 
         `lines` `(n,)` holds the step and row of each line, ``step * rows + row``. The text equals, to the byte, that of
         Python's ``f"{value:.6f}"`` with the same decimals, and of ``repr(value)``.
