@@ -128,7 +128,7 @@ class _Route(Motion):
 class Waypoints(_Route):
     """Goes from waypoint to waypoint, once, and stays at the last.
 
-    An obstacle that is told no pose starts at the first one.
+    An obstacle without a pose starts at the first one.
     """
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
@@ -139,7 +139,7 @@ class Waypoints(_Route):
 class Loop(_Route):
     """Goes from waypoint to waypoint, and from the last to the first, round and round.
 
-    An obstacle that is told no pose starts at the first one.
+    An obstacle without a pose starts at the first one.
     """
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
@@ -150,7 +150,7 @@ class Loop(_Route):
 class Oscillate(_Route):
     """Goes from waypoint to waypoint, at the last turns back, at the first again, there and back.
 
-    An obstacle that is told no pose starts at the first one.
+    An obstacle without a pose starts at the first one.
     """
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:

@@ -23,7 +23,7 @@ FEWEST = 1000  # of each robot, however many there are
 _NUMBERS = 1 << 14  # that wait at most, but for a step's
 
 
-MOST_LABELS = 40  # landmarks whose numbers are written beside them
+MOST_LABELS = 40  # landmarks that are labelled with their numbers
 
 
 class Traces:

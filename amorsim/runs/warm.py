@@ -76,7 +76,7 @@ def _try_in_two(first: Sequence[str], second: Sequence[str], one_more: Callable[
 
 
 def _command(names: Sequence[str]) -> list[str]:
-    # -P: otherwise Python would look into the present folder first, where a user's struct.py may lie.
+    # -P: otherwise Python would search the present folder first, where a user's struct.py may lie.
     return [sys.executable, "-P", "-m", __spec__.name, *names]
 
 
