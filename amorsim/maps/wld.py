@@ -6,7 +6,7 @@ A statement a line, lengths in mm, angles in degrees; ``;`` and ``#`` begin a co
     height H
     origin X Y                  the lower left corner, where it is not (0, 0)
     position X Y TH             where the robot starts, in the current frame; TH anticlockwise
-    push X Y TH                 enter a frame, placed in the current one; TH clockwise unless configured
+    push X Y TH                 enter a frame, placed in the current one; TH clockwise by default
     pop                         leave it
     X1 Y1 X2 Y2                 a wall, in the current frame
     X1 Y1 X2 Y2 T H             the same with a thickness and a height (EyeSim)
