@@ -29,8 +29,8 @@ __all__ = [
 
 Array = npt.NDArray[Any]
 
-# A dash of its own as well, for those who do not see colours; what is true lies below, broad, so that it shows
-# beside what is drawn on top of it.
+# Each line also has a dash pattern of its own, for readers who do not see colours. The true line is below and broad,
+# so that it shows on both sides of the lines on top of it.
 TRUE = {"color": "#1b7f5c", "linestyle": "-", "linewidth": 2.2, "label": "true"}
 MEASURED = {"color": "#d97706", "linestyle": ":", "linewidth": 1.4, "label": "measured"}
 ESTIMATED = {"color": "#2f6fde", "linestyle": "--", "linewidth": 1.3, "label": "estimated"}

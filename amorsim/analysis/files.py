@@ -82,7 +82,7 @@ class RunFiles:
         name
             Such as ``"poses"`` or ``"sensors/laser"``.
         replica
-            Its number, or ``"all"``, which the column ``replica`` tells apart. A run of one replica needs none.
+            Its number, or ``"all"``, distinguished by the column ``replica``. A run of one replica needs none.
 
         Raises
         ------

@@ -25,7 +25,7 @@ def summary_of(registry: Registry, entry: Entry) -> str:
 
 
 def _text(cls: type) -> str:
-    """A class's docstring without the section on its parameters, which the fields tell better."""
+    """A class's docstring without the section on its parameters, which the fields describe better."""
     return (inspect.getdoc(cls) or "").split("\nParameters\n")[0].rstrip()
 
 

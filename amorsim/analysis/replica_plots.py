@@ -42,7 +42,7 @@ def draw_all_errors(trace: Trace) -> Figure:
     position, *others = axes
     for estimate in trace.estimates:
         _draw_distances(position, trace, estimate)
-        named = estimate is trace.estimates[0]  # the panel of positions tells the others by their colours
+        named = estimate is trace.estimates[0]  # the panel of positions identifies the others by colour
         believed = np.sqrt(np.nanmean(estimate.sigma**2, axis=1)) if estimate.has_sigma else None
         for place, (axis, (_, scale)) in enumerate(zip(others, ERRORS, strict=True)):
             error = scale * estimate.error[..., place]

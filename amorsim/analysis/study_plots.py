@@ -24,7 +24,7 @@ Array = npt.NDArray[np.float64]
 
 _CLOCKWISE = {"color": "#2f6fde", "marker": "o"}
 _ANTICLOCKWISE = {"color": "#d97706", "marker": "s"}
-# Of Okabe and Ito, who chose them for all kinds of eyes; black is for all errors together.
+# The palette of Okabe and Ito, made for all kinds of colour vision; black is for all errors together.
 _COLOURS = ("#e69f00", "#56b4e9", "#cc79a7", "#0072b2", "#d55e00", "#009e73", "#b8a800", "#7f7f7f")
 _DASHES: tuple[Any, ...] = ("--", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (2, 1)))
 

@@ -88,7 +88,7 @@ def read_trace(files: RunFiles, robot: str, replica: int | None) -> Trace:
                 style=style | {"label": label},
             )
         )
-    if not found:  # nobody wrote them, or somebody removed them
+    if not found:  # they were not written, or were removed
         pose = poses["estimated_pose"][:steps, chosen]
         nothing = np.full((*pose.shape, 3), np.nan)
         found = [Estimates(name="", pose=pose, covariance=nothing, error=_less(pose, true), style=ESTIMATED)]

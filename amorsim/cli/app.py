@@ -87,6 +87,6 @@ def main() -> None:
             complain(in_words(error))
             sys.exit(2)
         except BrokenPipeError:
-            # Whoever read our output has gone (``| head``); nothing more can be said to him.
+            # The reader of our output has closed it (``| head``), so nothing more can be printed.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)

@@ -31,7 +31,7 @@ def list_all(context: typer.Context) -> None:
         say(f"{kind.replace('_', ' ')}:")
         width = max(len(entry.name) for entry in entries)
         for entry in entries:
-            # What comes with amorsim needs no note of who brought it, on every line.
+            # Components of amorsim itself need no note of their origin on every line.
             by = "" if entry.plugin.name == "builtin" else f"  [{entry.plugin}]"
             say(f"  {entry.name:{width}}  {summary_of(registry, entry)}{by}")
     for problem in registry.problems:

@@ -55,6 +55,6 @@ def command(
     cold = compile_once(
         lambda: look_up(scenario, resolution=resolution, changes=recipe.changes, seed=seed, duration=duration)
     )
-    # What no run has needed yet (a camera's kernels ...) is compiled later: that is told when it takes long.
+    # Kernels that no run has needed yet (a camera's ...) are compiled later, with a message if that takes long.
     notice = None if cold else say
     show(recipe, out=out, host=host, port=port, browser=open_, say=say, complain=complain, notice=notice)

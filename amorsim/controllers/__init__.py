@@ -1,4 +1,4 @@
-"""What robots do: commands made of readings and estimates."""
+"""Controllers: commands computed from readings and estimates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the values of range sensors are seen from, in the robot's frame."""
+"""Origins and directions of the values of range sensors, in the robot's frame."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Array = npt.NDArray[np.float64]
 
 
 def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
-    """A robot's range sensor by name, on behalf of the controller `who`; `ComponentError` if it has none such."""
+    """A robot's range sensor by name, for the controller `who`; `ComponentError` if it has no such sensor."""
     seeing = [
         other
         for other, model in robot.sensors.items()
@@ -42,7 +42,7 @@ def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
 
 
 def beams_of(model: SensorModel, rows: int) -> Array:
-    """Where each value is seen from and which way: poses in the robot's frame, cosine and sine of their headings.
+    """Origin and direction of each value: poses in the robot's frame, cosine and sine of their headings.
 
     `(N, 5, k)`: x, y [m], heading [rad], and the two.
     """
@@ -62,7 +62,7 @@ def beams_of(model: SensorModel, rows: int) -> Array:
 
 
 def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
-    """The same beams in a frame that heads where the drive goes when it goes ahead."""
+    """The same beams in a frame with the heading in which the drive goes ahead."""
     course = robot.drive.heading_offset(joints)
     if course is None:
         return beams
@@ -75,7 +75,7 @@ def turned_beams(robot: RobotModel, beams: Array, joints: Array) -> Array:
 
 
 def with_directions(beams: Array) -> Array:
-    """Beams `(N, 5, k)` as `beams_of` gives them, of their poses `(N, k, 3)`."""
+    """Beams `(N, 5, k)` as `beams_of` gives them, from their poses `(N, k, 3)`."""
     rows, k, _ = beams.shape
     headings = np.ascontiguousarray(beams[:, :, 2])
     cosine, sine = np.empty((rows, k)), np.empty((rows, k))

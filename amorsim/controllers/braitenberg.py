@@ -27,8 +27,8 @@ __all__ = ["Braitenberg"]
 
 Array = npt.NDArray[np.float64]
 
-# The Khepera's ring, from the left round the front to the right, and the two behind. What is on the left drives the
-# left wheel and brakes the right one; what is right ahead turns it to the right, or it would stand before a wall.
+# The Khepera's ring, from the left round the front to the right, and the two behind. Things on the left drive the left
+# wheel and brake the right one; things straight ahead turn the robot to the right, or it would stop before a wall.
 _LEFT = (0.4, 0.8, 1.0, -0.6, -1.2, -0.6, 0.1, 0.1)
 _RIGHT = (-0.6, -1.2, -1.6, 0.2, 0.8, 0.4, 0.1, 0.1)
 
@@ -38,12 +38,12 @@ class Braitenberg(Controller):
     """A vehicle of V. Braitenberg ("Vehicles", 1984): each wheel's speed is a weighted sum of what sensors feel.
 
     With activations a from 0 (nothing felt) to 1, the left wheel rolls at speed * (1 + sum of left_i a_i), the right
-    one alike. Of a sensor that counts light, the activation is the reading over its saturation; of one that tells
-    ranges, 1 - range / reach; of one that tells reflectances, the reading. The default weights avoid obstacles with a
-    ring of eight as the Khepera has it, and are our own.
+    wheel likewise. For a sensor that counts light, the activation is the reading over its saturation; for one that
+    measures ranges, 1 - range / reach; for one that measures reflectances, the reading. The default weights are our
+    own; they avoid obstacles with a ring of eight like the Khepera's.
 
-    A drive that takes wheel speeds gets these; any other the velocity that two wheels as far apart as its footprint is
-    wide would give it.
+    A drive that takes wheel speeds gets these. Any other drive gets the velocity that they would give two wheels as far
+    apart as its footprint is wide.
 
     Parameters
     ----------
@@ -52,9 +52,9 @@ class Braitenberg(Controller):
     left, right
         Weight of each value on the left and the right wheel.
     speed
-        Of both wheels where nothing is felt [m/s].
+        Speed of both wheels where nothing is felt [m/s].
     reach
-        Of a sensor that tells ranges: the range [m] from which on it feels something.
+        For a sensor that measures ranges: things nearer than this [m] are felt.
     """
 
     sensor: str = parameter("infrared", help="name of the sensor by which it goes")
@@ -64,12 +64,12 @@ class Braitenberg(Controller):
     reach: float = parameter(0.5, unit="m", gt=0, help="range from which on a range sensor feels something")
 
     def start(self, context: Context) -> State:
-        """None is kept.
+        """No state is kept.
 
         Raises
         ------
         ComponentError
-            If the robot has no such sensor, one that feels nothing ahead, or the weights are not as many as its values.
+            If the robot has no such sensor, it feels nothing ahead, or the number of weights is not that of its values.
         """
         robot = context.robot
         if self.sensor not in robot.sensors:

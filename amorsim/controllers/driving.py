@@ -1,4 +1,4 @@
-"""What controllers know of the drive that they drive: what it can do, and what ahead means for it."""
+"""Shared by controllers: the abilities of a drive, and the direction in which it goes ahead."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def at_rest(robot: RobotModel) -> Array:
 
 
 def joints_of(robot: RobotModel, readings: Mapping[str, Measurement]) -> Array:
-    """The drive's joints `(N, j)` [rad] as the first sensor that counts them says; all 0 where none does.
+    """The drive's joints `(N, j)` [rad] from the first sensor that counts them; all 0 where none does.
 
-    And where all of them only roll: how far they have turned tells nothing of where they point.
+    They are also 0 where all joints only roll: their angles do not show where the wheels point.
     """
     rest = at_rest(robot)
     if _only_rolls(robot.drive.joints):
@@ -60,7 +60,7 @@ def _only_rolls(joints: tuple[Joint, ...]) -> bool:
 
 
 def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:
-    """The same poses `(N, 3)`, heading where the drive goes when it goes ahead (`Drive.heading_offset`)."""
+    """The same poses `(N, 3)`, with the heading in which the drive goes ahead (`Drive.heading_offset`)."""
     course = robot.drive.heading_offset(joints)
     if course is None:
         return poses
@@ -70,7 +70,7 @@ def heading_poses(robot: RobotModel, poses: Array, joints: Array) -> Array:
 
 
 def command_along(robot: RobotModel, twists: Array, joints: Array) -> Array:
-    """The command `(N, c)` for `twists` `(N, 3)` that are told along the drive's course."""
+    """The command `(N, c)` for `twists` `(N, 3)` given along the drive's course."""
     course = robot.drive.heading_offset(joints)
     if course is not None:
         turned, way = np.zeros((robot.rows, 3)), twists.copy()
@@ -82,25 +82,25 @@ def command_along(robot: RobotModel, twists: Array, joints: Array) -> Array:
 
 @attrs.frozen
 class Course:
-    """Ahead, for one step of those who drive by their estimate: where their drives go, and the command to go there."""
+    """The course of robots that drive by their estimate, for one step: heading and poses, and commands along it."""
 
     robot: RobotModel
-    joints: Array  # (N, j) as `joints_of` tells
-    poses: Array  # (N, 3) believed, heading where the drive goes
+    joints: Array  # (N, j) from `joints_of`
+    poses: Array  # (N, 3) estimated, with the heading in which the drive goes
 
     @classmethod
     def of(cls, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate) -> Course:
-        """That of this step."""
+        """The course of this step."""
         joints = joints_of(robot, readings)
         return cls(robot, joints, heading_poses(robot, estimate.pose, joints))
 
     def head_for(
         self, goal: Array, speed: Any, turn_rate: Any, tolerance: Sequence[Any], dt: float, state: State
     ) -> tuple[Array, Bools]:
-        """Twists `(N, 3)` towards poses `goal` `(N, 3)` of which a heading may be nan, and who has come there `(N, 1)`.
+        """Twists `(N, 3)` towards poses `goal` `(N, 3)`, whose heading may be nan, and which robots arrived `(N, 1)`.
 
-        `tolerance` is of the place [m] and of its heading [rad], and the error of the bearing [rad] that is put right
-        standing; each a number or `(N, 1)`. ``state`` is of `abilities`.
+        `tolerance` is of the position [m], of the heading [rad], and of the bearing [rad]: a larger error of the
+        bearing is corrected in place. Each is a number or `(N, 1)`. ``state`` is from `abilities`.
         """
         near = np.empty((self.robot.rows, 3))
         for column, value in enumerate(tolerance):
@@ -127,7 +127,7 @@ class Course:
 
 
 def abilities(robot: RobotModel) -> State:
-    """What one who drives keeps of the drive, and of what it does by his own reckoning.
+    """State that a driving controller keeps: the limits of the drive, and its motion by the controller's own account.
 
     ``"limits"`` as `twist_limits`, ``"curvature"`` as `curvature_max`, ``"lag"`` `(N, 1)` [s] of its motors;
     ``"moving"`` `(N, 2)`, the speed [m/s] and whether it turns in place, and ``"turning"`` `(N, 1)` [rad/s], at rest.
@@ -142,7 +142,7 @@ def abilities(robot: RobotModel) -> State:
 
 
 def curvature_max(robot: RobotModel) -> Array:
-    """The sharpest curve that the drive can drive `(N, 1)` [1/m]; inf where it turns in place."""
+    """Largest curvature that the drive can follow `(N, 1)` [1/m]; inf where it turns in place."""
     sharpest = robot.drive.curvature_max()
     return np.full((robot.rows, 1), np.inf) if sharpest is None else sharpest
 
@@ -159,9 +159,9 @@ def needs_turning_in_place(robot: RobotModel, name: str) -> None:
 
 
 def twist_limits(robot: RobotModel) -> Array:
-    """Fastest speed [m/s] and turn [rad/s], and how fast each may change [m/s^2, rad/s^2], `(N, 4)`.
+    """Top speed [m/s] and turning rate [rad/s], and the largest change of each [m/s^2, rad/s^2], `(N, 4)`.
 
-    As the drive says, or from its `rate_max` and `acceleration_max`; inf where it has none.
+    They come from the drive, or from its `rate_max` and `acceleration_max`; inf where it has none.
     """
     told = robot.drive.top_speeds()
     if told is not None:

@@ -37,27 +37,27 @@ _SPACING = 0.05  # [m] between them
 class Follow(Controller):
     """Follows a leader that carries a mark, along the leader's own trail, at a distance.
 
-    It sees the mark with a sensor that tells range, bearing and identity, and keeps the places where it saw it, as its
-    own estimate has them: nobody tells it where the leader is. It drives along these places by pure pursuit, the faster
-    the farther behind it is: behind a leader of speed v it comes to `gap` + v / `gain`. Out of sight, it goes where it
-    saw the leader last, and after `patience` stops.
+    A sensor gives range, bearing and identity of the mark. The robot keeps the places where it saw the mark, by its own
+    estimate; it does not know the leader's true pose. It drives along these places by pure pursuit, faster the farther
+    behind it is: behind a leader of speed v it settles at `gap` + v / `gain`. Without sight of the leader it drives to
+    where it saw it last, and stops after `patience`.
 
     Parameters
     ----------
     leader
-        What is written on the leader's mark.
+        Identity of the leader's mark.
     sensor
         Name of the sensor that finds marks.
     gap
-        Distance that it keeps from the leader's base point when that stands [m].
+        Distance that it keeps from the base point of a standing leader [m].
     gain
-        How much faster it drives for each metre that it is farther behind [1/s].
+        Increase of its speed per metre that it is farther behind [1/s].
     speed, turn_rate
-        Fastest that it drives [m/s] and turns [rad/s].
+        Top speed [m/s] and turning rate [rad/s].
     lookahead
-        How far ahead on the trail it looks [m].
+        Distance along the trail to the point that it steers to [m].
     patience
-        How long it goes on without seeing the leader [s].
+        Time that it goes on without seeing the leader [s].
     """
 
     leader: int = parameter(1, ge=1, help="what is written on the leader's mark")
@@ -70,12 +70,12 @@ class Follow(Controller):
     patience: float = parameter(5.0, unit="s", gt=0, help="how long it goes on without seeing the leader")
 
     def start(self, context: Context) -> State:
-        """An empty trail, and what the robot knows of its drive.
+        """An empty trail, and the robot's knowledge of its drive.
 
         Raises
         ------
         ComponentError
-            If the robot has no such sensor, or one that does not tell range, bearing and identity.
+            If the robot has no such sensor, or it does not measure range, bearing and identity.
         """
         robot = context.robot
         if self.sensor not in robot.sensors:
@@ -129,7 +129,7 @@ class Follow(Controller):
         return course.command(twist)
 
     def _seen(self, robot: RobotModel, reading: Measurement, pose: Array) -> Array:
-        """Where the leader is seen `(N, 2)` [m], by the robot's estimate; nan where it is not."""
+        """Position of the seen leader `(N, 2)` [m] by the robot's estimate; nan where it is not seen."""
         table = reading.measured.reshape(robot.rows, -1, 3)
         is_leader = (table[:, :, 2] == self.leader) & np.isfinite(table[:, :, 0])
         slot = np.argmax(is_leader, axis=1)

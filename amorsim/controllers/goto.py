@@ -25,7 +25,7 @@ __all__ = ["GoTo"]
 
 Array = npt.NDArray[np.float64]
 
-_TURN_FIRST = 0.2  # [rad] a larger error of the bearing is put right standing
+_TURN_FIRST = 0.2  # [rad] a larger error of the bearing is corrected in place
 
 
 @attrs.frozen(kw_only=True)
@@ -37,11 +37,11 @@ class GoTo(Controller):
     x, y
         The place in the world [m].
     tolerance
-        From the place, within which the robot stops [m].
+        Distance from the place within which the robot stops [m].
     speed
-        At which it drives [m/s].
+        Its speed [m/s].
     turn_rate
-        At which it turns [rad/s].
+        Its rate of turns [rad/s].
     """
 
     x: float = parameter(unit="m", help="the place, to the right in the world")
@@ -55,7 +55,7 @@ class GoTo(Controller):
         return [("x", self.x, self.y)]
 
     def start(self, context: Context) -> State:
-        """What the drive can do, and what it does.
+        """The limits of the drive, and its motion.
 
         Raises
         ------
@@ -74,7 +74,7 @@ class GoTo(Controller):
         state: State,
         draws: Draws,
     ) -> Array:
-        """The command `(N, c)` of this step; 0 from the place on."""
+        """The command `(N, c)` of this step; 0 once the place is reached."""
         course = Course.of(robot, readings, estimate)
         goal = np.full((robot.rows, 3), np.nan)
         goal[:, 0:1] = self.x

@@ -26,8 +26,8 @@ class Manual(Controller):
     Parameters
     ----------
     speed, turn_rate
-        Most that ``drive`` asks for [m/s, rad/s]: a faster velocity is scaled down as a whole, which keeps the curve.
-        None for no limit; the drive's own hold in any case.
+        Limits of ``drive`` [m/s, rad/s]: a faster velocity is scaled down as a whole, which keeps the curve. None for
+        no limit; the drive's own limits always hold.
     """
 
     speed: float | None = parameter(None, unit="m/s", gt=0, help="most that drive() asks for; none for no limit")
@@ -51,7 +51,7 @@ class Manual(Controller):
 
 
 def limited(controller: Controller | None, twists: Array) -> Array:
-    """Velocities `(N, 3)` as a `Manual` controller lets them be, each scaled down as a whole."""
+    """Velocities `(N, 3)` within the limits of a `Manual` controller, each scaled down as a whole."""
     if not isinstance(controller, Manual):
         return twists
     over = np.ones((len(twists), 1))

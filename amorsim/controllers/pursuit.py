@@ -38,14 +38,14 @@ class Pursuit(Controller):
     """Drives along straight lines from where it starts through waypoints, by its estimate, and stops at the last.
 
     Pure pursuit (R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", CMU-RI-TR-92-01, 1992):
-    it steers for the place on the path that lies `lookahead` ahead, along the circle that leads there from its heading.
-    So it cuts corners, the more the farther it looks. It looks out for nothing on the way.
+    it steers to the point on the path that lies `lookahead` ahead, along the circle that leads there from its heading.
+    It cuts corners, the more the longer `lookahead` is. It avoids no obstacles.
 
-    Any drive will do. One that turns in place does so before a place that is far off its heading; one that cannot takes
-    the sharpest curve it can, and needs room for it.
+    Any drive will do. A drive that turns in place does so when the point is far off its heading. One that cannot takes
+    its sharpest curve, and needs room for it.
 
-    It drives backwards where `reverse` says so: it stops at the waypoint where it turns about, and goes on with what
-    was behind ahead of it. A car backs into a bay so, or turns round in a narrow place.
+    It drives backwards where `reverse` says so: it stops at the waypoint, changes direction, and goes on with its rear
+    in front. A car can thus back into a bay, or turn round in a narrow place.
 
     Parameters
     ----------
@@ -54,17 +54,17 @@ class Pursuit(Controller):
     loop
         Whether it goes on from the last waypoint to the first, for ever.
     reverse
-        Which legs it drives backwards: ``"never"`` any; ``"auto"``, as the path asks for it: a first leg that leads
-        behind it, and from each waypoint where the path turns back by more than a right angle, on in the other
-        direction; or a list, the numbers of the waypoints, from 0, that it backs up to.
+        Which legs it drives backwards. ``"never"``: none. ``"auto"``: a first leg that leads behind it; and it changes
+        direction at each waypoint where the path turns back by more than a right angle. A list: the legs to the
+        waypoints with these numbers, from 0.
     speed
-        At which it drives [m/s]; slower in curves that ask for more than `turn_rate`.
+        Its speed [m/s]; slower in curves that need more than `turn_rate`.
     lookahead
-        How far ahead on the path it looks [m].
+        Distance along the path to the point that it steers to [m].
     tolerance
-        How near to the last waypoint, and to those where it turns about, it stops [m], measured along the path.
+        Distance along the path [m] from the last waypoint, or one where it changes direction, at which it stops.
     turn_rate
-        Fastest that it turns [rad/s].
+        Fastest turning rate [rad/s].
     """
 
     waypoints: tuple[tuple[float, float], ...] = parameter(unit="m", static=True, help="places in the world, in order")
@@ -101,7 +101,7 @@ class Pursuit(Controller):
         Raises
         ------
         ComponentError
-            If a loop has less than two places that differ, or a robot stands on the only waypoint.
+            If a loop has fewer than two different places, or a robot stands on the only waypoint.
         """
         rows = context.rows
         places, numbers = [np.array(self.waypoints[0])], [0]
@@ -118,7 +118,7 @@ class Pursuit(Controller):
         path = np.empty((rows, len(places) + 1, 2))
         path[:, 0] = context.pose[:, :2]
         path[:, 1:] = places
-        # Who stands on the first waypoint sets out from a little before it.
+        # A robot that stands on the first waypoint sets out from a little before it.
         steps = path[:, 1:] - path[:, :-1]
         lengths = np.sqrt(steps[:, :, 0] ** 2 + steps[:, :, 1] ** 2)
         there = lengths[:, 0] <= _LEAST
@@ -138,7 +138,7 @@ class Pursuit(Controller):
         }
 
     def _ways(self, path: Array, numbers: list[int], pose: Array) -> tuple[Array, Bools]:
-        """Whether each sets out on (1) or back (-1) `(N, 1)`, and at which points it turns about `(N, p)`.
+        """Whether each robot sets out forwards (1) or backwards (-1) `(N, 1)`, and where it changes direction `(N, p)`.
 
         `numbers` are of the waypoints that the legs lead to.
         """
@@ -168,7 +168,7 @@ class Pursuit(Controller):
         state: State,
         draws: Draws,
     ) -> Array:
-        """The command `(N, c)` of this step; at the end, to stand still."""
+        """The command `(N, c)` of this step; at the end that of standing still."""
         course = Course.of(robot, readings, estimate)
         twist = np.empty((robot.rows, 3))
         pure_pursuit.pursue(

@@ -1,4 +1,4 @@
-"""Driving a square, the test of odometry that is called UMBmark."""
+"""Driving a square, as in the odometry test UMBmark."""
 
 from __future__ import annotations
 
@@ -27,34 +27,34 @@ __all__ = ["Square"]
 
 Array = npt.NDArray[np.float64]
 
-_TURN_FIRST = 0.1  # [rad] a larger error of the bearing is put right standing
+_TURN_FIRST = 0.1  # [rad] a larger error of the bearing is corrected in place
 
 
 @attrs.frozen(kw_only=True)
 class Square(Controller):
     """Drives a square from where it starts, straight ahead first, turns in place at corners, and stops.
 
-    It goes by its estimate, so that the drift of the estimate shows in where the robot really ends. With the
-    default side and speed, and both directions in turn, this is the test of J. Borenstein and L. Feng
+    It uses its estimate, so the estimate's drift shows in the robot's true final pose. With the default side and
+    speed, and both directions in turn, this is the test of J. Borenstein and L. Feng
     ("Measurement and correction of systematic odometry errors in mobile robots", IEEE Trans. Robotics and
     Automation 12(6), 1996).
 
     Parameters
     ----------
     side
-        Of the square [m].
+        Side of the square [m].
     speed
-        At which it drives [m/s].
+        Its speed [m/s].
     direction
         ``"anticlockwise"``: all turns to the left; or ``"clockwise"``.
     laps
-        How often it goes round.
+        Number of rounds.
     turn_rate
-        At which it turns at the corners [rad/s].
+        Its rate of turns at the corners [rad/s].
     tolerance
         Distance from a corner [m] within which it turns there.
     heading_tolerance
-        Error of the heading [rad] with which it leaves a corner at most; along a side it steers.
+        Largest error of the heading [rad] with which it leaves a corner; along a side it steers.
     """
 
     side: float = parameter(4.0, unit="m", gt=0, help="length of a side")
@@ -70,7 +70,7 @@ class Square(Controller):
     )
 
     def start(self, context: Context) -> State:
-        """The corners, as poses with which they are left, and how many were reached.
+        """The corners, as the poses in which it leaves them, and the number reached.
 
         Raises
         ------
@@ -104,7 +104,7 @@ class Square(Controller):
         state: State,
         draws: Draws,
     ) -> Array:
-        """The command `(N, c)` of this step; 0 from the end on."""
+        """The command `(N, c)` of this step; 0 once the end is reached."""
         course = Course.of(robot, readings, estimate)
         reached = state["reached"]
         goal = np.take_along_axis(state["corners"], reached[:, :, None] % 4, axis=1)[:, 0]

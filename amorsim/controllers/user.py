@@ -42,7 +42,7 @@ Array = npt.NDArray[np.float64]
 class Twist:
     """A velocity: forward [m/s], turning anticlockwise [rad/s], and to the left [m/s] for a drive that can.
 
-    Forward is where the drive goes when it goes ahead: of a synchro drive, where its wheels point.
+    Forward is the direction in which the drive goes ahead: for a synchro drive, where its wheels point.
     """
 
     forward: float = 0.0
@@ -82,14 +82,14 @@ class RobotReading:
     """A sensor's reading, of one robot."""
 
     measured: Array  # (k,) in the sensor's unit
-    stamp: int  # the tick that the values are of
+    stamp: int  # the tick at which the values were taken
     age: float  # [s], since then
     fresh: bool  # whether they arrived in this step
 
 
 @attrs.frozen
 class RobotEstimate:
-    """What one robot believes of its pose."""
+    """The estimated pose of one robot."""
 
     pose: PoseVector  # (3,) x [m], y [m], heading [rad]
     covariance: Array  # (3, 3)
@@ -123,17 +123,16 @@ class RobotClock:
 class UserController(UserCode, Controller):
     """Runs a user's function of one robot, or objects of a user's class, one for each robot.
 
-    The function is called as ``function(readings, estimate, clock, **options)``; of a class an object is made
-    with the options as keyword arguments, and its method called as ``command(readings, estimate, clock)``.
-    They get
+    A function is called as ``function(readings, estimate, clock, **options)``. From a class an object is made with
+    the options as keyword arguments, and its method is called as ``command(readings, estimate, clock)``. They get
 
     - ``readings[name]``: a `RobotReading` with `measured` `(k,)`, `stamp`, `age` [s], `fresh`;
     - ``estimate``: a `RobotEstimate` with `pose` `(3,)`, `covariance` `(3, 3)`, and `x`, `y`, `heading`;
     - ``clock``: a `RobotClock` with `tick`, `time` [s], `dt` [s];
 
-    which are copies, theirs to keep. They return a `Twist`, `WheelSpeeds`, a number in rad/s for each channel
-    of the drive in order (and of devices that take commands, or these stay at 0), a mapping from some
-    channels' names to numbers (0 for the others), or None to stop.
+    These are copies and may be kept. The return value is a `Twist`; `WheelSpeeds`; a number in rad/s for each channel
+    of the drive in order (then of devices that take commands, or these stay at 0); a mapping from some channels'
+    names to numbers (0 for the others); or None to stop.
     """
 
     kind: ClassVar[str] = "controller"
@@ -167,7 +166,7 @@ class UserController(UserCode, Controller):
         Raises
         ------
         ControllerError
-            If the user's code raises, or returns what is no command.
+            If the user's code raises, or does not return a command.
         """
         caller = self.asker(state)
         answers = _Answers(robot, self.source, joints_of(robot, readings))
@@ -187,7 +186,7 @@ class UserController(UserCode, Controller):
 
 
 class _RobotReadings(dict[str, RobotReading]):
-    """The readings of one robot by sensor, which say what sensors there are where one is asked for that is not."""
+    """The readings of one robot by sensor; the error for an unknown name lists the sensors."""
 
     def __missing__(self, name: str) -> RobotReading:
         raise KeyError(f"there is no sensor {name!r}, but: {', '.join(self) or 'none'}.{did_you_mean(name, self)}")
@@ -208,7 +207,7 @@ def _row_of_readings(readings: Mapping[str, Measurement], row: int) -> dict[str,
 
 
 class _Answers:
-    """What the rows' controllers returned, made into one command."""
+    """Collects the returned values of all rows into one command."""
 
     def __init__(self, robot: RobotModel, source: str, joints: Array) -> None:
         self._robot = robot
@@ -265,7 +264,7 @@ class _Answers:
                 raise self._wrong(row, answer, f"{in_words(value)} is no number")
             try:
                 number = float(value)
-            except OverflowError:  # a whole number of hundreds of digits
+            except OverflowError:  # an integer with hundreds of digits
                 raise self._wrong(row, answer, f"{in_words(value)} is too large") from None
             if not math.isfinite(number):
                 raise self._wrong(row, answer, f"{in_words(value)} is not finite")

@@ -31,28 +31,28 @@ __all__ = ["FollowWall"]
 Array = npt.NDArray[np.float64]
 
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
-_MARGIN = 0.05  # [m] beside the footprint that it keeps free as it drives
+_MARGIN = 0.05  # [m] that it keeps free on both sides of the footprint as it drives
 
 
 @attrs.frozen(kw_only=True)
 class FollowWall(Controller):
     """Drives along a wall, which it keeps at one side; straight on, until it meets one.
 
-    It goes by the nearest point that it sees on that side, from a little beyond straight ahead to behind abeam: that
-    point is to be abeam, at `distance`. So it turns away from a wall ahead, and round the end of one beside it.
+    It steers by the nearest point that it sees on that side, from a little beyond straight ahead to behind abeam: that
+    point should be abeam, at `distance`. It thus turns away from a wall ahead, and follows a wall around its end.
 
-    A drive that cannot turn in place needs a `distance` of its smallest radius at least, and rooms to match.
+    A drive that cannot turn in place needs a `distance` of at least its smallest turning radius, and rooms to match.
 
     Parameters
     ----------
     side
-        On which the wall is to be: ``"left"`` or ``"right"``.
+        Side on which it keeps the wall: ``"left"`` or ``"right"``.
     distance
-        From the robot's base point to the wall [m].
+        Distance from the robot's base point to the wall [m].
     speed, turn_rate
-        Fastest that it drives [m/s] and turns [rad/s].
+        Top speed [m/s] and turning rate [rad/s].
     sensor
-        Name of the range sensor, a scanner or a ring, by which it goes.
+        Name of the range sensor that it uses, a scanner or a ring.
     """
 
     side: str = parameter("left", choices=("left", "right"), static=True, help="on which the wall is to be")
@@ -62,7 +62,7 @@ class FollowWall(Controller):
     sensor: str = parameter("laser", help="name of the range sensor by which it goes")
 
     def start(self, context: Context) -> State:
-        """What the robot knows of its sensor and its drive.
+        """The robot's knowledge of its sensor and its drive.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Wandering about, without touching anything."""
+"""Wandering without touching anything."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ Array = npt.NDArray[np.float64]
 
 _PLACES = 32  # that the robot remembers, 0.7 m apart
 _SWAY_MAX = math.radians(2.0)
-_GAP_MAX = math.radians(30.0)  # a blind angle that a robot may have which sees all around
-_WORK = 40  # rays that deciding for a robot costs as much as
-_CAR_WORK = 400  # the same of a car
+_GAP_MAX = math.radians(30.0)  # largest blind angle of a robot that counts as seeing all around
+_WORK = 40  # cost of one decision for a robot, in rays
+_CAR_WORK = 400  # the same for a car
 _WAY = 256  # places on its way that a car remembers
-_SEEN = 512  # points that it keeps in mind
+_SEEN = 512  # seen points that a car remembers
 _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 
 
@@ -54,30 +54,29 @@ _ARC_SAMPLES = 7  # points that stand for the arc on which a cone's return lies
 class Wander(Controller):
     """Roams for ever: straight on while the way is free, then in place to another direction, and on.
 
-    The robot treats itself as a disc about its base point that holds its whole footprint, and `clearance`
-    around it. It came along a way that was free for that disc, so turning in place is always safe; straight
-    ahead it drives no faster than it can stop within what it sees. Where it turns is drawn at random,
-    directions with much room counting more, and places where it lately was (by its own estimate) counting
-    little, so that it finds its way through doors, and out of rooms again. It also turns aside where a door seems to
-    come abeam.
+    The robot treats itself as a disc about its base point that holds its whole footprint and a margin of `clearance`.
+    Its way so far was free for that disc, so turning in place is always safe. Straight ahead it drives no faster than
+    it can stop within the free distance that it sees. It draws a new direction at random. Directions with much room
+    weigh more, and places where it was lately (by its own estimate) weigh little, so it finds its way through doors,
+    and out of rooms again. It also turns where a door seems to come abeam.
 
-    A drive that cannot turn in place drives along the arc, of those that it can, which has most room for its footprint;
-    each has its turn of being liked. It keeps in mind what it passes. Where no arc has room, it goes back the way it
-    came, and tries another.
+    A drive that cannot turn in place takes the feasible arc with most room for its footprint; the arcs take turns in
+    being preferred. The robot remembers what it passes. Where no arc has room, it reverses along its own path and tries
+    another.
 
-    For range sensors that see half the circle ahead, or all of it. A drive whose body does not turn with its wheels
-    needs the latter.
+    For range sensors with a field of view of at least the half circle ahead. A drive whose body does not turn with its
+    wheels needs the full circle.
 
     Parameters
     ----------
     speed
-        At which it drives where there is room [m/s].
+        Speed where there is room [m/s].
     sensor
-        Name of the range sensor, a scanner or a ring, by which it goes.
+        Name of the range sensor that it uses, a scanner or a ring.
     clearance
-        What it keeps free around its footprint as that turns [m]; three times the sensor's noise at least.
+        Margin around the turning footprint [m]; at least three times the sensor's noise.
     turn_rate
-        At which it turns in place [rad/s].
+        Rate of turns in place [rad/s].
     """
 
     speed: float = parameter(0.4, unit="m/s", gt=0, help="at which it drives where there is room")
@@ -86,13 +85,13 @@ class Wander(Controller):
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns in place")
 
     def start(self, context: Context) -> State:
-        """What the robot knows of itself, and remembers.
+        """The robot's knowledge of itself, and its memory.
 
         Raises
         ------
         ComponentError
-            If the robot has no such sensor, or one that does not say where its values look; if its body does not turn
-            with its wheels, and the sensor does not see all around.
+            If the robot has no such sensor, or the sensor does not give the directions of its values; if its body does
+            not turn with its wheels and the sensor does not see all around.
         """
         robot = context.robot
         model = range_sensor(robot, self.sensor, "wander")

@@ -1,4 +1,4 @@
-"""How wheels follow commands, and how a body moves as they turn."""
+"""Drives: how wheels follow commands, and how the body moves as the wheels turn."""
 
 from __future__ import annotations
 

@@ -29,33 +29,33 @@ _JOINTS = {
 class Ackermann(Steered):
     """A car; the base point is the middle of the rear axle.
 
-    The steering angle s is that of one wheel in the middle of the front axle, which would do the same. A metre that the
-    rear axle's middle rolls turns the body by tan(s) / wheelbase: an arc of radius wheelbase / tan(s). The front wheels
-    point along circles about one centre: the outer one's cotangent less the inner one's is track / wheelbase
-    (`front_wheel_angles`). While the steering moves, so evenly within a step, the heading is still elementary; the
-    place is summed up to the last digits.
+    The steering angle s is that of an equivalent single wheel in the middle of the front axle. Each metre that the
+    middle of the rear axle rolls turns the body by tan(s) / wheelbase: an arc of radius wheelbase / tan(s). The front
+    wheels point along circles about one centre: the outer one's cotangent less the inner one's is track / wheelbase
+    (`front_wheel_angles`). The steering moves evenly within a step. Then the heading has a closed form; the position is
+    summed to the last digits.
 
-    The car turns nowhere in place, and so a twist with a turn but no speed is not met.
+    The car cannot turn in place, so it cannot follow a twist with a turn but no speed.
 
     Parameters
     ----------
     wheel_radius
         Radius of the wheels that are counted [m].
     wheelbase
-        From the rear axle to the front one [m].
+        Distance from the rear axle to the front one [m].
     track
         Distance between left and right wheels, on both axles [m].
     steering_max
         Largest steering angle to either side [rad].
     steering_rate
-        How fast the steering moves at most [rad/s].
+        Fastest rate of the steering [rad/s].
     steering_lag
         Time constant with which the steering follows its command [s]; 0 for none.
     rate_max
-        Fastest that the shaft, the mean of the rear wheels, turns [rad/s].
+        Fastest rate of the shaft, the mean of the rear wheels [rad/s].
     counted
-        Which wheels are joints, and so have encoders: the ``"rear"`` ones, the ``"front"`` ones, or the shaft,
-        ``"centre"``. The steering is one in any case.
+        Which wheels are joints and have encoders: the ``"rear"`` ones, the ``"front"`` ones, or the shaft,
+        ``"centre"``. The steering is always a joint.
     lag, acceleration_max
         How the shaft follows its command; see `Motors`.
     """
@@ -120,7 +120,7 @@ class Ackermann(Steered):
         return out
 
     def travel(self, before: Array, after: Array) -> Array:
-        """Bounds on the path `(N, 2)`: it turns fastest where the steering stands most askew."""
+        """Bounds on the path `(N, 2)`: the body turns fastest at the largest steering angle of the step."""
         out = np.empty((len(before), 2))
         steering.ackermann_travel(before, after, self.wheel_radius, self.wheelbase, self.track, self._place, out)
         return out
@@ -147,12 +147,12 @@ class Ackermann(Steered):
         return found
 
     def curvature_max(self) -> Array:
-        """The sharpest curve `(N, 1)` [1/m]: that of the steering at its end."""
+        """Largest curvature `(N, 1)` [1/m]: that of the largest steering angle."""
         cos, sin = self.steering_end()
         return np.asarray(sin / cos / self.wheelbase)
 
     def top_speeds(self) -> Array:
-        """Fastest speed and turn, and how fast each changes, `(N, 4)`."""
+        """Top speed and turning rate, and the largest change of each, `(N, 4)`."""
         fastest: Any = self.rate_max * self.wheel_radius
         change = self._acceleration(len(fastest)) * self.wheel_radius
         return np.concatenate((fastest, fastest * self.curvature_max(), change, np.full_like(fastest, np.inf)), axis=1)

@@ -1,4 +1,4 @@
-"""Two wheels on one axle, driven each by itself."""
+"""Two wheels on one axle, each with its own motor."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ class Differential(Motors):
     track
         Distance between the points where the wheels touch the ground [m].
     rate_max
-        Fastest that a wheel turns [rad/s]. A faster command is scaled down for both wheels alike, so that the
-        curvature of the path is kept.
+        Fastest rate of a wheel [rad/s]. A faster command is scaled down for both wheels by the same factor, which
+        keeps the curvature of the path.
     lag, acceleration_max
-        How each wheel follows its command by itself; see `Motors`.
+        How each wheel follows its own command; see `Motors`.
     """
 
     joints: ClassVar[tuple[Joint, ...]] = (Joint(name="left_wheel"), Joint(name="right_wheel"))

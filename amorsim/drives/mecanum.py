@@ -1,4 +1,4 @@
-"""Four wheels with rollers at 45 degrees, each driven by itself."""
+"""Four wheels with rollers at 45 degrees, each with its own motor."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ __all__ = ["Mecanum"]
 
 Array = npt.NDArray[np.float64]
 
-# In the order of the joints: which way a wheel that rolls ahead pushes the body aside, and on which side it is.
+# In the order of the joints: the side to which a wheel that rolls ahead pushes the body, and the side that it is on.
 _ASIDE = (-1.0, 1.0, 1.0, -1.0)
 _SIDE = (-1.0, 1.0, -1.0, 1.0)
-_AGAINST = (1.0, 1.0, -1.0, -1.0)  # speeds of the rims that belong to no motion
+_AGAINST = (1.0, 1.0, -1.0, -1.0)  # rim speeds that make no motion
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
@@ -27,24 +27,24 @@ class Mecanum(Motors):
     """Four wheels whose rollers stand at 45 degrees (seen from above in an X): it goes any way and turns as it does.
 
     The base point is the middle between the wheels. A body that moves with (v, u, w) rolls its wheels at v -+ u -+ h w,
-    where h is half of track and wheelbase together; conversely the body goes with the mean over the wheels, which for
-    wheels that agree with no motion (one of them slips) is the nearest in the sense of least squares. Of a command, the
-    part that would set the wheels against one another is not followed. A step is the arc
-    of a constant twist, in closed form.
+    where h is half the sum of track and wheelbase. Conversely, the body moves with the mean over the wheels. If the
+    wheels agree with no motion (one of them slips), the mean is the least-squares solution. The drive does not follow
+    the part of a command that would set the wheels against one another. A step is the arc of a constant twist, in
+    closed form.
 
     Parameters
     ----------
     wheel_radius_front_left, wheel_radius_front_right, wheel_radius_rear_left, wheel_radius_rear_right
         Radii of the wheels [m].
     wheelbase
-        From the rear wheels' middles to the front ones' [m].
+        Distance from the middles of the rear wheels to those of the front wheels [m].
     track
         Distance between the middles of left and right wheels [m].
     rate_max
-        Fastest that a wheel turns [rad/s]. A faster command is scaled down for all wheels alike, so that the path is
-        kept.
+        Fastest rate of a wheel [rad/s]. A faster command is scaled down for all wheels by the same factor, which keeps
+        the path.
     lag, acceleration_max
-        How each wheel follows its command by itself; see `Motors`.
+        How each wheel follows its own command; see `Motors`.
     """
 
     joints: ClassVar[tuple[Joint, ...]] = tuple(
@@ -64,7 +64,7 @@ class Mecanum(Motors):
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
         """Wheel angles `(N, 4)` [rad] and rates [rad/s] a step later; the command is wheel rates [rad/s]."""
-        # What would set the wheels against one another is taken out: they grip, and the motors give way.
+        # Remove the part that sets the wheels against one another: the wheels grip, and the motors give way.
         radius = self.rolling_radius()
         fl, fr, rl, rr = np.moveaxis(command * radius, 1, 0)
         against = ((fl + fr) - (rl + rr))[:, None] / 4.0
@@ -74,9 +74,9 @@ class Mecanum(Motors):
         return out[0], out[1]
 
     def twist(self, before: Array, after: Array) -> Array:
-        """Motion of the body (forward [m], left [m], turn [rad]) `(N, 3)` as the wheels go so."""
+        """Motion of the body (forward [m], left [m], turn [rad]) `(N, 3)` as wheels go from `before` to `after`."""
         fl, fr, rl, rr = np.moveaxis((after - before) * self.rolling_radius(), 1, 0)
-        # Each sum in one order for every row: bits do not depend on how many there are.
+        # Each sum is in the same order for every row, so bits do not depend on the number of rows.
         forward, left = ((fl + fr) + (rl + rr)) / 4.0, ((fr - fl) + (rl - rr)) / 4.0
         turn = ((fr - fl) + (rr - rl)) / (4.0 * self._lever()[:, 0])
         return np.stack((forward, left, turn), axis=1)

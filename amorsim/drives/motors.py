@@ -1,4 +1,4 @@
-"""What drives with motors share: how a motor follows the rate it is told; a steering its angle; and paths that wind."""
+"""Shared by drives with motors: how a motor follows its rate and a steering its angle, and paths that are no arcs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 @functools.cache
 def _no_limit(rows: int) -> Array:
     unlimited = np.full((rows, 1), np.inf)
-    unlimited.flags.writeable = False  # as the fields are, or the kernel would be compiled twice
+    unlimited.flags.writeable = False  # like the fields; otherwise numba would compile the kernel twice
     return unlimited
 
 
@@ -39,16 +39,15 @@ def own_first(_: type, fields: list[Any]) -> list[Any]:
 class Motors(Drive):
     """A drive whose motors have a lag and a limit on acceleration: the base of all that come with amorsim.
 
-    The rate of a motor follows what it is told as ``rate' = (wanted - rate) / lag``, changing by no more than
-    `acceleration_max`: a ramp, then an exponential, solved in closed form. So neither angles nor rates depend on how
-    finely time is cut.
+    The rate of a motor follows its command by ``rate' = (wanted - rate) / lag``, limited by `acceleration_max`: a
+    ramp, then an exponential, solved in closed form. Neither angles nor rates depend on the length of the steps.
 
     Parameters
     ----------
     lag
         Time constant of each motor [s]; 0 for none.
     acceleration_max
-        Most that a wheel's rate changes in a second [rad/s^2]; none for no limit.
+        Largest change of a wheel's rate per second [rad/s^2]; none for no limit.
     """
 
     lag: float = parameter(
@@ -64,10 +63,10 @@ class Motors(Drive):
 
 
 class Winding(Motors):
-    """A drive whose path in a step is no single arc, for its wheels steer meanwhile: it tells `displacement` itself."""
+    """A drive whose path in a step is not a single arc, because its wheels steer; subclasses give `displacement`."""
 
     def twist(self, before: Array, after: Array) -> Array:
-        """The mean motion `(N, 3)`: that of the one arc which leads to the same place."""
+        """The mean motion `(N, 3)`: that of the single arc to the same pose."""
         return logarithm(self.displacement(before, after, np.ones((len(before), 1))))
 
 
@@ -78,7 +77,7 @@ class Steered(Winding):
     Parameters
     ----------
     steering_rate
-        How fast the steering moves at most [rad/s].
+        Fastest rate of the steering [rad/s].
     steering_lag
         Time constant with which the steering follows its command [s]; 0 for none.
     """

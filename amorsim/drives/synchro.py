@@ -25,30 +25,29 @@ _TURRET = Joint(name="turret", rolls=False)
 class Synchro(Winding):
     """Three or more wheels that stay parallel: one motor steers them all, another rolls them all.
 
-    The base point is the middle between the wheels. They take it their way, whichever way the body looks: with the
-    steering turning at w and the wheels rolling at v, along a circle of radius v / w, while the body keeps its
-    orientation. What looks ahead stands on a turret, and the robot's frame (its shape and sensors) is the turret's:
-    ``"fixed"`` to the base, it never turns; or it ``"follows"`` the steering, by a belt; or it is ``"driven"`` by a
-    third motor.
+    The base point is the middle between the wheels. It moves where the wheels point, in any orientation of the body:
+    with the steering turning at w and the wheels rolling at v, along a circle of radius v / w, while the body keeps
+    its orientation. The robot's frame (its shape and sensors) is that of a turret. The turret is ``"fixed"`` to the
+    base and never turns; or it ``"follows"`` the steering, by a belt; or it is ``"driven"`` by a third motor.
 
-    Ahead is where the wheels roll (`heading_offset`), and the turn of a wanted velocity is that of the wheels.
+    Ahead is where the wheels point (`heading_offset`). The turn of a commanded velocity is that of the wheels.
 
     Parameters
     ----------
     wheel_radius
         Radius of the wheels [m].
     rate_max
-        Fastest that they roll [rad/s].
+        Fastest rolling rate [rad/s].
     steering_rate_max
-        Fastest that they steer [rad/s].
+        Fastest steering rate [rad/s].
     turret
         How the robot's frame turns: ``"fixed"``, ``"follows"`` or ``"driven"``.
     turret_rate_max
-        Fastest that a driven turret turns against the base [rad/s].
+        Fastest rate of a driven turret relative to the base [rad/s].
     steering_acceleration_max
-        Most that the rates of steering and turret change in a second [rad/s^2]; none for no limit.
+        Largest change per second of the rates of steering and turret [rad/s^2]; none for no limit.
     lag, acceleration_max
-        How the rate of the wheels follows its command (`Motors`); the lag is that of steering and turret, too.
+        How the rate of the wheels follows its command (`Motors`); the lag also holds for steering and turret.
     """
 
     wheel_radius: float = parameter(unit="m", ge=1e-4, le=10, help="radius of the wheels")
@@ -112,7 +111,7 @@ class Synchro(Winding):
         return np.concatenate((way, turn), axis=1)
 
     def command_for(self, twist: Array, joints: Array) -> Array:
-        """Rates `(N, c)` [rad/s] for `twist` `(N, 3)`: of the wheels, the part of it that lies along them now.
+        """Rates `(N, c)` [rad/s] for `twist` `(N, 3)`; the wheels roll at its component along them.
 
         They are steered at the twist's turn, and towards its velocity where they point elsewhere.
         """
@@ -125,7 +124,7 @@ class Synchro(Winding):
         return np.array(self.wheel_radius)
 
     def heading_offset(self, joints: Array) -> Array | None:
-        """The direction of the wheels `(N, 1)` [rad] in the robot's frame; None where that follows them."""
+        """Direction of the wheels `(N, 1)` [rad] in the robot's frame; None if the frame follows them."""
         if self.turret == "follows":
             return None
         out = np.empty((len(joints), 1))
@@ -133,7 +132,7 @@ class Synchro(Winding):
         return out
 
     def top_speeds(self) -> Array:
-        """Fastest speed and turn of the course, and how fast each changes, `(N, 4)`."""
+        """Top speed and turning rate of the course, and the largest change of each, `(N, 4)`."""
         fastest: Any = self.rate_max * self.wheel_radius
         rows = len(fastest)
         change = self._acceleration(rows) * self.wheel_radius

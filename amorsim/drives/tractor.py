@@ -27,28 +27,28 @@ Array = npt.NDArray[np.float64]
 class Tractor(Differential):
     """A differential drive that draws a trailer on one axle.
 
-    The third joint is the hitch: the tractor's heading less the trailer's, 0 at the start. Nobody drives it. It follows
-    what the body really did, after contact, in closed form: with v forward, w the turn, l the trailer's length and c
-    the offset of the hitch, b' = w - (v / l) sin b + (c w / l) cos b. Drawn along a circle of radius R, a trailer
-    hitched on the axle comes to sin b = l / R; pushed, it folds under, as far as `hitch_max` lets it: there it is
-    dragged along as if it were one with the tractor, until the tractor pulls it straight again.
+    The third joint is the hitch angle b: the tractor's heading less the trailer's, 0 at the start. It has no motor. It
+    follows the body's true motion, after contact, in closed form: with v forward, w the turn, l the trailer's length
+    and c the offset of the hitch, b' = w - (v / l) sin b + (c w / l) cos b. Drawn along a circle of radius R, a trailer
+    hitched on the axle settles at sin b = l / R. Pushed, it jackknifes as far as `hitch_max`. There it moves as one
+    body with the tractor, until the tractor pulls it straight again.
 
-    The trailer is a body, a rectangle: it meets walls and other bodies, which stops the tractor, and others see it.
-    With its own tractor it does not collide: give a `hitch_max` at which their outlines do not cross. The drawbar is
-    too thin to touch or to be seen.
+    The trailer is a body, a rectangle. Walls and other bodies stop it and with it the tractor, and others see it. It
+    does not collide with its own tractor: give a `hitch_max` at which their outlines do not cross. The drawbar is too
+    thin to touch or to be seen.
 
     Parameters
     ----------
     trailer_length
-        From the hitch to the trailer's axle [m].
+        Distance from the hitch to the trailer's axle [m].
     hitch_offset
-        How far behind the tractor's axle the hitch is [m].
+        Distance of the hitch behind the tractor's axle [m].
     hitch_max
-        How far the hitch turns to either side [rad].
+        Largest hitch angle to either side [rad].
     trailer_width
-        Of the trailer's outline [m].
+        Width of the trailer's outline [m].
     trailer_front, trailer_rear
-        How far its outline goes ahead of the trailer's axle, and behind it [m].
+        Length of the outline ahead of the trailer's axle, and behind it [m].
     wheel_radius_left, wheel_radius_right, track, rate_max, lag, acceleration_max
         Of the tractor; see `Differential`.
     """
@@ -92,7 +92,7 @@ class Tractor(Differential):
         return Differential.twist(self, _wheels(before), _wheels(after))
 
     def follow(self, joints: Array, displacement: Array) -> Array:
-        """The joints `(N, 3)` once the hitch has followed what the tractor did."""
+        """The joints `(N, 3)` after the hitch has followed the tractor's motion."""
         out = np.empty((len(joints), 1))
         trailer.follow_hitch(
             np.ascontiguousarray(joints[:, 2:]),
@@ -105,7 +105,7 @@ class Tractor(Differential):
         return np.concatenate((joints[:, :2], out), axis=1)
 
     def part_poses(self, joints: Array) -> Array:
-        """Where the middle of the trailer's axle is, and how it heads `(N, 1, 3)`, in the tractor's frame."""
+        """Pose of the middle of the trailer's axle `(N, 1, 3)`, in the tractor's frame."""
         back = np.zeros((len(joints), 3))
         back[:, 0:1] = -np.asarray(self.hitch_offset)
         back[:, 2] = -joints[:, 2]
@@ -114,10 +114,10 @@ class Tractor(Differential):
         return compose(back, length)[:, None, :]
 
     def part_travel(self, before: Array, after: Array) -> Array:
-        """How far the trailer's axle goes, and how far it turns, at most `(N, 1, 2)`.
+        """Upper bounds `(N, 1, 2)` on the path of the trailer's axle [m] and on its turn [rad].
 
-        The hitch goes h, and the axle no farther, for it does not slip aside; no farther than h / l it turns. Where
-        the hitch may come to its end the trailer may also turn with the tractor, about the hitch.
+        If the hitch moves by h, the axle moves no farther, because it does not slip sideways, and turns by at most
+        h / l. Where the hitch may reach its limit, the trailer may also turn with the tractor about the hitch.
         """
         twist = self.twist(before, after)
         turn = np.abs(twist[:, 2:])

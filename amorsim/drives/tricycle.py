@@ -17,35 +17,35 @@ __all__ = ["Tricycle"]
 Array = npt.NDArray[np.float64]
 
 _RIGHT = np.pi / 2.0
-_NEARLY_RIGHT = _RIGHT - 1e-9  # [rad] steering that goes so far turns the base in place
+_NEARLY_RIGHT = _RIGHT - 1e-9  # [rad] from this steering angle on, the base turns in place
 
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
 class Tricycle(Steered):
     """A front wheel that is steered and driven, and two rear wheels that follow, as under many a fork lift.
 
-    The base point is the middle of the rear axle. With the steering at an angle s, a metre that the front wheel rolls
-    takes the base cos(s) metres forward and turns it by sin(s) / wheelbase: an arc of radius wheelbase / tan(s); at a
-    right angle it turns in place. While the steering moves, so evenly within a step, the heading is still elementary;
-    the place is summed up to the last digits.
+    The base point is the middle of the rear axle. With the steering at an angle s, each metre that the front wheel
+    rolls moves the base cos(s) metres forward and turns it by sin(s) / wheelbase: an arc of radius wheelbase / tan(s);
+    at a right angle it turns in place. The steering moves evenly within a step. Then the heading has a closed form; the
+    position is summed to the last digits.
 
-    While the steering is on its way to where it is told to be, the wheel rolls the slower the farther that is, and
-    waits where it is 20 degrees or more.
+    While the steering approaches its command, the wheel rolls slower the larger the difference. From 20 degrees on it
+    waits.
 
     Parameters
     ----------
     wheel_radius
         Radius of the front wheel [m].
     wheelbase
-        From the rear axle to the front wheel [m].
+        Distance from the rear axle to the front wheel [m].
     steering_max
         Largest steering angle to either side [rad].
     steering_rate
-        How fast the steering moves at most [rad/s].
+        Fastest rate of the steering [rad/s].
     steering_lag
         Time constant with which the steering follows its command [s]; 0 for none.
     rate_max
-        Fastest that the front wheel turns [rad/s].
+        Fastest rate of the front wheel [rad/s].
     lag, acceleration_max
         How the front wheel follows its command; see `Motors`.
     """
@@ -85,7 +85,7 @@ class Tricycle(Steered):
         return out
 
     def travel(self, before: Array, after: Array) -> Array:
-        """Bounds on the path `(N, 2)`: the way of the front wheel, and the turn if it stood athwart."""
+        """Bounds on the path `(N, 2)`: the way of the front wheel, and its turn with the wheel at a right angle."""
         way = np.abs(after[:, 1:2] - before[:, 1:2]) * self.wheel_radius
         return np.concatenate((way, way / self.wheelbase), axis=1)
 
@@ -106,14 +106,14 @@ class Tricycle(Steered):
         return found
 
     def curvature_max(self) -> Array:
-        """The sharpest curve `(N, 1)` [1/m]; inf where the steering goes athwart."""
+        """Largest curvature `(N, 1)` [1/m]; inf where the steering reaches a right angle."""
         cos, sin = self.steering_end()
         return np.where(
             np.asarray(self.steering_max) >= _NEARLY_RIGHT, np.inf, sin / np.maximum(cos, 1e-9) / self.wheelbase
         )
 
     def top_speeds(self) -> Array:
-        """Fastest speed and turn, and how fast each changes, `(N, 4)`."""
+        """Top speed and turning rate, and the largest change of each, `(N, 4)`."""
         _, sin = self.steering_end()
         fastest: Any = self.rate_max * self.wheel_radius
         change = self._acceleration(len(fastest)) * self.wheel_radius

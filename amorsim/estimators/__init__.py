@@ -1,4 +1,4 @@
-"""What robots make of their readings."""
+"""Estimators: poses estimated from readings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a robot must be by what its wheels did."""
+"""Dead reckoning: the pose from the motion of the wheels."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["DeadReckoning"]
 
 Array = npt.NDArray[np.float64]
 
-_NUDGE = 1e-5  # [rad] by which a joint is turned to see where the body goes: the error is of the square of it
+_NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the error is of second order in it
 
 
 @functools.cache
@@ -55,7 +55,7 @@ def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np
         back[:, joint] -= _NUDGE
         ahead[:, joint] += _NUDGE
         one = _whole(len(middle))
-        # Both from the middle, in whose frame the two are told, so that the errors of first order cancel.
+        # Both start from the middle and are given in its frame, so the errors of first order cancel.
         moved = drive.displacement(middle, ahead, one) - drive.displacement(middle, back, one)
         out[:, :, j] = moved / (2.0 * _NUDGE * radius[:, j : j + 1])
     return out
@@ -63,19 +63,19 @@ def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np
 
 @attrs.frozen(kw_only=True)
 class DeadReckoning(Estimator):
-    """Adds up the nominal drive's displacements between encoder readings, from the pose it was told.
+    """Adds up the nominal drive's displacements between encoder readings, from the pose it was given.
 
-    The covariance is of first order, as white noise on the travel of each rolling joint makes it grow from 0;
-    the result does not depend on the number of steps. A drive may offer ``jacobian(before, after) -> (N, 3,
-    r)``, the body's motion (forward, left, turn) per metre of travel of each rolling joint; else it is found
-    by turning each joint a little.
+    The covariance grows from 0 by white noise on the travel of each rolling joint, to first order; it does not
+    depend on the number of steps. A drive may offer ``jacobian(before, after) -> (N, 3, r)``, the body's motion
+    (forward, left, turn) per metre of travel of each rolling joint. Otherwise the Jacobian is found by turning
+    each joint a little.
 
     Parameters
     ----------
     encoder
         Name of the sensor that counts the joints; any with a method ``angles(values) -> joints`` will do.
     wheel_variance
-        Variance of the travel of each rolling joint, per metre of it, that the robot reckons with [m^2/m].
+        Variance of the travel of each rolling joint per metre, as the robot assumes it [m^2/m].
     """
 
     encoder: str = parameter("encoder", help="name of the sensor that counts the joints")
@@ -123,12 +123,12 @@ class DeadReckoning(Estimator):
         state: State,
         draws: Draws,
     ) -> Estimate:
-        """The estimate after this step's reading; an old one shows the same joints, and so moves nothing."""
+        """The estimate after this step's reading; an old reading shows the same joints and changes nothing."""
         drive = robot.drive
         encoder: Any = robot.sensors[self.encoder].sensor
         after = encoder.angles(readings[self.encoder].measured)
         before = state["joints"]
-        before = np.where(np.isnan(before), after, before)  # the first reading is what the others refer to
+        before = np.where(np.isnan(before), after, before)  # the first reading is the reference of all others
         rows = len(after)
         displacement = drive.displacement(before, after, _whole(rows))
 

@@ -23,14 +23,14 @@ from amorsim.core.reading import read_bytes, reason
 
 __all__ = ["Bitmap"]
 
-# Of a file: the largest image that pillow unpacks, at four bytes a pixel.
+# Largest file: the largest image that pillow unpacks, at four bytes a pixel.
 _MOST_BYTES = 800_000_000
 _SIGNATURES = (b"BM", b"\x89PNG\r\n\x1a\n")
-# [pixels] that are looked at together.
+# [pixels] that are read together.
 _BAND = 1_000_000
-# Rec. 601 luma in thousandths; whole numbers, so that two colours are equally bright or they are not.
+# Rec. 601 luma in thousandths; integers, so that comparing the brightness of two colours is exact.
 _LUMA = (299, 587, 114)
-# What pillow's readers of broken files can end in; its documented UnidentifiedImageError is an OSError.
+# Errors that pillow can raise for broken files; its documented UnidentifiedImageError is an OSError.
 _BROKEN = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError, OverflowError)
 _BROKEN_INSIDE = (struct.error, zlib.error, MemoryError)
 
@@ -45,8 +45,8 @@ _NO_RESOLUTION = (
 class Bitmap(MapLoader):
     """Bitmaps (``.bmp``, ``.png``) of two colours, the darker one occupied, or of any with a `threshold`.
 
-    An image of one colour is all occupied if that is darker than mid grey, else all free. A PNG's transparent
-    parts show white, as on paper; a BMP's fourth channel, which few programs fill in, is passed over.
+    An image of one colour is all occupied if that is darker than mid grey, else all free. Transparent parts of a
+    PNG count as white, as on paper. A BMP's fourth channel, which few programs fill in, is ignored.
     """
 
     extensions: ClassVar[tuple[str, ...]] = (".bmp", ".png")
@@ -127,14 +127,14 @@ def _decode(data: bytes) -> Image.Image:
     """The image of a file's bytes, wholly read."""
     try:
         with warnings.catch_warnings():
-            # Pillow only warns of an image up to twice its limit, and a file of a few kB may unpack to that.
+            # Pillow only warns of an image up to twice its limit, and a file of a few kB may unpack to that size.
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             warnings.filterwarnings("ignore", category=UserWarning, module="PIL")
             image = Image.open(io.BytesIO(data), formats=("BMP", "PNG"))
             image.load()
     except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         raise MapError(f"it is too large to unpack: {error}") from error
-    except UnidentifiedImageError as error:  # its text names the buffer, which tells a user nothing
+    except UnidentifiedImageError as error:  # its text names the buffer, which does not help a user
         raise MapError("it is no BMP or PNG image, or its header is damaged") from error
     except (*_BROKEN, *_BROKEN_INSIDE) as error:
         raise MapError(f"it is no whole BMP or PNG image: {error}") from error
@@ -144,7 +144,7 @@ def _decode(data: bytes) -> Image.Image:
 
 
 def _bands(image: Image.Image) -> Iterator[tuple[int, NDArray[Any], int]]:
-    """Rows of an image a few at a time, so that hardly more is in memory than the image: the first, and `_pixels`."""
+    """Bands of a few rows of an image, which save memory: number of the first row, and the result of `_pixels`."""
     is_bmp = image.format == "BMP"
     rows = max(1, _BAND // image.width)
     for top in range(0, image.height, rows):
@@ -153,7 +153,7 @@ def _bands(image: Image.Image) -> Iterator[tuple[int, NDArray[Any], int]]:
 
 
 def _pixels(image: Image.Image, is_bmp: bool) -> tuple[NDArray[Any], int]:
-    """Values (rows, columns, 1 or 3), unsigned, of grey or of red, green and blue; and that of white."""
+    """Unsigned values (rows, columns, 1 or 3) of grey or of red, green and blue; and the value of white."""
     if image.mode in ("I;16", "I;16B", "I;16L", "I;16N", "I"):
         return np.asarray(image).astype(np.uint16)[..., np.newaxis], 0xFFFF
     is_transparent = image.mode in ("LA", "La", "PA", "RGBA", "RGBa") or "transparency" in image.info
@@ -167,7 +167,7 @@ def _pixels(image: Image.Image, is_bmp: bool) -> tuple[NDArray[Any], int]:
 
 
 def _colours(image: Image.Image) -> tuple[NDArray[Any], int]:
-    """The different colours, (colours, channels), marked in a table rather than sorted for; and the value of white."""
+    """The different colours (colours, channels), found by a table instead of sorting; and the value of white."""
     used = np.zeros(0, np.bool_)
     for _, pixels, white in _bands(image):
         channels = pixels.shape[-1]
@@ -184,7 +184,7 @@ def _colours(image: Image.Image) -> tuple[NDArray[Any], int]:
 
 
 def _luma(pixels: NDArray[Any]) -> NDArray[np.int32]:
-    """Brightness in thousandths of a channel's step; the last axis of channels is gone."""
+    """Brightness in thousandths of a channel's step; the last axis, that of channels, is removed."""
     if pixels.shape[-1] == 1:
         return pixels[..., 0].astype(np.int32) * sum(_LUMA)
     red, green, blue = (pixels[..., channel].astype(np.int32) * _LUMA[channel] for channel in range(3))

@@ -6,7 +6,7 @@ A statement a line, lengths in mm, angles in degrees; ``;`` and ``#`` begin a co
     height H
     origin X Y                  the lower left corner, where it is not (0, 0)
     position X Y TH             where the robot starts, in the current frame; TH anticlockwise
-    push X Y TH                 enter a frame, placed in the current one; TH clockwise unless told otherwise
+    push X Y TH                 enter a frame, placed in the current one; TH clockwise by default
     pop                         leave it
     X1 Y1 X2 Y2                 a wall, in the current frame
     X1 Y1 X2 Y2 T H             the same with a thickness and a height (EyeSim)
@@ -40,9 +40,9 @@ from amorsim.core.reading import read_bytes, reason
 __all__ = ["LineWorld", "Wld", "parse_world"]
 
 _PUSH_SIGNS = {"clockwise": -1.0, "anticlockwise": 1.0}
-# Farther out, a double no longer tells apart what differs by a thousandth of a 1 mm cell.
+# Farther out, a double no longer resolves a thousandth of a 1 mm cell.
 _FARTHEST_MM = 1e12
-# What follows the four coordinates of a wall, by how many numbers there are.
+# The numbers after the four coordinates of a wall, by their count.
 _WALL_COUNTS = {4: "", 6: " T H", 7: " T H C", 9: " T H R G B"}
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _COMMENT = re.compile(r"[;#].*", re.DOTALL)
@@ -57,7 +57,7 @@ _Place = tuple[float, float, float]
 
 @attrs.frozen(kw_only=True, eq=False)
 class LineWorld:
-    """What a line world says, in SI units.
+    """The content of a line world, in SI units.
 
     `segments` are the walls, (M, 4) world metres ``x1 y1 x2 y2``; `extent` is the smallest
     ``(xmin, ymin, xmax, ymax)`` [m] that holds them and the size given; `start` is the robot's
@@ -154,12 +154,12 @@ def _mm(metres: float) -> str:
 def parse_world(text: str, *, push_sign: str = "clockwise") -> LineWorld:
     """The walls, extent and start that the text of a line world describes.
 
-    Lines that are no statement are left out with a warning; frames may be open at the end.
+    Lines that are not statements are skipped with a warning. Frames may be open at the end.
 
     Parameters
     ----------
     text
-        The file, its lines ended in any of the three customs.
+        The file, with any of the three usual line ends.
     push_sign
         ``"clockwise"`` or ``"anticlockwise"``: which way the angle of a ``push`` counts. Worlds drawn for
         Saphira and EyeSim fit together only clockwise.
@@ -184,7 +184,7 @@ class _LineError(Exception):
 
 
 class _Reader:
-    """What has been read so far; one method a statement."""
+    """The content read so far; one method per statement."""
 
     def __init__(self, push_sign: float) -> None:
         self._push_sign = push_sign
@@ -216,9 +216,9 @@ class _Reader:
             self._warn(f"left out {' '.join(words)!r}: {complaint}")
 
     def finish(self) -> LineWorld:
-        """What has been read, in metres."""
+        """The world read so far, in metres."""
         segments = np.array(self._walls, np.float64).reshape(-1, 4) / 1000
-        # Pushes piled on pushes can leave the bounds that every single number keeps.
+        # Nested pushes can exceed the bounds, even if each single number keeps them.
         if np.any(np.abs(segments) > _FARTHEST_MM / 1000):
             raise MapError(f"a wall ends farther out than {_FARTHEST_MM / 1e6:g} km")
         extent = self._extent(segments)
@@ -256,7 +256,7 @@ class _Reader:
         self._warnings.append(f"line {self._line}: {problem}")
 
     def _numbers(self, words: list[str], names: str) -> list[float]:
-        """As many numbers as there are names, else a complaint; never one that is not finite."""
+        """One finite number for each name; raises an error otherwise."""
         values = []
         for word in words:
             if not _is_numeric(word):
@@ -273,7 +273,7 @@ class _Reader:
         return values
 
     def _placed(self, x: float, y: float, frame: _Place | None = None) -> tuple[float, float]:
-        """Where a point of a frame (the current one if none is given) is in the world, mm."""
+        """World position [mm] of a point of a frame (the current one if none is given)."""
         left, bottom, degrees = self._frame if frame is None else frame
         cosine, sine = _direction(degrees)
         return left + x * cosine - y * sine, bottom + x * sine + y * cosine
@@ -344,7 +344,7 @@ class _Reader:
             self._add_wall(-length / 2, side, length / 2, side, frame)
 
     def _pass_over(self, words: list[str]) -> None:
-        """Nothing: the statement says nothing that blocks a way."""
+        """Do nothing: the statement describes nothing that blocks a robot."""
 
 
 _STATEMENTS: dict[str, Callable[[_Reader, list[str]], None]] = {
@@ -364,7 +364,7 @@ _STATEMENTS: dict[str, Callable[[_Reader, list[str]], None]] = {
 
 
 def _decode(data: bytes) -> str:
-    """The text; every byte is a letter of Latin 1, so whatever is no UTF-8 is taken for that."""
+    """The text, as UTF-8; otherwise as Latin 1, in which every byte is a letter."""
     data = data.rstrip(b"\x1a")
     try:
         return data.decode("utf-8-sig")
@@ -377,12 +377,12 @@ def _words(line: str) -> list[str]:
 
 
 def _is_numeric(word: str) -> bool:
-    """Whether a word stands where a number was meant, be it one that is not finite."""
+    """Whether a word is meant as a number, finite or not."""
     return bool(_NUMBER.fullmatch(word) or _NOT_FINITE.fullmatch(word))
 
 
 def _without_id(words: list[str], count: int) -> list[str]:
-    """The words after an artifact's name, which is in brackets or is the one word too many."""
+    """The words after an artifact's name; the name is in brackets or is the one extra word."""
     named = bool(words) and (words[0].startswith("(") or len(words) == count + 1)
     return words[1:] if named else words
 

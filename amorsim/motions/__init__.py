@@ -1,4 +1,4 @@
-"""How obstacles move: along routes, at random, as recorded, on timetables, as people walk."""
+"""Motions of obstacles: along routes, at random, as recorded, on timetables, like pedestrians."""
 
 from __future__ import annotations
 

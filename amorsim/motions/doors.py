@@ -22,7 +22,7 @@ Bools = npt.NDArray[np.bool_]
 
 @attrs.frozen(kw_only=True)
 class _Door(Motion):
-    """Knows when it wants to be open; subclasses how."""
+    """Decides when the door should be open; subclasses decide how it moves."""
 
     timetable: tuple[tuple[float, float], ...] = parameter(
         unit="s", help="when it opens and when it closes again, [[OPENS, CLOSES], ...], in order"
@@ -49,7 +49,7 @@ class _Door(Motion):
             )
 
     def start(self, context: Context) -> State:
-        """Where it stands is where it is closed; no change of the timetable has been left out."""
+        """The initial pose is the closed one; no change of the timetable has been skipped."""
         rows = context.rows
         return {
             "closed": context.pose.copy(),
@@ -58,7 +58,7 @@ class _Door(Motion):
         }
 
     def _wants_open(self, view: View, dt: float, state: State) -> Bools:
-        """Whether each wants to be open now `(N, 1)`; who gives up, the other until the timetable's next change."""
+        """Whether each should be open now `(N, 1)`; a door that gives up reverses until the timetable's next change."""
         changes = self._changes(np.asarray(view.tick * dt, dtype=np.float64))
         if self.blocked == "skip":
             waited = blocked_for(view, dt, state)
@@ -68,9 +68,9 @@ class _Door(Motion):
         return np.asarray(np.where(state["left_out"] == changes, ~wants, wants))
 
     def _changes(self, time: Array) -> npt.NDArray[np.int64]:
-        """How many changes of the timetable have been due by a time [s] `(N, 1)`; odd while it is to be open."""
+        """Number of timetable changes due by a time [s] `(N, 1)`; odd while the door should be open."""
         times = np.asarray(self.timetable).reshape(len(time), -1)
-        # A time that is reached but for rounding is reached.
+        # A time that is missed only by rounding counts as reached.
         time = time + 1e-9
         rounds = np.zeros_like(time)
         if self.period is not None:
@@ -87,7 +87,7 @@ class _Door(Motion):
 class SwingDoor(_Door):
     """A door that turns about its hinge, the origin of the obstacle's frame; its pose is where it is closed.
 
-    Its leaf is a shape beside the origin, such as ``{ rectangle = [0.9, 0.04], x = 0.46 }``.
+    Its leaf is a shape next to the origin, such as ``{ rectangle = [0.9, 0.04], x = 0.46 }``.
     """
 
     angle: float = parameter(
@@ -96,7 +96,7 @@ class SwingDoor(_Door):
     rate: float = parameter(1.0, unit="rad/s", gt=0, help="how fast it turns")
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """A turn towards where it is to be, from where it really is."""
+        """A turn from its true angle towards the wanted one."""
         wanted = state["closed"][:, 2:] + np.where(self._wants_open(view, dt, state), self.angle, 0.0)
         turn = wrap_angle(wanted - view.body_pose[:, 2:])
         most = self.rate * dt
@@ -114,7 +114,7 @@ class SlidingDoor(_Door):
     speed: float = parameter(0.5, unit="m/s", gt=0, help="how fast it slides")
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """A way towards where it is to be, from where it really is."""
+        """A way from its true place towards the wanted one."""
         closed = state["closed"]
         c, s = np.cos(closed[:, 2:]), np.sin(closed[:, 2:])
         way = np.asarray(self.way)

@@ -19,7 +19,7 @@ __all__ = ["Pedestrian"]
 Array = npt.NDArray[np.float64]
 
 _RAYS = 24
-_WORK = 60  # rays that the forces on a pedestrian cost as much as
+_WORK = 60  # cost of the forces on a pedestrian, in rays
 _BEARINGS: Array = np.array([2.0 * math.pi * ray / _RAYS for ray in range(_RAYS)])
 _TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
 
@@ -28,12 +28,12 @@ _TABLE: Array = np.column_stack((np.cos(_BEARINGS), np.sin(_BEARINGS)))
 class Pedestrian(Motion):
     """Walks from goal to goal, kept away from others and from walls by social forces.
 
-    He speeds up towards his goal within `relaxation`; others repel him along ellipses that stretch over their next
-    step, walls by their nearest points, and what is behind his back counts less. The numbers are those of D. Helbing
-    and P. Molnár, Social force model for pedestrian dynamics, Physical Review E 51 (1995) 4282-4286; distances here go
-    to the other's outline, so that robots of any size are heeded. With `relative`, ellipses stretch over steps relative
-    to his own, as A. Johansson, D. Helbing and P. Shukla (Advances in Complex Systems 10, 2007) have it: then he also
-    steps aside for what stands in his way.
+    A pedestrian accelerates towards the goal within `relaxation`. Other bodies repel along ellipses that span their
+    next step, walls from their nearest points; things behind count less. The numbers are those of D. Helbing and
+    P. Molnár, Social force model for pedestrian dynamics, Physical Review E 51 (1995) 4282-4286. Distances here go to
+    the other's outline, so that the size of robots counts. With `relative`, ellipses span steps relative to the
+    pedestrian's own (A. Johansson, D. Helbing and P. Shukla, Advances in Complex Systems 10, 2007): the pedestrian then
+    also steps aside for standing things.
     """
 
     goals: tuple[tuple[float, float], ...] = parameter(
@@ -72,7 +72,7 @@ class Pedestrian(Motion):
         return [(f"goals.{i}", x, y) for i, (x, y) in enumerate(self.goals)]
 
     def start(self, context: Context) -> State:
-        """Velocity, desired speed and first goal; drawn in the first step, as far as they are random."""
+        """Velocity, desired speed and first goal; random ones are drawn in the first step."""
         rows = context.rows
         return {
             "velocity": np.zeros((rows, 2)),
@@ -84,16 +84,16 @@ class Pedestrian(Motion):
         }
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """A step of the model, in closed form for the forces in the middle of it."""
+        """A step of the model, in closed form for the forces at its middle."""
         normal, uniform = draws.normal(5), draws.uniform(1)
         is_first = view.tick == 0
         speed = np.maximum(self.speed + self.speed_std * normal[:, :1], 0.0)
         state["speed"] = np.where(is_first, speed, state["speed"])
         wanted = self._way(view, dt, state, uniform, is_first)
-        # What was in the way has taken that part of his speed.
+        # A blocked step has taken that part of the speed.
         velocity = state["velocity"] * view.free
         free = state["speed"] * wanted
-        # His velocity in the middle of the step, by the force of the one before.
+        # The velocity in the middle of the step, from the force of the previous step.
         target = free + self.relaxation * state["force"]
         middle = target + (velocity - target) * np.exp(-0.5 * dt / self.relaxation)
         force = state["force"] = self._forces(view, middle, wanted, 0.5 * dt, draws)
@@ -113,7 +113,7 @@ class Pedestrian(Motion):
         tau: Any = self.relaxation
         part = dt / tau
         gone = -np.expm1(-part)
-        # Variances and covariance of velocity and way, of noise of density 1.
+        # Variances and covariance of velocity and way, for noise of density 1.
         of_velocity = -0.5 * tau * np.expm1(-2.0 * part)
         common = 0.5 * (tau * gone) ** 2
         of_way = tau**3 * np.where(part > 1e-2, part - gone - 0.5 * gone**2, part**3 * (1.0 / 3.0 - 0.25 * part))
@@ -124,7 +124,7 @@ class Pedestrian(Motion):
         return after, way + self.waver * (along * normal[:, :2] + aside * normal[:, 2:])
 
     def _way(self, view: View, dt: float, state: State, uniform: Array, is_first: npt.NDArray[np.bool_]) -> Array:
-        """The direction `(N, 2)` that each wants to go in; none for those that are where they want to be."""
+        """The wanted direction `(N, 2)` of each; zero for those that have arrived."""
         count = len(np.shape(self.goals)) > 1 and np.shape(self.goals)[1]
         if not count:
             return state["ahead"]
@@ -150,7 +150,7 @@ class Pedestrian(Motion):
         state["goal"] = goal
         dx, dy = self._to(goals, goal, view)
         distance = np.sqrt(dx * dx + dy * dy)
-        # At the last goal he stands.
+        # At the last goal the pedestrian stands.
         stays = (distance < self.near) & np.asarray(self.order == "once" or count == 1)
         scale = np.where(stays, 0.0, 1.0 / np.where(distance > 1e-12, distance, 1.0))
         return np.concatenate((dx * scale, dy * scale), axis=1)
@@ -164,7 +164,7 @@ class Pedestrian(Motion):
         level: Array = np.zeros((view.rows, 3))  # glances count from the world's x axis
         level[:, :2] = view.body_pose[:, :2]
         look: Array = np.empty((view.rows, 1))
-        # As far as a wall pushes by more than nothing, and as he comes nearer meanwhile.
+        # The distance at which a wall still pushes, plus the approach in the meantime.
         push = np.maximum(self.wall_strength / self.wall_range / NEGLIGIBLE, 2.0)
         look[:] = self.wall_range * np.log(push) + 2.0 * ahead * self.speed
         walls = view.cast(level, _BEARINGS[None, :], look, bodies=False)

@@ -24,9 +24,9 @@ STOPS = 64
 
 @attrs.frozen(kw_only=True)
 class _Route(Motion):
-    """From waypoint to waypoint on straight lines, at one speed; where a waypoint is passed, the step cuts the corner.
+    """From waypoint to waypoint on straight lines, at one speed; a step past a waypoint cuts the corner.
 
-    The order is the subclasses': waypoint number `next`, and whether one goes `way` 1 or -1 through the list.
+    Subclasses define the order: waypoint number `next`, and the direction `way`, 1 or -1, through the list.
     """
 
     waypoints: tuple[tuple[float, float], ...] = parameter(unit="m", help="places [x, y] in the world, in order")
@@ -57,7 +57,7 @@ class _Route(Motion):
         return float(x), float(y), heading if self.faces == "ahead" else 0.0
 
     def start(self, context: Context) -> State:
-        """Makes for the first waypoint; `last_next` and its like are what was so before the step just made."""
+        """Heads for the first waypoint; `last_next` and its like hold the values before the latest step."""
         rows = context.rows
         state: State = {name: np.zeros((rows, 1), dtype=np.int64) for name in ("next", "last_next")}
         state |= {name: np.ones((rows, 1), dtype=np.int64) for name in ("way", "last_way")}
@@ -65,9 +65,9 @@ class _Route(Motion):
         return state
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """The way of a step, past waypoints where there are any; straight from where it begins to where it ends."""
+        """The way of a step, past waypoints if it reaches any; straight from its start to its end."""
         waited = blocked_for(view, dt, state)
-        # What was stopped short of a waypoint has not passed it.
+        # A body that was stopped before a waypoint has not passed it.
         short = view.free < 1.0
         following, way = (np.where(short, state[f"last_{name}"], state[name]) for name in ("next", "way"))
         rest = np.where(short, state["last_rest"], state["rest"])
@@ -106,7 +106,7 @@ class _Route(Motion):
         return displacement(view, dx, dy, turn)
 
     def _place(self, number: Ints) -> tuple[Array, Array]:
-        """Where waypoints `(N, 1)` are; of a number beyond the last, the last."""
+        """Places of the waypoints `(N, 1)`; for a number beyond the last, that of the last."""
         points = np.asarray(self.waypoints)
         index = np.minimum(number, points.shape[1] - 1)
         rows = np.arange(len(points))[:, None]
@@ -128,7 +128,7 @@ class _Route(Motion):
 class Waypoints(_Route):
     """Goes from waypoint to waypoint, once, and stays at the last.
 
-    An obstacle that is told no pose starts at the first one.
+    An obstacle without a pose starts at the first one.
     """
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
@@ -139,7 +139,7 @@ class Waypoints(_Route):
 class Loop(_Route):
     """Goes from waypoint to waypoint, and from the last to the first, round and round.
 
-    An obstacle that is told no pose starts at the first one.
+    An obstacle without a pose starts at the first one.
     """
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:
@@ -150,7 +150,7 @@ class Loop(_Route):
 class Oscillate(_Route):
     """Goes from waypoint to waypoint, at the last turns back, at the first again, there and back.
 
-    An obstacle that is told no pose starts at the first one.
+    An obstacle without a pose starts at the first one.
     """
 
     def _after(self, number: Ints, way: Ints) -> tuple[Ints, Ints]:

@@ -1,4 +1,4 @@
-"""As recorded: a table of times and places, gone along again."""
+"""Recorded motion: a table of times and places to follow."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _ANGLES = ("heading", "heading_rad", "theta", "yaw", "angle")
 
 
 class Recorded(NamedTuple):
-    """What a file holds: times [s] that increase from 0 on, places [m], headings [rad], unwrapped, or none."""
+    """The content of a file: increasing times [s] from 0 on, places [m], unwrapped headings [rad] or none."""
 
     time: Array  # (T,)
     x: Array
@@ -53,7 +53,7 @@ def read_track(path: str | os.PathLike[str]) -> Recorded:
     Raises
     ------
     ParameterError
-        Of `file`, with the line and what would be right.
+        If the file is wrong; the message names `file`, the line and what is expected.
     """
     try:
         text = read_text(path, encoding="utf-8-sig")
@@ -119,8 +119,8 @@ class Track(Motion):
     """Repeats a recorded track: at each time where the recording has it, straight on between its lines.
 
     The file is CSV, headed ``time,x,y`` or ``time,x,y,heading_deg``, times in seconds, places in metres of the world.
-    Without headings the body faces where it goes. An obstacle that is told no pose starts where the track does; from
-    elsewhere, and after it was blocked, it makes for its place on the track at `speed_max`.
+    Without headings the body faces its direction of motion. An obstacle without a pose starts where the track starts.
+    From elsewhere, and after it was blocked, it moves to its place on the track at `speed_max`.
     """
 
     file: str = parameter(file=True, static=True, help="the CSV file of the track")
@@ -150,18 +150,18 @@ class Track(Motion):
         return [("file", x, y) for x, y in zip(track.x.tolist(), track.y.tolist(), strict=True)]
 
     def start(self, context: Context) -> State:
-        """The recording's time [s], and its file's age: one that is changed meanwhile is not read anew.
+        """The recording's time [s], and its file's age: a file changed meanwhile is not read again.
 
         Raises
         ------
         ComponentError
-            If the file has gone meanwhile, or is no track any more.
+            If the file is gone meanwhile, or is no longer a track.
         """
         rows = context.rows
         try:
             stamp = Path(self.file).stat().st_mtime_ns
             _known(self.file, stamp)
-        except (OSError, ParameterError) as error:  # it was in order when this was made
+        except (OSError, ParameterError) as error:  # it was valid when this object was made
             raise ComponentError(f"track {self.file!r} is there no more, or not as it was: {error}") from error
         return {
             "time": np.zeros((rows, 1)),
@@ -170,11 +170,11 @@ class Track(Motion):
         }
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """Towards where the recording is at the end of the step."""
+        """Towards the recording's place at the end of the step."""
         track = _known(self.file, int(state["stamp"][0, 0]))
         time = state["time"]
         if self.blocked == "wait":
-            # What was blocked has come only part of the way, and the recording with it.
+            # A blocked body has gone only part of the way, and the recording's time with it.
             time = time - state["step"] * (1.0 - view.free)
         state["time"], state["step"] = time + dt, np.full_like(time, dt)
         last = float(track.time[-1])

@@ -19,18 +19,18 @@ __all__ = ["ObstacleState", "UserMotion"]
 
 Array = npt.NDArray[np.float64]
 
-# Beyond it [m/s, rad/s] a step would be followed in so many short pieces that it hardly ended.
+# A faster body [m/s, rad/s] would be followed in too many short pieces for a step to end.
 FASTEST = 1e6
 
 
 @attrs.frozen
 class ObstacleState:
-    """What a user's motion is told of its obstacle, and of the bodies around it; the truth."""
+    """The true state of the obstacle of a user's motion, and the poses of the bodies around it."""
 
     x: float  # [m], in the world
     y: float
     heading: float  # [rad], anticlockwise from the world's x axis
-    free: float  # what part of the last displacement was free; 1 at first
+    free: float  # fraction of the last displacement that was free; 1 at first
     time: float  # [s], since the episode began
     dt: float  # [s]
     others: Array  # (B - 1, 3) poses of all other bodies: robots by name, then obstacles by name
@@ -40,10 +40,9 @@ class ObstacleState:
 class UserMotion(UserCode, Motion):
     """Runs a user's function of one obstacle, or objects of a user's class, one for each obstacle.
 
-    The function is called as ``function(obstacle, **options)``; of a class an object is made with the options as
-    keyword arguments, and its method called as ``velocity(obstacle)``. `obstacle` is an `ObstacleState`. They return
-    the velocity that the obstacle wants in the world: ``(x, y)`` [m/s] or ``(x, y, turn)`` [m/s, m/s, rad/s], or None
-    to stand.
+    A function is called as ``function(obstacle, **options)``. From a class an object is made with the options as
+    keyword arguments, and its method is called as ``velocity(obstacle)``. `obstacle` is an `ObstacleState`. The return
+    value is the wanted velocity in the world: ``(x, y)`` [m/s] or ``(x, y, turn)`` [m/s, m/s, rad/s], or None to stand.
     """
 
     kind: ClassVar[str] = "motion"
@@ -69,7 +68,7 @@ class UserMotion(UserCode, Motion):
         Raises
         ------
         ComponentError
-            If the user's code raises, or returns what is no velocity.
+            If the user's code raises, or does not return a velocity.
         """
         caller = self.asker(state)
         bodies, names = view.bodies(), view.names
@@ -104,5 +103,5 @@ class UserMotion(UserCode, Motion):
 
 
 def _who(names: Sequence[str], row: int) -> str:
-    """The obstacle of a row, as a message calls it."""
+    """The name of a row's obstacle for messages."""
     return f"obstacle {names[row]!r}" if names else f"row {row}"

@@ -1,4 +1,4 @@
-"""At random: straight on, ever so slightly turning, and away from whatever is in the way."""
+"""Random motion: straight on with a slow drift of the course, and away from obstacles."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Wander(Motion):
     turn_rate: float = parameter(3.0, unit="rad/s", ge=0, help="how fast it turns, while it goes on")
 
     def start(self, context: Context) -> State:
-        """The course is drawn in the first step."""
+        """No course yet; it is drawn in the first step."""
         return {"course": np.zeros((context.rows, 1)), "blocked": np.zeros((context.rows, 1))}
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:

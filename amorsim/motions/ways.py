@@ -1,4 +1,4 @@
-"""What motions share: displacements told in the world, bodies that face where they go, and how long one is blocked."""
+"""Shared by motions: displacements given in the world, bodies that face their way, and the time that one is blocked."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def displacement(view: View, dx: Array, dy: Array, turn: Array) -> Array:
 
 
 def facing(view: View, dx: Array, dy: Array, most: Array) -> Array:
-    """The turn [rad] `(N, 1)`, at most `most`, towards the way that a body goes.
+    """The turn [rad] `(N, 1)`, at most `most`, towards a body's direction of motion.
 
-    Who was just blocked does not turn: its corners may be what is in the way.
+    A body that was just blocked does not turn: its corners may touch the obstacle.
     """
     goes = (np.abs(dx) + np.abs(dy) > STANDS) & (view.free >= 1.0)
     turn = wrap_angle(np.arctan2(dy, dx) - view.body_pose[:, 2:])
@@ -32,6 +32,6 @@ def facing(view: View, dx: Array, dy: Array, most: Array) -> Array:
 
 
 def blocked_for(view: View, dt: float, state: State) -> Array:
-    """For how long [s] `(N, 1)` each has been blocked without a break; ``state["blocked"]`` keeps count."""
+    """Time [s] `(N, 1)` for which each has been blocked without a break, counted in ``state["blocked"]``."""
     state["blocked"] = np.where(view.free < 1.0, state["blocked"] + dt, 0.0)
     return state["blocked"]

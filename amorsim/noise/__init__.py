@@ -1,4 +1,4 @@
-"""What devices do to the quantities they measure, and what the ground does to wheels: elements of chains."""
+"""Noise: chain elements for the errors of devices and of the contact between wheels and ground."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class AimGaussian(Noise):
-    """Bends each beam by a normal angle of its own, anew in every sample; leaves the values alone.
+    """Bends each beam by a normal angle of its own, drawn again in every sample; leaves the values alone.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class AimGaussian(Noise):
     std: float = parameter(unit="rad", ge=0, help="standard deviation of each beam's bearing")
 
     def start(self, context: Context) -> State:
-        """The bends of the last sample `(N, k)` [rad]; their width is how many beams there are."""
+        """The bends of the last sample `(N, k)` [rad], one for each beam."""
         return {"bend": np.zeros((context.rows, context.size))}
 
     def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:

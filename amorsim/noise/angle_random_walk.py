@@ -20,15 +20,15 @@ Array = npt.NDArray[np.float64]
 class AngleRandomWalk(Noise):
     """Adds white noise to a rate, such that its integral is a random walk that does not depend on the rate of samples.
 
-    A sample stands for the time since the one before; its noise is normal with the standard deviation
-    density / sqrt(elapsed). The first sample stands for no time and has none. Of a gyro it is the angle random
-    walk N of IEEE Std 952: the angle is off by N sqrt(t) after a time t, and the Allan deviation is N / sqrt(t).
+    A sample stands for the time since the previous one. Its noise is normal with the standard deviation
+    density / sqrt(elapsed). The first sample stands for no time and has no noise. For a gyro this is the angle
+    random walk N of IEEE Std 952: the angle is off by N sqrt(t) after a time t; the Allan deviation is N / sqrt(t).
 
     Parameters
     ----------
     density
         Standard deviation of the mean over one second, in the sensor's unit: for a gyro N in (rad/s)/sqrt(Hz).
-        A data sheet's *one-sided* density, which belongs to a bandwidth, is sqrt(2) times as large.
+        The *one-sided* density in a data sheet, which belongs to a bandwidth, is sqrt(2) times as large.
     """
 
     density: float = parameter(unit="sensor", ge=0, help="standard deviation of the mean over 1 s, per root hertz")

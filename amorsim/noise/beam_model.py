@@ -1,4 +1,4 @@
-"""Ranges as the beam model of probabilistic robotics has them."""
+"""The beam model of probabilistic robotics, for ranges."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _TOLERANCE = 1e-9  # of the sum of the weights, which are given in decimals
 class BeamModel(Noise):
     """Makes of each range, by chance, a hit, something in front of it, no return, or any number.
 
-    The mixture of S. Thrun, W. Burgard and D. Fox, "Probabilistic Robotics" (2005), drawn from and not evaluated:
-    the range itself with normal noise; an exponential distribution cut off at the range, for what the map does
-    not know; no return; and a uniform one over the device's range. No return is ``inf``, as everywhere here,
-    where the book has `range_max`: put a `dropout` or `saturate` behind it for a device that reports that. A hit
-    below 0 or above `range_max` is drawn to that end. Where nothing returned, a hit stays inf, and what stands in
-    front may be anywhere in the range.
+    Ranges are drawn from the mixture of S. Thrun, W. Burgard and D. Fox, "Probabilistic Robotics" (2005): the range
+    with normal noise; an exponential distribution cut off at the range, for things that the map does not know; no
+    return; and a uniform distribution over the device's range. No return is ``inf``, where the book has `range_max`;
+    for a device that reports `range_max`, add a `dropout` or `saturate` after this element. A hit below 0 or above
+    `range_max` is set to that end. Where nothing returned, a hit stays inf, and a thing in front may be anywhere in
+    the range.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class BeamModel(Noise):
     std
         Standard deviation of a hit [m].
     short_rate
-        The more of it, the nearer is what stands in front: the rate of the exponential distribution [1/m].
+        Rate of the exponential distribution [1/m]; a larger rate puts the things in front nearer.
     range_max
         Longest range of the device [m].
     """
@@ -61,10 +61,10 @@ class BeamModel(Noise):
         k = values.shape[1]
         part, noise, place = draws.uniform(k), draws.normal(k) * self.std, draws.uniform(k)
         hit = np.minimum(np.maximum(values - (0.0 - noise), 0.0), self.range_max)
-        # Without noise a hit is the value, whatever it is.
+        # Without noise a hit is the value itself.
         hit = np.where((noise == 0.0) | np.isinf(values), values, hit)
         within = np.minimum(np.maximum(values, 0.0), self.range_max)
-        # The distribution function turned round, of an exponential cut off at the range.
+        # The inverse distribution function of an exponential cut off at the range.
         short = np.minimum(-np.log1p(place * np.expm1(-self.short_rate * within)) / self.short_rate, within)
         drawn = np.where(part < self.short + self.max + self.random, place * self.range_max, hit)
         drawn = np.where(part < self.short + self.max, np.inf, drawn)

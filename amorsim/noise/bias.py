@@ -18,7 +18,7 @@ class Bias(Noise):
     Parameters
     ----------
     value
-        What is added, in the sensor's unit.
+        The error, in the sensor's unit.
     """
 
     value: float = parameter(unit="sensor", help="what is added")

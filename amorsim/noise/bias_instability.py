@@ -20,18 +20,18 @@ Array = npt.NDArray[np.float64]
 class BiasInstability(Noise):
     """Adds a bias that wanders about 0 and forgets where it was: a first-order Gauss-Markov process; inf stays inf.
 
-    It has the same spread from the first sample on, and a correlation of exp(-t / correlation_time) with itself
-    a time t later, however often the device reads. Real bias instability is flicker noise, with an Allan
-    deviation that is flat over decades; one such process has a broad hump instead, 0.617 std high at 1.89
-    correlation times. Several elements with correlation times a decade apart, and one std, come near a flat
-    floor.
+    The spread is the same from the first sample on. The correlation with the bias a time t later is
+    exp(-t / correlation_time), at any rate of samples. Real bias instability is flicker noise: its Allan
+    deviation is flat over decades. One such process has a broad hump instead, 0.617 std high at 1.89
+    correlation times. Several elements with the same std and correlation times a decade apart come near a
+    flat floor.
 
     Parameters
     ----------
     std
         Standard deviation of the bias, in the sensor's unit.
     correlation_time
-        After which the correlation has fallen to 1/e [s].
+        Time after which the correlation has fallen to 1/e [s].
     """
 
     std: float = parameter(unit="sensor", ge=0, help="standard deviation of the bias")
@@ -42,7 +42,7 @@ class BiasInstability(Noise):
         return {"process": np.zeros((context.rows, context.size))}
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)` and the bias of now."""
+        """The values `(N, k)` plus the current bias."""
         ratio = -elapsed / self.correlation_time
         process, out = draws.normal(values.shape[1]), np.empty(values.shape)
         noise_elements.wander(

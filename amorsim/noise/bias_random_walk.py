@@ -19,9 +19,9 @@ Array = npt.NDArray[np.float64]
 class BiasRandomWalk(Noise):
     """Adds a bias that starts at 0 and walks at random with time, a walk of its own for each value; inf stays inf.
 
-    The bias changes between two samples by normal noise whose variance is in proportion to the time between
-    them, so that it does not depend on how often the device reads. Of a gyro it is the rate random walk K of
-    IEEE Std 952, with an Allan deviation of K sqrt(t / 3).
+    Between two samples the bias changes by normal noise. The variance is proportional to the time between them,
+    so the walk does not depend on the rate of samples. For a gyro this is the rate random walk K of IEEE Std 952,
+    with an Allan deviation of K sqrt(t / 3).
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ class BiasRandomWalk(Noise):
         return {"bias": np.zeros((context.rows, context.size))}
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)` and the bias of now."""
+        """The values `(N, k)` plus the current bias."""
         bias = state["bias"] + draws.normal(values.shape[1]) * (np.sqrt(elapsed) * self.std)
         state["bias"] = bias
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        # Subtracting +0.0 keeps the sign of a zero; adding it would not.
         return values - (0.0 - bias)

@@ -1,4 +1,4 @@
-"""What noise of the body's motion needs: the motion that wheels make by their travel, and travels for a motion."""
+"""Shared by noise of the body's motion: the motion that wheel travels make, and the travels that make a motion."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Array = npt.NDArray[np.float64]
 
 
 def per_interval(interval: float | None, elapsed: Array) -> Array:
-    """What a variance per step is multiplied by `(N, 1)` in a step of `elapsed` [s], if it is meant for `interval`.
+    """Factor `(N, 1)` on a variance per step, for a step of `elapsed` [s] and numbers meant for steps of `interval`.
 
-    The squares of way and turn in it fall with the square of the step, the number of steps rises with its
-    inverse: the share of a step must rise with the inverse too, for all of them to add up to the same.
+    The squares of way and turn fall with the square of the step, and the number of steps rises with its inverse.
+    The factor must therefore rise with the inverse too, so that all steps add up to the same variance.
     """
     if interval is None:
         return np.ones_like(elapsed)
@@ -27,14 +27,14 @@ def per_interval(interval: float | None, elapsed: Array) -> Array:
 
 
 def start_motion(element: str, context: Context) -> State:
-    """How the body's motion comes of the wheels' travel: the nominal track of a pair of wheels, or their Jacobian.
+    """How wheel travel moves the body: the nominal track of a pair of wheels, or the wheels' Jacobian.
 
-    Nothing for a drive that steers: its wheels cannot turn the body by what they travel, and so the body slides.
+    Empty for a drive that steers: its wheels cannot turn the body by their travel, so the body slides.
 
     Raises
     ------
     ComponentError
-        For values that are no travels of wheels, and for a drive that steers and has parts.
+        If the values are not travels of wheels, or the drive steers and has parts.
     """
     drive: Any = context.robot.drive
     rolling = sum(joint.rolls for joint in drive.joints)
@@ -64,9 +64,9 @@ def acts_on_wheels(state: State) -> bool:
 
 
 def slide_along(motion: Array, way: Array, aside: Array, turn: Array) -> Array:
-    """The slide `(N, 3)` of bodies that go `way` farther and `aside` to the left of their way, and turn by `turn` more.
+    """Slide `(N, 3)` of bodies that go `way` farther along their way, `aside` to its left, and turn by `turn` more.
 
-    All are `(N, 1)`. The way is that of `motion` `(N, 3)`; ahead, where it goes nowhere.
+    All are `(N, 1)`. The way is the direction of `motion` `(N, 3)`, or ahead if the body stands.
     """
     size = np.sqrt(motion[:, :1] ** 2 + motion[:, 1:2] ** 2)
     goes = size > 0.0
@@ -76,7 +76,7 @@ def slide_along(motion: Array, way: Array, aside: Array, turn: Array) -> Array:
 
 
 def motion_squares(travel: Array, state: State) -> tuple[Array, Array]:
-    """The squares of the way [m^2] and of the turn [rad^2], `(N, 1)` each, that the body makes of travels `(N, r)`."""
+    """Squares of the body's way [m^2] and turn [rad^2], `(N, 1)` each, for wheel travels `(N, r)`."""
     if "track" in state:
         left, right = travel[:, :1], travel[:, 1:]
         return (0.5 * (left + right)) ** 2, ((right - left) / state["track"]) ** 2
@@ -87,12 +87,12 @@ def motion_squares(travel: Array, state: State) -> tuple[Array, Array]:
 def with_motion_error(travel: Array, way: Array, turn: Array, state: State) -> Array:
     """Travels `(N, r)` [m] of wheels whose body goes `way` [m] farther and turns by `turn` [rad] more, `(N, 1)` each.
 
-    Farther in the direction in which it goes; ahead, where it goes nowhere. Where both are 0 the travels keep their
-    bits.
+    The body goes farther in its direction of motion, or ahead if it stands. Where `way` and `turn` are 0 the travels
+    keep their bits.
     """
     if "track" in state:
         half = 0.5 * state["track"] * turn
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        # Subtracting +0.0 keeps the sign of a zero; adding it would not.
         return travel - (0.0 - np.concatenate((way - half, way + half), axis=1))
     jacobian = state["jacobian"]
     ahead, aside = _along(jacobian, 0, travel), _along(jacobian, 1, travel)
@@ -103,7 +103,7 @@ def with_motion_error(travel: Array, way: Array, turn: Array, state: State) -> A
     more = np.zeros_like(travel)
     for axis, part in enumerate(parts):
         row = jacobian[:, axis]
-        # The least travels that make the motion: its parts are made by wheels that do nothing for one another.
+        # The smallest travels that make the motion: the wheels of one part add nothing to the others.
         more = more + row / _summed(row * row) * part
     return travel - (0.0 - more)
 
@@ -113,7 +113,7 @@ def _along(jacobian: Array, axis: int, travel: Array) -> Array:
 
 
 def _summed(parts: Array) -> Array:
-    """Sums over the wheels `(N, 1)`, in one order for every row."""
+    """Sums over the wheels `(N, 1)`, in the same order for every row."""
     total = parts[:, :1]
     for i in range(1, parts.shape[1]):
         total = total + parts[:, i : i + 1]

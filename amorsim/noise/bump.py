@@ -26,22 +26,22 @@ class Bump(Noise):
     """Lets wheels roll over bumps: each costs some way over the ground, at once, that the encoder counts as gone.
 
     A wheel of radius R that climbs over an edge of height h turns about it by 2 phi, with cos phi = 1 - h / R. It rolls
-    2 R phi and comes 2 R sin phi ahead, so the way lacks 2 R (phi - sin phi): 3.3 mm for 10 mm under a wheel of 165 mm.
+    2 R phi but moves only 2 R sin phi ahead. It loses 2 R (phi - sin phi): 3.3 mm for 10 mm under a wheel of 165 mm.
     A bump under one wheel alone turns the robot. For the `ground` of any drive, or of a zone of the floor.
 
-    Where there are bumps: in a zone, one under each wheel that comes into it; else under every wheel at a time, `at`;
-    or anywhere, on average `rate` of them on each metre, a Poisson process in the way.
+    In a zone, each wheel that enters it meets one bump. Elsewhere all wheels meet one at the time `at`, or bumps are
+    anywhere, on average `rate` of them per metre, a Poisson process along the way.
 
     Parameters
     ----------
     height
-        Of the bump [m], below the wheel's radius.
+        Height of the bump [m], less than the wheel's radius.
     at
-        When wheels meet it [s], counted from the start of the episode.
+        Time at which wheels meet it [s], from the start of the episode.
     rate
-        Bumps on a metre of way [1/m].
+        Bumps per metre of way [1/m].
     joint
-        The name of the joint whose wheel meets bumps; without one, all that roll.
+        Name of the joint whose wheel meets bumps; without one, all rolling joints.
     """
 
     for_ground: ClassVar[bool] = True
@@ -56,7 +56,7 @@ class Bump(Noise):
             raise ParameterError("at", "expected either at or rate, or none of them in a zone, got both")
 
     def start(self, context: Context) -> State:
-        """How many steps were made `(N, 1)`, nominal radii `(N, r)` [m], and which joints meet bumps `(N, r)`."""
+        """Number of steps made `(N, 1)`, nominal radii `(N, r)` [m], and which joints meet bumps `(N, r)`."""
         radius = np.asarray(context.robot.drive.rolling_radius())
         if radius.shape != (context.rows, context.size):
             raise ComponentError(
@@ -70,7 +70,7 @@ class Bump(Noise):
         }
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The travels `(N, r)` [m] over the ground; `ComponentError` for a bump that is nowhere, or too high."""
+        """Travels `(N, r)` [m] over the ground; `ComponentError` for a bump without a place, or too high."""
         climb = self.height / state["radius"]
         if (climb >= 1.0).any():
             raise ComponentError(
@@ -83,10 +83,10 @@ class Bump(Noise):
         return np.where(count > 0.0, values - np.sign(values) * count * lacks, values)
 
     def _met(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """How many bumps each wheel meets in this step `(N, r)`."""
+        """Number of bumps `(N, r)` that each wheel meets in this step."""
         if self.at is not None:
-            # By multiplication, never by adding up: a billion steps later the time is still right.
-            # A step ends at the very instant at which the next begins, so that none misses it.
+            # By multiplication, not by summation: the time is still exact a billion steps later.
+            # A step ends at the exact instant at which the next begins, so no bump falls between two steps.
             begin = state["steps"] * elapsed
             state["steps"] = state["steps"] + 1
             is_now = (begin <= self.at) & (self.at < state["steps"] * elapsed)
@@ -99,7 +99,7 @@ class Bump(Noise):
 
 
 def _poisson(chance: Array, mean: Array) -> Array:
-    """Numbers of a Poisson distribution, by turning round its distribution function at `chance` in (0, 1)."""
+    """Draws from a Poisson distribution, by its inverse distribution function at `chance` in (0, 1)."""
     term = np.exp(-mean)
     below, count = term, np.zeros_like(mean)
     for i in range(1, _MOST + 1):

@@ -1,4 +1,4 @@
-"""What iron on the robot does to its compass."""
+"""The deviation of a compass by iron on the robot."""
 
 from __future__ import annotations
 
@@ -20,20 +20,19 @@ Array = npt.NDArray[np.float64]
 class CompassDeviation(Noise):
     """Adds to a heading h the deviation a + b sin h + c cos h + d sin 2h + e cos 2h, which the robot carries along.
 
-    The classical coefficients of a compass. Magnetised ("hard") iron on the robot, an offset of the field in its
-    frame, makes the deviation of one cycle a turn (b, c); soft iron, which the earth's field magnetises, that of
-    two (d, e); a is what is mounted or aligned askew. Headings are counted as everywhere here, anticlockwise
-    from x; a ship's go clockwise from north, so that published coefficients must be converted. The result is
-    not wrapped.
+    These are the classical coefficients of a compass. Magnetised ("hard") iron on the robot offsets the field in
+    its frame and makes the deviation with one cycle per turn (b, c). Soft iron, magnetised by the earth's field,
+    makes the deviation with two cycles (d, e). A misaligned mount makes a. Headings count anticlockwise from x; a
+    ship's count clockwise from north, so published coefficients must be converted. The result is not wrapped.
 
     Parameters
     ----------
     a
-        The same at all headings [rad].
+        Constant part [rad].
     b, c
-        Amplitudes of the parts that go with sin h and cos h [rad].
+        Amplitudes of sin h and cos h [rad].
     d, e
-        Amplitudes of the parts that go with sin 2h and cos 2h [rad].
+        Amplitudes of sin 2h and cos 2h [rad].
     """
 
     a: float = parameter(0.0, unit="rad", help="deviation at all headings: alignment")
@@ -43,7 +42,7 @@ class CompassDeviation(Noise):
     e: float = parameter(0.0, unit="rad", help="amplitude of the part with cos 2h: soft iron")
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The headings `(N, k)` [rad] with the deviation that each has; what is no heading (inf) stays."""
+        """The headings `(N, k)` [rad] plus their deviations; inf, which is no heading, stays."""
         out = np.empty(values.shape)
         noise_elements.deviate(values, self.a, self.b, self.c, self.d, self.e, out)
         return out

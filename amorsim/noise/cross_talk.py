@@ -1,4 +1,4 @@
-"""Sound of others taken for one's own echo."""
+"""Cross-talk: a sonar takes the sound of other transducers for its own echo."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ Array = npt.NDArray[np.float64]
 class CrossTalk(Noise):
     """Takes what a sonar hears of others for its own echo, where it comes first.
 
-    For a sonar with a `medium`, which tells what each element hears: the sound of other elements of the ring, of other
-    rings, of other robots, that fire into the same medium; straight across or by way of a wall or a body other than the
-    robot that emits it. A nearer range that has been made so far stands; a lost echo, an inf, gives way.
+    For a sonar with a `medium`. Each element hears the other elements in that medium: of its ring, of other rings and
+    of other robots. Sound comes straight or is reflected by a wall or by a body other than the emitting robot. A nearer
+    range in the chain so far is kept; a lost echo (inf) is replaced.
 
     Parameters
     ----------
     probability
-        That a sound of others is strong enough to be taken for an echo, drawn for each value anew.
+        Probability that such a sound is strong enough to be taken for an echo, drawn separately for each value.
     """
 
     probability: float = parameter(1.0, ge=0, le=1, help="that a sound of others is taken for an echo")
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The ranges `(N, k)` [m]; `ComponentError` where the sensor does not tell what it hears."""
+        """The ranges `(N, k)` [m]; `ComponentError` if the sensor gives no ``heard`` ranges."""
         if "heard" not in side:
             raise ComponentError(
                 "CrossTalk: expected a sonar that tells what it hears, one with a medium such as medium = "

@@ -21,9 +21,9 @@ Array = npt.NDArray[np.float64]
 class Diffusion(Noise):
     """Adds to each travel normal noise with a variance in proportion to its length; none at rest.
 
-    For the chain between wheels and ground, whose values are each step's travel [m] of every rolling joint.
-    As the variances of independent steps add up, the noise on a way does not depend on how many steps it
-    takes (K. S. Chong and L. Kleeman, "Accurate odometry and error modelling for a mobile robot", ICRA 1997).
+    For the `ground` chain, whose values are the travels [m] of all rolling joints in a step. The variances of
+    independent steps add up, so the noise on a way does not depend on its number of steps (K. S. Chong and
+    L. Kleeman, "Accurate odometry and error modelling for a mobile robot", ICRA 1997).
 
     Parameters
     ----------

@@ -24,13 +24,13 @@ class Dropout(Noise):
     Parameters
     ----------
     probability
-        That a value is lost.
+        Probability that a value is lost.
     report
-        What the device says in place of a lost value. ``"inf"``: that nothing returned, for range finders.
-        ``"last"``: what it said before; the first sample of all, before which it said nothing, is not lost.
-        ``"value"``: the number `value`, as devices do that report their range for no return.
+        What the device reports for a lost value. ``"inf"``: nothing returned, for range finders. ``"last"``: the
+        previous report; the first sample has none before it and is never lost. ``"value"``: the number `value`,
+        for devices that report their range for no return.
     value
-        What a lost value reads with ``report = "value"``, in the sensor's unit.
+        The report for a lost value with ``report = "value"``, in the sensor's unit.
     """
 
     probability: float = parameter(ge=0, le=1, help="that a value is lost")
@@ -48,17 +48,17 @@ class Dropout(Noise):
             raise ParameterError("value", f"expected {wanted}, got {self.value!r}")
 
     def start(self, context: Context) -> State:
-        """What was said last `(N, k)`, nan before there was anything; only where that is reported."""
+        """The last report `(N, k)`, nan before the first; only with ``report = "last"``."""
         return {"last": np.full((context.rows, context.size), np.nan)} if self.report == "last" else {}
 
     def steps(self) -> Sequence[NoiseStep]:
-        """Put another value in the place of those that are lost, unless it is the last one."""
+        """Replace lost values, unless by the last report."""
         if self.report == "last":
             return ()
         return [NoiseStep.replace(self.probability, math.inf if self.report == "inf" else self.value)]
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)`, or what stands for those that are lost."""
+        """The values `(N, k)`, lost ones replaced."""
         if self.report != "last":
             return super().corrupt(values, side, elapsed, state, draws)
         lost = draws.uniform(values.shape[1]) < self.probability

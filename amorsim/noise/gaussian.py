@@ -25,12 +25,12 @@ class Gaussian(Noise):
     std
         Standard deviation, in the sensor's unit.
     proportional
-        A further standard deviation for each unit of the value's size, or with ``per = "increment"`` of its
-        change; the two are added.
+        A further standard deviation per unit of the value's size, or with ``per = "increment"`` of its change; the
+        two are added.
     per
-        ``"sample"``: every sample is the value and fresh noise. ``"increment"``: the noise comes with each
-        change from sample to sample and stays, so that the error is a random walk: slip of a counter, drift
-        of a zero. The first sample has none.
+        ``"sample"``: every sample is the value plus fresh noise. ``"increment"``: each change from sample to sample
+        adds noise that stays. The error is then a random walk: slip of a counter, drift of a zero. The first sample
+        has none.
     """
 
     std: float = parameter(0.0, unit="sensor", ge=0, help="standard deviation")
@@ -60,7 +60,7 @@ class Gaussian(Noise):
         noise = draws.normal(values.shape[1])
         walk = state["walk"]
         finite = np.isfinite(values)
-        # Where there is nothing to compare with, or no return, nothing changed.
+        # Without a previous value, or without a return, the change is 0.
         change = np.where((elapsed > 0.0) & finite, values - state["last"], 0.0)
         readings.scatter(walk, change, self.std, self.proportional, noise)
         walk = np.where(elapsed > 0.0, noise, walk)

@@ -1,4 +1,4 @@
-"""Which of a drive's rolling joints an element of its ground acts on."""
+"""The rolling joints on which an element of a drive's `ground` acts."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ __all__ = ["chosen"]
 
 
 def chosen(element: str, joint: str, context: Context) -> npt.NDArray[np.float64]:
-    """1 for each rolling joint `(N, r)` that is meant, 0 for others; an empty name means all.
+    """1 for each rolling joint `(N, r)` named `joint`, 0 for others; an empty name means all.
 
     Raises
     ------
     ComponentError
-        If no joint that rolls is called so.
+        If no rolling joint has that name.
     """
     found = np.ones((context.rows, context.size))
     if joint:

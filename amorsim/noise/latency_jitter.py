@@ -19,9 +19,9 @@ _CUT = 5.0  # standard deviations; one draw in 1.7 million lies beyond
 class LatencyJitter(Noise):
     """Lets each reading arrive a random time later or earlier than the sensor's `latency`; leaves the values alone.
 
-    Independent from reading to reading. None arrives before it was taken, nor before one that was taken earlier: a
-    reading that would overtake another comes with it. Readings arrive at steps, each at the first one at or after its
-    time; of several that arrive at one step, the robot has the latest. So a jitter much below the step moves only
+    The jitter is independent from reading to reading. No reading arrives before it was taken, nor before an earlier
+    reading: one that would overtake another arrives with it. A reading arrives at the first step at or after its time.
+    Of several that arrive in one step, the robot gets the latest. A jitter much shorter than the step thus moves only
     readings whose arrival lies near a step.
 
     Parameters
@@ -30,7 +30,7 @@ class LatencyJitter(Noise):
         ``"uniform"``: the jitter lies between -spread and spread [s]; ``"normal"``: its standard deviation [s], cut
         at five of them.
     distribution
-        Of the jitter.
+        Distribution of the jitter.
     """
 
     spread: float = parameter(
@@ -39,11 +39,11 @@ class LatencyJitter(Noise):
     distribution: str = parameter("uniform", choices=("uniform", "normal"), static=True, help="of the jitter")
 
     def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
-        """How much later each row's reading arrives `(N, 1)` [s]."""
+        """Additional delay `(N, 1)` [s] of each row's reading."""
         if self.distribution == "uniform":
             return (2.0 * draws.uniform(1) - 1.0) * self.spread
         return np.minimum(np.maximum(draws.normal(1), -_CUT), _CUT) * self.spread
 
     def longest_delay(self) -> Array:
-        """What no delay exceeds `(N, 1)` [s]."""
+        """Upper bound of the delay `(N, 1)` [s]."""
         return np.asarray(self.spread) * (1.0 if self.distribution == "uniform" else _CUT)

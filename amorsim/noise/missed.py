@@ -18,25 +18,25 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class Missed(Noise):
-    """Empties a slot now and then: a mark or a blob that is in sight is not found, and all that is told of it is lost.
+    """Empties a slot now and then: a mark or a blob in sight is not found, and all its values are lost.
 
     For sensors whose readings are tables with a slot for each thing seen: finders of marks and cameras. Each slot is
     emptied independently of the others and of earlier samples, with the probability ``probability + per_metre *
-    range``. The others keep their slots. The element has no column, as it is for all of them.
+    range``. The other things keep their slots. The element takes no column, because it acts on whole slots.
 
     Parameters
     ----------
     probability
-        That a thing beside the sensor is missed.
+        Probability that a thing at range 0 is missed.
     per_metre
-        What each metre of its range adds to that [1/m].
+        Increase of the probability per metre of range [1/m].
     """
 
     probability: float = parameter(0.0, ge=0, le=1, help="that a thing beside the sensor is missed")
     per_metre: float = parameter(0.0, unit="1/m", ge=0, help="what each metre of its range adds to that")
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The values `(N, k)`, some slots of them empty; `ComponentError` where no slots are told."""
+        """The values `(N, k)`, some slots emptied; `ComponentError` if the sensor has no slots."""
         if "slot" not in side:
             raise ComponentError(
                 "Missed: expected a sensor that finds things and has a slot for each (fiducial, camera), got one that "

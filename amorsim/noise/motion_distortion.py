@@ -17,10 +17,10 @@ Array = npt.NDArray[np.float64]
 class MotionDistortion(Noise):
     """Lets a scan take time: its last beam looks now, its first looked `sweep` before, from where the robot was then.
 
-    The values in between are spread evenly over that time, in their order. The robot is taken to have moved during
-    the sweep as on average in the last step; what else moves stands where it is now. Robots that believe that all
-    beams are of the reading's stamp see straight walls bent. For lasers and rings of sonars, of which the elements
-    then fire one after another.
+    The values in between are spread evenly over that time, in their order. During the sweep the robot is assumed to
+    move with its mean velocity of the last step; other moving things stay at their current poses. A robot that takes
+    all beams at the reading's stamp sees straight walls bent. For lasers, and for rings of sonars whose elements then
+    fire one after another.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class MotionDistortion(Noise):
     sweep: float = parameter(unit="s", ge=0, help="time from the first value of a reading to the last")
 
     def start(self, context: Context) -> State:
-        """When each value is taken, in sweeps before the last `(N, k)`: from -1 to 0."""
+        """Time at which each value is taken `(N, k)`, in sweeps relative to the last value: from -1 to 0."""
         k = context.size
         order = np.arange(k - 1, -1, -1, dtype=np.float64) / max(k - 1, 1)
         return {"order": np.tile(-order, (context.rows, 1))}

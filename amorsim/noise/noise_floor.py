@@ -19,13 +19,13 @@ Array = npt.NDArray[np.float64]
 class NoiseFloor(Noise):
     """Replaces each value from 0 up to a level by a draw that is uniform from 0 up to that level.
 
-    Other values stay as they are. The Khepera Simulator 2.0 of O. Michel (1995) reads its infrared sensors so, with a
-    level of 7 counts.
+    Other values stay as they are. The Khepera Simulator 2.0 of O. Michel (1995) does this to its infrared sensors, with
+    a level of 7 counts.
 
     Parameters
     ----------
     level
-        Below which values drown, in the sensor's unit; 0 for nowhere.
+        Level below which values are replaced, in the sensor's unit; 0 for none.
     """
 
     level: float = parameter(unit="sensor", ge=0, help="below which values drown")

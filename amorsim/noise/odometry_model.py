@@ -31,16 +31,16 @@ class OdometryModel(Noise):
     With the step's turn halved, r1 = r2 [rad], and its way t [m], the errors have the variances a1 r1^2 + a2 t^2,
     a3 t^2 + a4 (r1^2 + r2^2) and a1 r2^2 + a2 t^2: the odometry model of S. Thrun, W. Burgard and D. Fox,
     "Probabilistic Robotics" (2005), whose r1 and r2 are equal on an arc. With errors e1 and e2 of the turns, the body
-    turns by e1 + e2, evenly over the step, and slides aside by t (e1 - e2) / 2: to first order that is the model's
-    place, too.
+    turns by e1 + e2, evenly over the step, and slides aside by t (e1 - e2) / 2. To first order this is the position of
+    the published model.
 
-    For the `ground` of any drive. Where wheels turn the body by what they travel, way and turn go into the travels: of
-    a differential drive, whose left and right wheel travel t -+ (r1 + r2) track / 2, with the nominal track, and of a
-    mecanum drive. A car, tricycle or synchro drive turns by how it steers, which no travel changes: its body slides by
-    all errors. The way is that in the direction in which the body goes, the turn that of its frame.
+    For the `ground` of any drive. In a differential or mecanum drive the wheels turn the body by their travel, so the
+    errors of way and turn go into the travels; left and right wheel of a differential drive travel
+    t -+ (r1 + r2) track / 2, with the nominal track. A car, tricycle or synchro drive turns by its steering, which no
+    travel changes: its body slides by all errors. The way is along the body's motion, the turn that of its frame.
 
-    As published, an error is drawn per step, so that over a given way the noise is the less, the shorter the steps;
-    with `interval` it does not depend on the step.
+    As published, an error is drawn per step: over a given way, shorter steps give less noise. With `interval` the
+    noise does not depend on the step.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class OdometryModel(Noise):
     a3, a4
         Variance of the way per squared way, and per sum of the squared turns [m^2/rad^2].
     interval
-        The step for which the numbers are meant [s]; none for whatever the simulation's is.
+        The step for which the numbers are meant [s]; none for the simulation's step.
     """
 
     for_ground: ClassVar[bool] = True
@@ -61,7 +61,7 @@ class OdometryModel(Noise):
     interval: float | None = parameter(None, unit="s", gt=0, help="step for which the numbers hold; none for any")
 
     def start(self, context: Context) -> State:
-        """How the motion comes of the wheels, if it does; `ComponentError` for values that are no travels."""
+        """How wheel travel moves the body, if it does; `ComponentError` if the values are not travels."""
         return start_motion("OdometryModel", context)
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
@@ -72,9 +72,9 @@ class OdometryModel(Noise):
         return with_motion_error(values, forward, first + second, state)
 
     def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
-        """The step aside `(N, 3)` [m, m, rad], and all errors of a body that turns by how it steers."""
+        """The slide aside `(N, 3)` [m, m, rad]; for a body that turns by steering, all errors."""
         way = motion[:, :1] ** 2 + motion[:, 1:2] ** 2
-        # Of two equal normal errors the difference is independent of the sum, which the wheels have: so it is drawn.
+        # The wheels carry the sum of two equal normal errors. Their difference is independent of it, so draw it here.
         forward, first, second = self._errors(way, motion[:, 2:] ** 2, elapsed, draws)
         aside = 0.5 * np.sqrt(way) * (first - second)
         if acts_on_wheels(state):

@@ -25,7 +25,7 @@ class Outliers(Noise):
     Parameters
     ----------
     probability
-        That a value is an outlier, independently of the others and of earlier samples.
+        Probability of an outlier, independent for each value and sample.
     std
         Standard deviation of an outlier's error, in the sensor's unit.
     """
@@ -38,5 +38,5 @@ class Outliers(Noise):
         k = values.shape[1]
         is_outlier = draws.uniform(k) < self.probability
         error = np.where(is_outlier, draws.normal(k) * self.std, 0.0)
-        # Taking +0.0 away keeps even the sign of a zero, which adding it would not.
+        # Subtracting +0.0 keeps the sign of a zero; adding it would not.
         return values - (0.0 - error)

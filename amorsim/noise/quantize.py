@@ -18,7 +18,7 @@ class Quantize(Noise):
     Parameters
     ----------
     step
-        Between two values that can be told apart, in the sensor's unit.
+        Resolution, in the sensor's unit.
     rounding
         ``"nearest"``, halfway cases to the even multiple; or ``"floor"``, downwards, as a counter does.
     """

@@ -22,20 +22,20 @@ Array = npt.NDArray[np.float64]
 class Slip(Noise):
     """Lets wheels slip from a given time on for a given time: over the ground they go only a part of what they roll.
 
-    For the `ground` chain of any drive; encoders see nothing of it. An element is one event; a chain may have any
-    number of them, each with its own name. A step in which it begins or ends slips for the part of the step that
-    the event covers, so that the way does not depend on the step.
+    For the `ground` chain of any drive; encoders do not see the slip. An element is one event; a chain may have any
+    number of them, each with its own name. In the steps where it begins or ends, wheels slip for the part of the
+    step that the event covers, so the way does not depend on the step.
 
     Parameters
     ----------
     at
-        When it begins [s], counted from the start of the episode.
+        Time at which it begins [s], from the start of the episode.
     duration
-        How long it lasts [s].
+        Its length [s].
     factor
-        The way over the ground for each metre rolled: 1 for no slip, 0 for a wheel that spins on the spot.
+        Way over the ground per metre rolled: 1 for no slip, 0 for a wheel that spins on the spot.
     joint
-        The name of the joint that slips; without one, all that roll.
+        Name of the joint that slips; without one, all rolling joints.
     """
 
     for_ground: ClassVar[bool] = True
@@ -46,7 +46,7 @@ class Slip(Noise):
     joint: str = parameter("", static=True, help="name of the joint that slips; empty for all that roll")
 
     def start(self, context: Context) -> State:
-        """How many steps were made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""
+        """Number of steps made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""
         steps = np.zeros((context.rows, 1), dtype=np.int64)
         return {"steps": steps, "slips": chosen("Slip", self.joint, context)}
 

@@ -20,9 +20,9 @@ Array = npt.NDArray[np.float64]
 class SpecularLoss(Noise):
     """Loses the return of a surface that is met at more than a critical angle, as a mirror sends the pulse away.
 
-    For sensors that tell the angle of incidence of each value, between the beam and the normal of the surface that it
-    hits: lasers and sonars do. Of a sonar it is that of the nearest return, which meets a surface straight on if
-    the surface's normal lies within the cone. What comes back by way of a second wall (a corner) is not modelled.
+    For sensors that give the angle of incidence of each value, between the beam and the normal of the surface that it
+    hits: lasers and sonars. A sonar gives the angle of its nearest return, which is 0 if the surface's normal lies
+    within the cone. Returns by way of a second wall (a corner) are not modelled.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class SpecularLoss(Noise):
     critical: float = parameter(unit="rad", ge=0, le=np.pi / 2.0, help="largest angle of incidence that returns")
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """The ranges `(N, k)`, inf where the pulse went away; `ComponentError` where no incidence is told."""
+        """The ranges `(N, k)`, inf where the pulse is lost; `ComponentError` if the sensor gives no incidence."""
         if "incidence" not in side:
             raise ComponentError(
                 "SpecularLoss: expected a sensor that tells the angle of incidence of its values (laser, sonar), got "

@@ -19,10 +19,9 @@ Array = npt.NDArray[np.float64]
 class Stuck(Noise):
     """Freezes a value now and then: for a while the device goes on reporting what it reported last.
 
-    Faults come at random, `rate` of them a second on average, and last for an exponentially distributed time. So
-    a value is a Markov chain of two states in continuous time, sampled: what part of the time it is frozen,
-    rate * duration / (1 + rate * duration), does not depend on how often the device reads. The first sample is
-    always sound.
+    Faults come at random, `rate` of them a second on average, and last for an exponentially distributed time. Each
+    value is thus a sampled Markov chain of two states in continuous time. It is frozen for the fraction
+    rate * duration / (1 + rate * duration) of the time, at any rate of samples. The first sample is always sound.
 
     Parameters
     ----------
@@ -51,7 +50,7 @@ class Stuck(Noise):
         chance = draws.uniform(k if self.scope == "value" else 1)
         recovery = 1.0 / self.duration
         both = self.rate + recovery
-        # Of a two-state chain over the time elapsed, whatever happened and was undone within it.
+        # Transition of a two-state chain over the elapsed time, including faults that began and ended within it.
         moved = -np.expm1(-both * elapsed) / both
         frozen = np.where(state["frozen"], chance >= recovery * moved, chance < self.rate * moved)
         reported = np.where(frozen, state["last"], values)

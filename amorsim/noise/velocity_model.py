@@ -33,13 +33,13 @@ class VelocityModel(Noise):
     S. Thrun, W. Burgard and D. Fox, "Probabilistic Robotics" (2005). The last term, there a turn on the spot at
     the end of the step, is spread over the step.
 
-    For the `ground` of any drive. Where wheels turn the body by what they travel, the errors go into the travels: of a
-    differential drive, whose left and right wheel travel v dt -+ w dt track / 2, with the nominal track, and of a
-    mecanum drive. A car, tricycle or synchro drive turns by how it steers, which no travel changes: its body slides by
-    the errors. v is the speed in the direction in which the body goes, w the turn of its frame.
+    For the `ground` of any drive. In a differential or mecanum drive the wheels turn the body by their travel, so the
+    errors go into the travels; left and right wheel of a differential drive travel v dt -+ w dt track / 2, with the
+    nominal track. A car, tricycle or synchro drive turns by its steering, which no travel changes: its body slides by
+    the errors. v is the speed along the body's motion, w the turning rate of its frame.
 
-    As published, an error is drawn per step, so that over a given way the noise is the less, the shorter the steps;
-    with `interval` it does not depend on the step.
+    As published, an error is drawn per step: over a given way, shorter steps give less noise. With `interval` the
+    noise does not depend on the step.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class VelocityModel(Noise):
     a5, a6
         The same of the final turn.
     interval
-        The step for which the numbers are meant [s]; none for whatever the simulation's is.
+        The step for which the numbers are meant [s]; none for the simulation's step.
     """
 
     for_ground: ClassVar[bool] = True
@@ -64,7 +64,7 @@ class VelocityModel(Noise):
     interval: float | None = parameter(None, unit="s", gt=0, help="step for which the numbers hold; none for any")
 
     def start(self, context: Context) -> State:
-        """How the motion comes of the wheels, if it does; `ComponentError` for values that are no travels."""
+        """How wheel travel moves the body, if it does; `ComponentError` if the values are not travels."""
         return start_motion("VelocityModel", context)
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
@@ -74,7 +74,7 @@ class VelocityModel(Noise):
         return with_motion_error(values, *self._errors(*motion_squares(values, state), elapsed, draws), state)
 
     def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
-        """The errors `(N, 3)` [m, m, rad] of a body that turns by how it steers."""
+        """The errors `(N, 3)` [m, m, rad] of a body that turns by its steering."""
         if acts_on_wheels(state):
             return np.zeros_like(motion)
         way, turn = self._errors(motion[:, :1] ** 2 + motion[:, 1:2] ** 2, motion[:, 2:] ** 2, elapsed, draws)
@@ -82,7 +82,7 @@ class VelocityModel(Noise):
 
     def _errors(self, way: Array, turn: Array, elapsed: Array, draws: Draws) -> tuple[Array, Array]:
         """Errors of the way [m] and the turn [rad] `(N, 1)`, by the squares of both."""
-        # Both sides of the model times dt^2, which so falls out.
+        # Both sides of the model are multiplied by dt^2, which cancels.
         share = per_interval(self.interval, elapsed)
         noise = draws.normal(3)
         forward = noise[:, :1] * np.sqrt((self.a1 * way + self.a2 * turn) * share)

@@ -1,1 +1,1 @@
-"""Plugins: what they are asked (hooks), what they register (registry), how they are found (manager)."""
+"""Plugins: their hooks (hooks), what they register (registry), how they are found (manager)."""

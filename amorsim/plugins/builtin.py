@@ -1,6 +1,6 @@
-"""What amorsim itself registers, through the hook that every plugin uses.
+"""The registrations of amorsim itself, through the hook that every plugin uses.
 
-Components are named, not imported: each is imported when it is first asked for.
+Components are named, not imported: each is imported at its first use.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether a class keeps the contract of its kind, as far as can be told without making one."""
+"""Checks that a class keeps the contract of its kind, as far as possible without an instance."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
 
 
 def check_name(name: object) -> str:
-    """What is wrong with a name to register under, or nothing."""
+    """The problem with a name to register under; empty if there is none."""
     if isinstance(name, str) and _NAME.fullmatch(name):
         return ""
     expected = "a name of letters, digits, '-' and '_' that begins with a letter (64 at most)"
@@ -43,7 +43,7 @@ def check_name(name: object) -> str:
 
 
 def check_class(kind: str, contract: type, cls: Any) -> tuple[str, ...]:
-    """What is wrong with a class as a component of a kind: what was found and expected; empty if nothing."""
+    """The problems of a class as a component of a kind, with what was found and expected; empty if none."""
     expected = f"amorsim.contracts.{contract.__name__}"
     if not isinstance(cls, type):
         return (f"expected a subclass of {expected}, got {cls!r}",)
@@ -138,7 +138,7 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
 
 
 def _check_parts(contract: type, cls: type) -> Iterator[str]:
-    """A drive that brings parts has to say where they are and how far they go; there is no default for that."""
+    """A drive with parts must give their poses and their travel; neither has a default."""
     parts = inspect.getattr_static(cls, "parts")
     if not isinstance(parts, property):  # else static fields decide them
         if not isinstance(parts, tuple) or not all(isinstance(part, Part) for part in parts):

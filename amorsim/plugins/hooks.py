@@ -5,7 +5,7 @@ A plugin is a module, named in the entry-point group ``amorsim`` of its distribu
     [project.entry-points.amorsim]
     my_robots = "my_package.amorsim_plugin"
 
-Hooks are for setting up and for watching, never for the step: what happens in a step is a component's.
+Hooks are for setting up and for watching, never for the step: only components act in a step.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ hookimpl = pluggy.HookimplMarker(GROUP)
 
 
 class Hooks:
-    """What a plugin may be asked to do."""
+    """The hooks that a plugin may implement."""
 
     @hookspec
     def amorsim_register(self, registry: Registry) -> None:

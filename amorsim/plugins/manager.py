@@ -1,4 +1,4 @@
-"""Finding plugins, asking each to register, and telling them of runs; whoever fails is named and left out."""
+"""Finding plugins, letting each register, and notifying them of runs; a plugin that fails is named and left out."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _HOOKS = tuple(name for name in vars(Hooks) if name.startswith(f"{GROUP}_"))
 
 
 class PluginWarning(UserWarning):
-    """Something is wrong with a plugin; what is said to be left out is, and the rest works."""
+    """Something is wrong with a plugin; the named parts are left out, and the rest works."""
 
 
 @functools.cache
 def default_registry() -> Registry:
-    """The registry of this process, with all installed plugins; their problems are warned of once."""
+    """The registry of this process, with all installed plugins; it warns of their problems once."""
     registry = make_registry()
     for problem in registry.problems:
         warnings.warn(problem, PluginWarning, stacklevel=2)
@@ -45,16 +45,16 @@ def make_registry(
     entry_points: Iterable[importlib.metadata.EntryPoint] | None = None,
     disabled: str | None = None,
 ) -> Registry:
-    """A fresh registry; its `problems` tell of plugins that were left out, in whole or in part.
+    """A fresh registry; its `problems` name plugins that were left out, in whole or in part.
 
     Parameters
     ----------
     modules
         Further plugins by name: modules, or objects with hooks.
     entry_points
-        Where plugins are named; as a rule, those that installed distributions declare.
+        Entry points that name plugins; by default those that installed distributions declare.
     disabled
-        Names of plugins to leave out, as in ``AMORSIM_DISABLE_PLUGINS``, which it stands in for.
+        Names of plugins to leave out; replaces ``AMORSIM_DISABLE_PLUGINS``.
     """
     registry = Registry()
     manager = pluggy.PluginManager(GROUP)
@@ -79,12 +79,12 @@ def make_registry(
 
 
 def run_started(simulation: Any, registry: Registry) -> None:
-    """Tell all plugins that a run begins; `PluginError` names the one that raised."""
+    """Notify all plugins that a run begins; `PluginError` names the one that raised."""
     _tell("amorsim_run_started", simulation, registry)
 
 
 def run_finished(simulation: Any, registry: Registry) -> None:
-    """Tell all plugins that a run has ended; `PluginError` names the one that raised."""
+    """Notify all plugins that a run has ended; `PluginError` names the one that raised."""
     _tell("amorsim_run_finished", simulation, registry)
 
 
@@ -94,7 +94,7 @@ def _tell(hook: str, simulation: Any, registry: Registry) -> None:
         if hook in hooks:
             try:
                 hooks[hook](simulation=simulation)
-            except Exception as error:  # the other plugins are told all the same
+            except Exception as error:  # the other plugins are still notified
                 failures.append((f"{plugin}: {hook} raised {type(error).__name__}: {error}", error))
     if failures:
         raise PluginError("\n".join(message for message, _ in failures)) from failures[0][1]
@@ -129,7 +129,7 @@ def _wanted(names: list[str], disabled: str | None, registry: Registry) -> set[s
 
 def _load(plugin: Plugin, load: Callable[[], Any], manager: pluggy.PluginManager, registry: Registry) -> Any:
     """The plugin's module, taken in by the manager, or None if that failed."""
-    # A plugin is foreign code: whatever it raises, even an attempt to leave the process, is its own failure.
+    # A plugin is foreign code: anything that it raises, even an attempt to exit, counts as its own failure.
     try:
         module = load()
     except (Exception, SystemExit) as error:
@@ -171,8 +171,8 @@ def _hooks_of(
 
 
 def _report_strays(plugin: Plugin, module: Any, manager: pluggy.PluginManager, registry: Registry) -> None:
-    # pluggy's own check_pending() stops at the first unknown hook of any plugin; here each is named, and
-    # nobody else suffers from it.
+    # pluggy's own check_pending() stops at the first unknown hook of any plugin. Here each unknown hook is
+    # named, and the other plugins still load.
     callers = [caller.name for caller in manager.get_hookcallers(module) or []]
     marked = set(callers)
     for name in callers:

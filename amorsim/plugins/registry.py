@@ -1,4 +1,4 @@
-"""The registry: under which names components, robots and scenarios are known, and who brought them."""
+"""The registry: the names of components, robots and scenarios, and the plugins that registered them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _FILES = ("robot", "device", "scenario")
 
 @attrs.frozen(kw_only=True)
 class Plugin:
-    """Who registered something: a plugin, and the distribution that it came in."""
+    """The origin of a registered thing: a plugin, and its distribution."""
 
     name: str
     distribution: str = ""
@@ -45,7 +45,7 @@ class Plugin:
         return f"plugin {self.name!r} ({self.distribution} {self.version})"
 
 
-# Whoever calls the registry outside a plugin's hook: a script or a notebook.
+# The origin of calls outside a plugin's hook: a script or a notebook.
 _SCRIPT = Plugin(name="script")
 
 
@@ -72,10 +72,10 @@ class Entry:
 class Registry:
     """Everything that can be named in a scenario.
 
-    A plugin's hook gets it and calls the method of a kind with a name and a class, or with
-    ``"module:Class"``, which is imported when it is first asked for. A class is checked against its contract,
-    once: when it is registered, or when it is imported. What fails is left out; a plugin's failures are
-    collected in `problems`, while a script that calls the methods itself gets the `PluginError`.
+    A plugin's hook gets the registry. It calls the method of a kind with a name and a class, or with
+    ``"module:Class"``, which is imported at its first use. A class is checked against its contract once: when it
+    is registered, or when it is imported. A class that fails is left out. A plugin's failures are collected in
+    `problems`; a script that calls the methods itself gets the `PluginError`.
     """
 
     def __init__(self) -> None:
@@ -134,7 +134,7 @@ class Registry:
 
     @contextlib.contextmanager
     def registering(self, plugin: Plugin) -> Iterator[None]:
-        """While it lasts, what is registered is this plugin's; what fails is a problem, not an error."""
+        """Within the context, registrations belong to this plugin, and failures are problems, not errors."""
         self._plugins.append(plugin)
         self._current = plugin
         try:
@@ -151,7 +151,7 @@ class Registry:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """What went wrong with plugins so far, a sentence or two each."""
+        """The problems with plugins so far, a sentence or two each."""
         return tuple(self._problems)
 
     @property
@@ -160,7 +160,7 @@ class Registry:
         return tuple(self._plugins)
 
     def entries(self, kind: str | None = None) -> tuple[Entry, ...]:
-        """What is registered, of one kind or of all, in the order of registration."""
+        """The registered entries, of one kind or of all, in the order of registration."""
         return tuple(entry for entry in self._entries.values() if kind in (None, entry.kind))
 
     def names(self, kind: str) -> tuple[str, ...]:
@@ -168,12 +168,12 @@ class Registry:
         return tuple(sorted(name for of, name in self._entries if of == kind))
 
     def entry(self, kind: str, name: str) -> Entry:
-        """What is registered under a name.
+        """The entry registered under a name.
 
         Raises
         ------
         PluginError
-            If nothing is; the message has the known names.
+            If there is none; the message lists the known names.
         """
         found = self._entries.get((kind, name))
         if found is None:

@@ -1,1 +1,1 @@
-"""Recorders: what writes a run down while it goes."""
+"""Recorders: components that write a run to files while it goes on."""

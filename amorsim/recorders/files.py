@@ -1,4 +1,4 @@
-"""Text files that lines are appended to, whole ones, so that a process may be killed at any time."""
+"""Text files to which whole lines are appended, so that a process may be killed at any time."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from amorsim.core.errors import RunError
 
 __all__ = ["LineFile", "LineFiles"]
 
-LONGEST_WAIT = 0.4  # [s] of the clock on the wall, between a line and the system
+LONGEST_WAIT = 0.4  # [s] of wall time until a line is handed to the system
 LARGEST_BUFFER = 1 << 16  # bytes, of one file
-PAGE = 4096  # bytes; the system breaks a write of a killed process off between two pages, and nowhere else
+PAGE = 4096  # bytes; when a process is killed, the system breaks off its write only between two pages
 
 
 class LineFile:
-    """A file that lines are appended to; what is held back is held here, and handed over in whole lines.
+    """A file to which lines are appended; it buffers them and hands them to the system as whole lines.
 
-    No more of them at a time than fill a page of memory, so that a kill hardly ever falls into a line.
+    It hands over at most a page of memory at a time, so that a kill hardly ever breaks a line.
 
     Raises
     ------
     RunError
-        From each method, if the file cannot be made or written; it then ends with the last whole line, and takes no
-        more.
+        From each method, if the file cannot be made or written. The file then ends with its last whole line and takes
+        no more.
     """
 
     def __init__(self, path: Path, header: str) -> None:
         self.path = path
         self._lines: list[bytes] = []
         self._size = 0
-        self._end = 0  # of what the file holds
+        self._end = 0  # length of the file's content
         self._problem = ""  # why it takes no more
         try:
             self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
@@ -46,19 +46,19 @@ class LineFile:
             raise
 
     def write(self, lines: str | bytes | memoryview) -> None:
-        """Append whole lines, each with its line end; bytes are UTF-8. Nothing of them is asked for afterwards."""
+        """Append whole lines, each with its line end; bytes are UTF-8. They may be changed afterwards."""
         self._check()
         lines = lines.encode() if isinstance(lines, str) else lines
         if self._size + len(lines) > LARGEST_BUFFER:
             self.flush()
-        if len(lines) > LARGEST_BUFFER:  # copies of so many would cost more than to hand them over
+        if len(lines) > LARGEST_BUFFER:  # a copy of this many would cost more than handing them over
             self._hand_over(lines)
             return
         self._lines.append(bytes(lines))
         self._size += len(lines)
 
     def flush(self) -> None:
-        """Hand everything over to the system."""
+        """Hand all buffered lines to the system."""
         self._check()
         if not self._lines:
             return
@@ -90,7 +90,7 @@ class LineFile:
         self._end += done
 
     def _check(self) -> None:
-        # A line after those that are missing would hide that they are.
+        # A further line would hide that lines before it are missing.
         if self._problem:
             raise RunError(self._problem)
 
@@ -109,15 +109,15 @@ class LineFile:
 
 
 class LineFiles:
-    """The files of a run, which lines reach half a second after they were written, whatever happens meanwhile.
+    """The files of a run; lines reach them within half a second after they were written.
 
-    A thread sees to that: a step may take long, and between steps that a user makes by hand any time may pass.
+    A thread does this, because a step may take long, and any time may pass between steps that a user makes by hand.
 
     Parameters
     ----------
     hand_over
-        Called before lines are handed over to the system, by that thread or by who closes the files, to write what has
-        been held back elsewhere.
+        Called before lines are handed to the system, by that thread or by `close`, to write lines that are held back
+        elsewhere.
     """
 
     def __init__(self, hand_over: Callable[[], None] | None = None) -> None:
@@ -129,7 +129,7 @@ class LineFiles:
         self._problem: Exception | None = None
 
     def add(self, name: str, path: Path, header: str) -> None:
-        """Make a file, which `write` then knows by `name`."""
+        """Make a file; `write` then knows it by `name`."""
         file = LineFile(path, header)
         with self._lock:
             self._files[name] = file
@@ -138,7 +138,7 @@ class LineFiles:
             self._thread.start()
 
     def check(self) -> None:
-        """Raise what went wrong since, if anything did."""
+        """Raise the error that occurred in the meantime, if any."""
         if self._problem is not None:
             raise self._problem
 
@@ -157,7 +157,7 @@ class LineFiles:
                     for file in self._files.values():
                         file.flush()
             except Exception as error:
-                self._problem = error  # for whoever writes next
+                self._problem = error  # for the next call of `write`
                 return
 
     def close(self) -> None:

@@ -23,20 +23,20 @@ _CELLS_AT_ONCE = 1 << 15
 
 
 class Span(NamedTuple):
-    """Columns side by side that are alike, of tables in each line of which are numbers of several rows.
+    """Adjacent columns of one kind, in a table whose lines hold the numbers of several rows.
 
     `kind` is a number of decimals, `EXACT` for the shortest decimals that read back the same, `NOTHING`, `MISSING` for
-    nan, or `NAME`: then not numbers are counted, but names.
+    nan, or `NAME`; with `NAME` the other fields count names instead of numbers.
     """
 
     kind: int
-    first: int = 0  # where those of row 0 begin
-    per_row: int = 0  # how much further those of the next row do
+    first: int = 0  # where the columns of row 0 begin
+    per_row: int = 0  # offset from one row's columns to the next row's
     cells: int = 1
 
 
 class Columns:
-    """What a file's lines are made of: spans, and the names that they tell."""
+    """The columns of a file's lines: spans, and the names that they write."""
 
     def __init__(self, spans: Sequence[Span], names: Sequence[str] = ()) -> None:
         self.spans = np.array(spans, dtype=np.int64).reshape(-1, SPAN)
@@ -51,24 +51,24 @@ class Columns:
 
 
 class Lines(NamedTuple):
-    """Whole lines, which hold until the next are made, and where each ends."""
+    """Whole lines, valid until the next ones are made, and where each ends."""
 
     data: memoryview
     ends: Ints
 
 
 class Printer:
-    """Makes lines of tables, always in the same place: memory that was never touched costs more than the digits."""
+    """Makes lines of tables, always in the same buffer: fresh memory costs more time than the digits."""
 
     def __init__(self) -> None:
         self._out = np.empty(0, dtype=np.uint8)
         self._words = np.empty(0, dtype=np.uint64)
 
     def print(self, table: Array, rows: int, lines: Ints, columns: Columns) -> Iterator[Lines]:
-        """Lines after `columns`, some at a time, of `table` `(s, w)`, in which are numbers of `rows` rows.
+        """Lines with `columns`, some at a time, from `table` `(s, w)`, which holds numbers of `rows` rows.
 
-        `lines` `(n,)` says of which step and row each is, ``step * rows + row``. What is written is to the byte what
-        Python's ``f"{value:.6f}"``, of as many decimals, and ``repr(value)`` give.
+        `lines` `(n,)` holds the step and row of each line, ``step * rows + row``. The text equals, to the byte, that of
+        Python's ``f"{value:.6f}"`` with the same decimals, and of ``repr(value)``.
         """
         at_once = max(1, _CELLS_AT_ONCE // max(columns.cells, 1))
         for first in range(0, len(lines), at_once):
@@ -97,7 +97,7 @@ class Printer:
 
 
 def _slowly(table: Array, rows: int, lines: Ints, columns: Columns) -> Lines:
-    """The same, cell by cell: for numbers of more digits than the kernel tells apart."""
+    """The same, cell by cell: for numbers with more digits than the kernel resolves."""
     made = []
     for line in lines.tolist():
         step, row = divmod(line, rows)

@@ -15,23 +15,23 @@ __all__ = ["BodySteps", "RobotSteps", "Steps"]
 
 Array = npt.NDArray[np.float64]
 
-_NUMBERS = 1 << 17  # kept of one group before they are written
+_NUMBERS = 1 << 17  # numbers of one group that are kept before they are written
 _MOST_STEPS = 512
 
 
 class Steps:
-    """The last steps of one group, a line of a table each.
+    """The last steps of one group, each a line of a table.
 
     Attributes
     ----------
     rows
-        How many there are.
+        Number of rows.
     texts
-        The rows' names, and then the numbers of their replicas.
+        The rows' names, followed by the numbers of their replicas.
     count
-        How many steps are kept.
+        Number of steps kept.
     table
-        `(most, w)`: in each line quantities one after the other, of each the values of row 0 first.
+        `(most, w)`: each line holds the quantities one after the other, each with the values of row 0 first.
     """
 
     def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64], sizes: Sequence[tuple[str, int]]) -> None:
@@ -47,7 +47,7 @@ class Steps:
         self.table = np.empty((self.most, width))
 
     def __getitem__(self, name: str) -> Array:
-        """A quantity of the steps that are kept, `(steps, rows, values)`; a part of the table itself."""
+        """A quantity of the kept steps, `(steps, rows, values)`; a view of the table."""
         first, size = self._places[name]
         return self.table[: self.count, first : first + self.rows * size].reshape(self.count, self.rows, size)
 
@@ -58,13 +58,13 @@ class Steps:
 
 
 class BodySteps(Steps):
-    """Steps of bodies of which no more is told than where they are."""
+    """Steps of bodies of which only poses are written."""
 
     def __init__(self, names: Sequence[str], replicas: npt.NDArray[np.int64]) -> None:
         super().__init__(names, replicas, [("time", 1), ("true_pose", 3)])
 
     def add(self, time: Array, poses: Array) -> bool:
-        """Keep a step; whether there is no room for another."""
+        """Keep a step; returns whether there is no room for another."""
         line = self.table[self.count]
         line[: self.rows] = time
         line[self.rows :] = poses.reshape(-1)
@@ -73,13 +73,13 @@ class BodySteps(Steps):
 
 
 class RobotSteps(Steps):
-    """Steps of robots, with all that a frame holds, and room for what is reckoned from it before it is written.
+    """Steps of robots: the quantities of a frame, and room for those derived from it before it is written.
 
-    That are `estimated_twist`, `measured_rates`, and by sensor the `seconds` at which a sample was taken.
+    The derived ones are `estimated_twist`, `measured_rates`, and by sensor the `seconds` at which a sample was taken.
     """
 
     def __init__(self, frame: Frame) -> None:
-        self.first = frame  # what does not change from step to step is read from it
+        self.first = frame  # the source of everything that does not change from step to step
         joints = frame.joint_rates.shape[1]
         kept = [("time", 1), ("true_pose", 3), ("true_twist", 3), ("joint_rates", joints)]
         kept.append(("command", frame.command.shape[1]))
@@ -88,7 +88,7 @@ class RobotSteps(Steps):
         for name, (true, _) in frame.readings.items():
             size = true.shape[1]
             kept += [(f"true {name}", size), (f"measured {name}", size), (f"stamp {name}", 1), (f"fresh {name}", 1)]
-        self._end = len(frame.names) * sum(size for _, size in kept)  # of what a frame holds
+        self._end = len(frame.names) * sum(size for _, size in kept)  # end of the frame's quantities
         reckoned = [
             ("estimated_twist", 3),
             ("measured_rates", joints),
@@ -97,7 +97,7 @@ class RobotSteps(Steps):
         super().__init__(frame.names, frame.replica, kept + reckoned)
 
     def add(self, frame: Frame) -> bool:
-        """Keep a step, as it is now; whether there is no room for another."""
+        """Keep a copy of a step; returns whether there is no room for another."""
         whole: list[npt.NDArray[Any]] = [frame.time, frame.true_pose, frame.true_twist, frame.joint_rates]
         whole.append(frame.command)
         for estimate in frame.estimates.values():

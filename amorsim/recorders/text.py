@@ -30,13 +30,13 @@ Array = npt.NDArray[np.float64]
 _POSE = "true_x,true_y,true_heading,estimated_x,estimated_y,estimated_heading"
 _TWIST = "true_forward,true_left,true_turn,estimated_forward,estimated_left,estimated_turn"
 _COVARIANCE = "xx,xy,xh,yy,yh,hh"
-_UPPER = ((0, 3), (4, 2), (8, 1))  # of a 3 x 3 matrix, row by row: where they begin, and how many
+_UPPER = ((0, 3), (4, 2), (8, 1))  # upper triangle of a 3 x 3 matrix, row by row: start, and count
 _OUTPUT = 6  # decimals
 _EVENT = "time,robot,kind,other,x,y,speed,path,value,tick"
 
 
 class Page(NamedTuple):
-    """Lines of a file to be, of one group: of which of its steps and rows they are, and what they are made of."""
+    """Lines to be written to a file for one group: their steps and rows, and their columns."""
 
     steps: Steps
     lines: npt.NDArray[np.int64]  # (n,), step * rows + row
@@ -45,7 +45,7 @@ class Page(NamedTuple):
 
 @attrs.define(eq=False)
 class Group:
-    """The steps of one group of robots that are kept, the columns of each file, and what the next steps follow on."""
+    """The kept steps of one group of robots, the columns of each file, and the last values before the next steps."""
 
     steps: RobotSteps
     columns: dict[str, Columns]
@@ -56,16 +56,16 @@ class Group:
 class Text(Recorder):
     """Writes ``poses.csv``, ``velocities.csv``, ``sensors/``, ``estimates/``, ``commands.csv`` and ``events.csv``.
 
-    And ``obstacles.csv`` and ``parts.csv`` if there are any. A `replica` column leads where there are several. Steps
-    are kept as numbers and made into lines many at a time, by whoever comes first: a step for which there is no more
-    room, or the thread that sees to it that lines reach the files in time.
+    And ``obstacles.csv`` and ``parts.csv`` if there are any. With several replicas the first column is `replica`. Steps
+    are kept as numbers and made into lines many at a time: by a step for which there is no more room, or by the thread
+    that brings lines to the files in time.
     """
 
     _files: LineFiles = attrs.field(init=False)
     _groups: list[Group] = attrs.field(factory=list, init=False)
     _obstacles: list[BodySteps] | None = attrs.field(default=None, init=False)  # of each group that moves
     _parts: dict[int, BodySteps] = attrs.field(factory=dict, init=False)  # of each group whose robots have parts
-    _todo: list[tuple[str, list[Page]]] = attrs.field(factory=list, init=False)  # files' lines that wait to be written
+    _todo: list[tuple[str, list[Page]]] = attrs.field(factory=list, init=False)  # lines of files waiting to be written
     _printer: Printer = attrs.field(factory=Printer, init=False)
     _joints: list[str] = attrs.field(factory=list, init=False)
     _channels: list[str] = attrs.field(factory=list, init=False)
@@ -81,7 +81,7 @@ class Text(Recorder):
     def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
         """Make the files and write the first readings."""
         self._run = run
-        # Microseconds, but always enough to tell the steps apart.
+        # Microseconds, or more decimals where steps need them to differ.
         self._decimals = max(6, 2 - math.floor(math.log10(run.dt)))
         self._joints = _union(frame.joint_names for frame in frames)
         self._channels = _union(frame.channels for frame in frames)
@@ -125,7 +125,7 @@ class Text(Recorder):
         """Write a line for each robot into each file, and one for each event and each sample that arrived."""
         self._files.check()
         with self._lock:
-            if self._todo:  # somebody broke in while they were written
+            if self._todo:  # an interrupt broke off their writing
                 self._write_steps()
             is_full = False
             for group, frame in zip(self._groups, frames, strict=True):
@@ -166,7 +166,7 @@ class Text(Recorder):
             self._write_steps()
 
     def _write_steps(self) -> None:
-        """Make lines of the steps that are kept, and forget them; whoever was broken off in it goes on where he was."""
+        """Make lines of the kept steps, and forget the steps; after an interrupt the next call goes on from there."""
         if not self._todo:
             previous = [self._reckon(group) if group.steps.count else group.previous for group in self._groups]
             todo = list(self._pages().items())
@@ -176,7 +176,7 @@ class Text(Recorder):
         while self._todo:
             try:
                 self._write_pages(*self._todo[0])
-            except RunError:  # it would go wrong again, and others need not wait for it
+            except RunError:  # it would fail again, and the other files need not wait for it
                 del self._todo[0]
                 raise
             del self._todo[0]
@@ -184,7 +184,7 @@ class Text(Recorder):
             steps.count = 0
 
     def _pages(self) -> dict[str, list[Page]]:
-        """What goes into each file."""
+        """The pages of each file."""
         found: dict[str, list[Page]] = {}
         for group in self._groups:
             steps = group.steps
@@ -229,7 +229,7 @@ class Text(Recorder):
         return Page(steps, np.arange(steps.count * steps.rows), Columns(spans, steps.texts))
 
     def _lead(self, steps: Steps, stamp: str = "") -> list[Span]:
-        """What lines begin with: the replica where there are several, times, and the name."""
+        """The first columns: the replica where there are several, times, and the name."""
         assert self._run is not None
         texts = [Span(NAME, steps.rows, 1)] if len(self._run.replicas) > 1 else []
         times = [steps.span(self._decimals, name) for name in ("time", stamp) if name]
@@ -271,10 +271,10 @@ class Text(Recorder):
     # ------------------------------------------------------------------------------------- what follows from the steps
 
     def _reckon(self, group: Group) -> dict[str, Array]:
-        """Put into the table what is written and no frame holds, and tell what the next steps follow on.
+        """Fill in the derived quantities of the table; returns the last values, which the next steps need.
 
-        Velocities of the body as estimated, and of joints as measured, nan where nothing was measured; and when samples
-        were taken.
+        These are the body's estimated velocities; the joints' measured velocities, nan where nothing was measured; and
+        the times at which samples were taken.
         """
         assert self._run is not None
         steps, previous = group.steps, dict(group.previous)
@@ -289,7 +289,7 @@ class Text(Recorder):
         return previous
 
     def _measured_rates(self, steps: RobotSteps, previous: dict[str, Array]) -> Array | float:
-        """Joint rates [rad/s] from the newest two samples of the first sensor that tells joints' angles; nan if none.
+        """Joint rates [rad/s] from the newest two samples of the first sensor of joint angles; nan if none.
 
         ``(steps, rows, joints)``.
         """
@@ -332,12 +332,12 @@ class Text(Recorder):
         return replica + ",".join(map(str, cells)) + "\n"
 
     def close(self) -> None:
-        """Close the files, whatever happened before."""
+        """Close the files, also after an error."""
         self._files.close()
 
 
 def _plain(value: Any) -> Any:
-    """What JSON can say of a value that it does not know: the fields of a `Deviation` or a `Distribution`."""
+    """JSON form of a value that JSON does not know: the fields of a `Deviation` or a `Distribution`."""
     return attrs.asdict(value, recurse=False) if attrs.has(type(value)) else str(value)
 
 

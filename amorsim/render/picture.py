@@ -283,7 +283,7 @@ class _Page:
         return image
 
     def _labels(self) -> list[tuple[str, tuple[float, float], str]]:
-        """What stands beside things, with places and anchors."""
+        """The labels of things, with places and anchors."""
         left, top, right, bottom = self._plot
         labels = []
         for thing in self._things:
@@ -348,7 +348,7 @@ class _Page:
         return in_words(self._bar), (left - 0.3 * self._line_height, y), "rm"
 
     def _write_names(self, pen: ImageDraw.ImageDraw) -> None:
-        """A robot's name beside where it ended, clear of other names and ends where it can be."""
+        """A robot's name next to its final position, clear of other names and ends if possible."""
         left, top, right, bottom = self._plot
         reach = 16 * self._unit
         marked = [self._on_page(_finite(line)[-1:]) for path in self._paths for line in (path.true, path.estimated)]

@@ -35,7 +35,7 @@ class Thing:
     """An obstacle with its outline, a landmark with its radius, or a lamp; in metres of the world.
 
     `kind` is one of `KINDS`; `place` (1, 2) and `outline` (V, 2), empty for all but obstacles; `colour` is its own,
-    none for that of its kind; `label` stands beside it.
+    none for that of its kind; `label` is written next to it.
     """
 
     kind: str = attrs.field(validator=_check_kind)

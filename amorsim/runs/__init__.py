@@ -1,1 +1,1 @@
-"""What is kept of a simulation while it runs: the folder of a run, its files, and the same run again."""
+"""Runs: the folder of a simulation, its files, and reproducing it."""

@@ -1,4 +1,4 @@
-"""Reading the ``run.json`` of a run's folder: every key that amorsim writes has the type that it was written with."""
+"""Reading the ``run.json`` of a run's folder, and checking the type of every key that amorsim writes."""
 
 from __future__ import annotations
 
@@ -95,12 +95,12 @@ _OTHERS: dict[str, tuple[Check, str]] = {
 
 
 def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """What the ``run.json`` of a folder says; keys that amorsim does not know are left as they are.
+    """The content of a folder's ``run.json``; keys that amorsim does not know are kept as they are.
 
     Raises
     ------
     RunError
-        If it is not the folder of a run, or the file is damaged; it names the key.
+        If it is not the folder of a run, or the file is damaged; the message names the key.
     """
     path = Path(folder) / ABOUT
     if not os.path.lexists(path):
@@ -121,7 +121,7 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def scenario_of(folder: str | os.PathLike[str], about: Mapping[str, Any]) -> Scenario:
-    """The scenario that was run, from the files that lie in the folder; `about` is what its ``run.json`` says.
+    """The scenario of a run, from the files in its folder; `about` is the content of its ``run.json``.
 
     Raises
     ------

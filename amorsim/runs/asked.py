@@ -28,9 +28,9 @@ def look_up(
     seed: int | None = None,
     duration: float | None = None,
 ) -> None:
-    """Raise what `read_scenario` and `with_options` would of what was asked for, but for what the maps hold.
+    """Raise the errors of `read_scenario` and `with_options` for these arguments, except those of a map's content.
 
-    Nothing is compiled for it: who has just installed hears of a slip of the pen before the long wait, not after it.
+    This compiles nothing: a new user learns of a typing mistake before the long first compilation, not after it.
     """
     from amorsim.scenario.read import check_words
 
@@ -42,7 +42,7 @@ def look_up(
 
 
 def with_options(scenario: Scenario, seed: int | None, duration: float | None = None) -> Scenario:
-    """The scenario with the seed and the duration that a user gave in place of its own; None for those of its own."""
+    """The scenario with the seed and duration that a user gave; None keeps the scenario's own."""
     given: dict[str, Any] = {"seed": seed, "duration": duration}
     given = {name: value for name, value in given.items() if value is not None}
     for name, value in given.items():
@@ -60,7 +60,7 @@ def _check_option(name: str, value: float) -> None:
 
 
 def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
-    """The options of the map that a user means, or None if he means a scenario."""
+    """The options of the map that `name` means, or None if it means a scenario."""
     if _is_map(name):
         _check_map(Path(name))
         return {} if resolution is None else {"resolution": resolution}
@@ -72,7 +72,7 @@ def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
 
 
 def _check_map(path: Path) -> None:
-    """Complain of a file that no loader of maps knows, in words for who may have meant a scenario."""
+    """Raise an error for a file that no map loader knows, worded for users who may have meant a scenario."""
     from amorsim.plugins.manager import default_registry
     from amorsim.scenario.maps import find_loader
 

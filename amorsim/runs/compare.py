@@ -1,4 +1,4 @@
-"""Comparing the text files of two runs, and naming the first thing that differs."""
+"""Comparing the text files of two runs, and naming the first difference."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Difference:
 
     file: str
     line: int
-    time: float  # [s]; inf where no line tells one
+    time: float  # [s]; inf where no line holds a time
     tick: int | None
     replica: str
     robot: str
@@ -50,7 +50,7 @@ class Difference:
 def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
     """The earliest difference between the text files of two runs' folders; None if they agree to the letter.
 
-    Of differences at one time, the one in commands counts as first, then those in readings: they lead to the others.
+    Of differences at one time, commands count as first, then readings, because these cause the others.
 
     Raises
     ------

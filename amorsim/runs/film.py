@@ -1,4 +1,4 @@
-"""A simulation on film: every so many steps a frame of the first replica's true world."""
+"""A simulation as a film: at regular steps a frame of the first replica's true world."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from amorsim.simulation.simulation import Simulation
 __all__ = ["Film", "check_film"]
 
 LARGEST = 4096  # [px]: beyond it, frames fill the memory
-LONGEST = 20.0  # [s] that a film takes whose speed is not told
+LONGEST = 20.0  # [s] length of a film without a given speed
 FASTEST = 25.0  # frames a second
 
 
 def check_film(path: Path, size: int, rate: float, speed: float | None) -> None:
-    """Complain of what makes no film, before anything is simulated for it; the arguments and errors are `Film`'s."""
+    """Raise an error for settings that make no film, before anything is simulated; arguments and errors as `Film`'s."""
     if path.suffix.lower() != ".gif":
         raise ParameterError("gif", f"expected the name of a file that ends in .gif, got {str(path)!r}")
     if path.is_dir():
@@ -40,22 +40,22 @@ class Film:
     Parameters
     ----------
     simulation
-        From its present step on.
+        Filmed from its present step on.
     path
-        Of the GIF.
+        Path of the GIF.
     duration
-        How long it will go on [s].
+        Simulated time still to come [s].
     size
         Longer side of the picture [px].
     rate
         Frames a second, as shown; at most 25.
     speed
-        How much faster than the simulated time it is shown; without it, 1, or so fast that it takes 20 s.
+        Speed of the film relative to simulated time; by default 1, or faster so that the film takes 20 s.
 
     Raises
     ------
     ParameterError
-        If a number makes no sense, or the name does not end in ``.gif``.
+        If a number is out of range, or the name does not end in ``.gif``.
     RunError
         If the file's folder is not there, or it is a folder itself.
     """

@@ -1,4 +1,4 @@
-"""The folder of a run: claimed before, given back if the run never began, and its ``run.json``."""
+"""The folder of a run: claimed before the run, removed if the run never begins; and its ``run.json``."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ __all__ = [
 
 FORMAT = 1
 ABOUT = "run.json"
-CLAIM = ".amorsim-claim"  # a folder that is there while a run takes hold of the one it is in
-ROOM = ".amorsim-room"  # a file that is there until a run ends: on a full disk, the last run.json takes its place
+CLAIM = ".amorsim-claim"  # a folder that exists while a run claims the folder around it
+ROOM = ".amorsim-room"  # a file that reserves space until a run ends: on a full disk, the last run.json replaces it
 _LONGEST_LINE = 1 << 20  # bytes
 _ROOM_BESIDES = 16384  # bytes: a folder, and files in whole blocks
 
@@ -65,7 +65,7 @@ def new_folder(name: str, base: Path | None = None) -> Path:
 
 
 def next_folder(path: str | os.PathLike[str]) -> Path:
-    """`path` with the first number from 2 on that gives a folder which is not there, as in ``run-2``."""
+    """`path` with the first number from 2 on that names a new folder, as in ``run-2``."""
     first = Path(path)
     number = 2
     while (found := first.with_name(f"{first.name}-{number}")).exists():
@@ -74,14 +74,14 @@ def next_folder(path: str | os.PathLike[str]) -> Path:
 
 
 def check_free(path: Path | None, besides: str = "") -> None:
-    """Complain of a folder that holds something, before anything is computed for it; None is any.
+    """Raise an error for a folder that is not empty, before anything is computed for it; None is always free.
 
-    What is called `besides` may be in it.
+    The folder may contain an entry named `besides`.
 
     Raises
     ------
     RunError
-        If there are files in it, it is a file itself, or what is in it cannot be told.
+        If there are files in it, it is a file itself, or its content cannot be listed.
     """
     try:
         if path is None or not path.exists():
@@ -110,7 +110,7 @@ class RunFolder:
     name
         See `path`.
     about
-        What ``run.json`` says at first.
+        First content of ``run.json``.
 
     Raises
     ------
@@ -181,7 +181,7 @@ class RunFolder:
         write_text(self.path / ABOUT, json.dumps(about, indent=2) + "\n")
 
     def set_room_aside(self, size: int) -> None:
-        """Keep `size` bytes of the disk for `write_end`, and for what a file takes besides.
+        """Reserve `size` bytes of the disk for `write_end`, plus the overhead of a file.
 
         Raises
         ------
@@ -194,16 +194,16 @@ class RunFolder:
             raise RunError(f"{self.path}: there is no room for the run's files ({error.strerror or error})") from None
 
     def write_end(self, about: Mapping[str, Any]) -> None:
-        """As `write_about`, on a disk that is full too, for room was set aside."""
+        """Like `write_about`, but also on a full disk, because space was reserved."""
         with contextlib.suppress(OSError):
             (self.path / ROOM).unlink()
         self.write_about(about)
 
 
 def last_time(folder: Path) -> float:
-    """The time [s] up to which all of a run's tables have lines, but for those of what happens now and then.
+    """The time [s] up to which all of a run's tables have lines, except tables of occasional things.
 
-    0 if one has none. A slow sensor's ends before the others, though it is whole.
+    0 if one has none. A slow sensor's table ends before the others, even if it is complete.
     """
     times = []
     for path in (*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")):
@@ -225,14 +225,14 @@ _version = functools.cache(metadata.version)  # which reads a file each time
 
 
 def circumstances() -> dict[str, Any]:
-    """Versions and machine, on which the last bits of results may hang."""
+    """Versions and machine, on which the last bits of results may depend."""
     packages = ("numpy", "numba", "attrs", "shapely", "pillow")
     return {
         "amorsim": _version("amorsim"),
         "python": sys.version.split()[0],
         "packages": {name: _version(name) for name in packages},
         "plugins": {plugin.name: plugin.version for plugin in default_registry().plugins},
-        # For which kind the kernels are compiled: two of one kind give the same bits.
+        # The kernels are compiled for this processor: two of one kind give the same bits.
         "processor": processor(),
         "system": platform.system(),
     }

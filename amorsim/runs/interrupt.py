@@ -21,10 +21,10 @@ _COMPILER = Path(numba.__file__).parent
 
 
 class Interrupt:
-    """Takes Ctrl-C as a wish to end after the present step, so that all files end with the same one.
+    """On Ctrl-C, ends the run after the present step, so that all files end with the same step.
 
-    Where a controller or plugin does not return within `PATIENCE`, it is broken off by a `KeyboardInterrupt`. So does
-    a second Ctrl-C, wherever the run is. Where the program handles the signal itself, or the run is not in its main
+    A controller or plugin that does not return within `PATIENCE` is broken off by a `KeyboardInterrupt`. A second
+    Ctrl-C raises it wherever the run is. If the program handles the signal itself, or the run is not in its main
     thread, nothing is done.
 
     Attributes
@@ -85,7 +85,7 @@ class Interrupt:
         return users_lines(stack)
 
     def explain(self, error: KeyboardInterrupt) -> None:
-        """Add to an error where in the user's code it came."""
+        """Add to an error the place in the user's code where it occurred."""
         lines = users_lines(traceback.extract_tb(error.__traceback__))
         if lines:
             error.add_note("\n".join(["this did not return:", *lines]))

@@ -11,7 +11,7 @@ __all__ = ["processor"]
 
 @functools.cache
 def processor() -> str:
-    """The processor's architecture and, where the system tells, its model: two of one kind give the same bits."""
+    """The processor's architecture and, where the system gives it, its model: equal processors give equal bits."""
     try:
         text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:

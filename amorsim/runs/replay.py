@@ -1,4 +1,4 @@
-"""Giving a simulation again what it was once given from outside: commands by hand, changes, poses."""
+"""Replaying a run's outside inputs to a simulation: commands by hand, changes, poses."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _CHANGES = ("parameter_set", "pose_set", "handed_over")
 
 
 class Replay:
-    """What came from outside in a recorded run, to be given to a simulation before each of its steps.
+    """The outside inputs of a recorded run, to be given to a simulation before each of its steps.
 
     Raises
     ------
     RunError
-        From each method, if a file of the run does not say what such files say; it names file, line and column.
+        From each method, if a file of the run is damaged; it names file, line and column.
     """
 
     def __init__(self, simulation: Simulation, folder: Path) -> None:
@@ -43,7 +43,7 @@ class Replay:
         self._next = next(self._lines, None)
 
     def give(self) -> None:
-        """Give what was given before the simulation's next step."""
+        """Give the recorded inputs that came before the simulation's next step."""
         for line in self._changes.get(self._simulation.tick, []):
             self._change(line)
         self._give_commands()

@@ -1,4 +1,4 @@
-"""Running a run again, and telling where it differs."""
+"""Running a run again, and finding where it differs."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ class Outcome:
     is_exact: bool
     steps: int
     difference: str = ""  # the first, in words
-    tick: int | None = None  # of the first difference, where the files tell one
-    robot: str = ""  # whose it is
-    notes: tuple[str, ...] = ()  # versions, machines and files that are not what they were
+    tick: int | None = None  # of the first difference, where the files hold one
+    robot: str = ""  # the robot of the first difference
+    notes: tuple[str, ...] = ()  # versions, machines and files that have changed
 
     def __str__(self) -> str:
         if self.is_exact:
@@ -49,22 +49,22 @@ class Outcome:
 
 
 def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], None] | None = None) -> Outcome:
-    """Run what lies in a run's folder again: its scenario, its recorded hand-given commands, its live changes.
+    """Run the content of a run's folder again: its scenario, its recorded commands by hand, its live changes.
 
-    The digests of all exact results are compared, and all text files, line by line.
+    It compares the digests of all exact results, and all text files line by line.
 
     Parameters
     ----------
     folder
-        Of a run that has ended; one that was interrupted is run again up to there.
+        Folder of a run that has ended; an interrupted run is repeated up to its interruption.
     progress
         Called after every step with the share done.
 
     Raises
     ------
     RunError
-        If the folder is none of a run, the run did not end, or a file that it is run again from is damaged; the
-        message names the file and the line or key. A damaged result is a difference, and no error.
+        If it is not the folder of a run, the run did not end, or an input file in it is damaged; the message names
+        the file and the line or key. A damaged result counts as a difference, not as an error.
     """
     before = Path(folder)
     about = read_about(before)

@@ -1,4 +1,4 @@
-"""A run: a scenario simulated from beginning to end, and written down."""
+"""A run: a scenario simulated from beginning to end, and recorded."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def run(
     Parameters
     ----------
     scenario
-        What is simulated.
+        The scenario to simulate.
     folder
         New or empty; without it, ``amorsim-runs/<scenario>-<number>``.
     seed, replicas

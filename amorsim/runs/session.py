@@ -1,4 +1,4 @@
-"""Writing a simulation down while somebody steps it: `run` does, or a script that drives by hand."""
+"""Recording a simulation that `run` steps, or a script that drives by hand."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ class RunSummary:
 
     folder: Path
     steps: int
-    digests: dict[int, str]  # by replica; none if it broke off in the middle of a step
+    digests: dict[int, str]  # by replica; empty if the run broke off in the middle of a step
     distance: dict[str, float]  # [m] driven by each robot, in the first replica
     final_error: dict[str, float]  # [m] between true and estimated position at the end
     collisions: dict[str, int]
-    seconds: float  # of the clock on the wall
+    seconds: float  # of wall time
     is_complete: bool  # false if it was broken off
 
 
 def record(
     simulation: Simulation, folder: str | os.PathLike[str] | None = None, *, duration: float | None = None
 ) -> RunSession:
-    """Write down a simulation that you step yourself; it must not have been stepped yet.
+    """Record a simulation that you step yourself; it must not have been stepped yet.
 
     ::
 
@@ -82,14 +82,14 @@ def record(
 
 
 class RunSession:
-    """A run that is being written down; made by `record`. As a context manager it closes itself.
+    """A run that is being recorded; made by `record`. As a context manager it closes itself.
 
     Attributes
     ----------
     folder
-        Where the files lie.
+        Folder of the files.
     steps
-        How many have been written.
+        Number of steps written.
     """
 
     def __init__(
@@ -113,10 +113,10 @@ class RunSession:
         self._summary: RunSummary | None = None
         self._has_lost_lines = False  # whether text files end before the simulation did
         self._process, self._here = os.getpid(), present_folder()
-        self._events = 0  # of the simulation's, that have been written
+        self._events = 0  # number of the simulation's events that have been written
         self._started = time.perf_counter()
         self._registry = default_registry()
-        # Of each recorder one that is this run's own: it has files to keep.
+        # Each run has recorders of its own, because they hold files.
         self._recorders: list[Recorder] = [
             self._registry.get("recorder", "text")(),
             *(recorder.fresh() for recorder in scenario.recording.also),
@@ -172,7 +172,7 @@ class RunSession:
         if self._summary is not None:
             raise RunError(f"{self.folder}: this run has been closed")
         ticks = simulation._fleet.ticks
-        # The first alone says it all in most runs, and a comparison of arrays takes longer.
+        # In most runs the first comparison is enough, and comparing arrays takes longer.
         if ticks[0] != self.steps + 1 or (len(ticks) > 1 and (ticks != self.steps + 1).any()):
             raise RunError(
                 f"{self.folder}: expected one step after tick {self.steps}, the last that was kept, got tick "
@@ -189,7 +189,7 @@ class RunSession:
 
     @property
     def summary(self) -> RunSummary:
-        """What happened; there is one once the session is closed.
+        """The summary of the run; available once the session is closed.
 
         Raises
         ------
@@ -232,7 +232,7 @@ class RunSession:
         return self.summary
 
     def _expect_original(self) -> None:
-        """End this process if it is a copy that code of a user's has forked: it would write into the same files."""
+        """End this process if it is a copy forked by a user's code: it would write into the same files."""
         if os.getpid() != self._process:
             sys.stderr.write(
                 f"{self.folder}: a controller or plugin forked the process of this run; the copy ends here, and writes "
@@ -258,7 +258,7 @@ class RunSession:
         simulation, steps = self._simulation, self.steps
         if self._has_lost_lines:
             steps = min(steps, round(last_time(self.folder) / simulation.dt))
-        # Lost lines leave nothing that a second run could be compared with, nor does an error in the middle of a step.
+        # After lost lines, or an error in the middle of a step, a second run has nothing to be compared with.
         is_whole = not self._has_lost_lines and not (simulation.ticks != self.steps).any()
         self._summary = self._sum_up(status, steps, is_whole=is_whole)
         outcome = _outcome(self._summary, status) | ({"problem": problem} if problem else {})
@@ -303,7 +303,7 @@ class RunSession:
             error.add_note(self._told_files())
 
     def _told_files(self) -> str:
-        """Up to where there are files, in words."""
+        """The time up to which the files go, in words."""
         dt = self._simulation.dt
         if self._has_lost_lines and self._summary is not None:
             end = self._summary.steps * dt
@@ -317,18 +317,18 @@ class RunSession:
         """Remove the folder again: for a run in which nothing happened."""
         self._expect_original()
         go_back(self._here, "a controller or plugin")
-        with contextlib.suppress(Exception):  # what went wrong before is what is told
+        with contextlib.suppress(Exception):  # the earlier error is the one to report
             self._close_recorders()
         self._folder.give_back()
 
 
 def run_name(scenario: Scenario) -> str:
-    """What a scenario is called in titles and folders: after its file, or else after its map."""
+    """Name of a scenario in titles and folders: that of its file, or else of its map."""
     return scenario.source.stem if scenario.source else scenario.map.name or "run"
 
 
 def steps_of(simulation: Simulation, duration: float) -> int:
-    """How many steps a run of `duration` [s] takes.
+    """Number of steps of a run of `duration` [s].
 
     Raises
     ------
@@ -344,7 +344,7 @@ def steps_of(simulation: Simulation, duration: float) -> int:
 
 
 def _most_bytes(simulation: Simulation) -> int:
-    """What ``run.json`` takes at the end of a run, at most: numbers of each robot, and a digest of each replica."""
+    """Largest size of ``run.json`` [bytes] at the end: numbers for each robot, and a digest for each replica."""
     names = sum(len(json.dumps(name)) for name in simulation.names)
     return 65536 + 3 * names + 120 * len(simulation.names) + 100 * len(simulation.replicas)
 

@@ -1,4 +1,4 @@
-"""Reading a run's text files: columns as arrays, or line by line; what is damaged is named by file, line and column."""
+"""Reading a run's text files: columns as arrays, or line by line; errors name file, line and column."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from amorsim.core.errors import RunError, did_you_mean
 
 __all__ = ["LARGEST", "LONGEST_LINE", "Line", "check_file", "last_line", "read_columns", "read_lines"]
 
-LARGEST = 1e100  # in size, of what is no command: nothing in a run is larger
+LARGEST = 1e100  # in size, except commands: no other number of a run is larger
 LONGEST_LINE = 1 << 26  # [bytes]
 _BLOCK = 1 << 24  # [bytes] that are read at once
 _TAIL = 1 << 16  # [bytes] in which a last line of poses lies
@@ -31,7 +31,7 @@ _TWIST = ("forward", "left", "turn")
 
 @attrs.frozen
 class _Kind:
-    """What the files of one kind hold: columns that must be there, and which of them hold finite numbers only."""
+    """Format of the files of one kind: required columns, and those that hold finite numbers only."""
 
     finite: tuple[str, ...]
     others: tuple[str, ...]
@@ -81,12 +81,12 @@ class Line(NamedTuple):
         return int(text)
 
     def damaged(self, column: str, problem: str) -> RunError:
-        """What to raise of a column of this line."""
+        """The error for a damaged column of this line."""
         return RunError(f"{self.path}, line {self.number}, {column}: {problem}")
 
 
 def check_file(path: Path, largest: float = math.inf) -> None:
-    """Complain of what is no regular file of `largest` bytes at most, such as a pipe, which would be read for ever.
+    """Raise an error unless `path` is a regular file of at most `largest` bytes; a pipe would be read for ever.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def read_lines(path: Path) -> Iterator[Line]:
 
 
 def last_line(path: Path) -> Line | None:
-    """The last whole line of a text file of a run, without reading what lies before; None if it has but a header.
+    """The last whole line of a run's text file, without reading the lines before; None if it has only a header.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def last_line(path: Path) -> Line | None:
         If the file cannot be read or the line is damaged. The line's number is counted.
     """
     with _opened(path) as file:
-        # Of what lies between the two, damage is a difference that others find.
+        # Damage between the two counts as a difference and is found by the comparison.
         first = _decoded(path, 1, file.readline(_TAIL)).rstrip("\r\n")
         header = _header(path, iter([(1, [first])]), "")
         file.seek(0, 2)

@@ -1,4 +1,4 @@
-"""What a run keeps in memory of where the first replica's robots went, for its picture and its summary."""
+"""The paths of the first replica's robots, kept in memory for a run's picture and summary."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ FEWEST = 1000  # of each robot, however many there are
 _NUMBERS = 1 << 14  # that wait at most, but for a step's
 
 
-MOST_LABELS = 40  # landmarks whose numbers are written beside them
+MOST_LABELS = 40  # landmarks that are labelled with their numbers
 
 
 class Traces:
-    """The paths of the first replica's robots; of very long ones every second, fourth ... point is kept."""
+    """The paths of the first replica's robots; very long ones keep every second, fourth ... point."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -75,12 +75,12 @@ class Traces:
         for table in self._tables:
             part = table[: self._waiting]
             points.append(np.concatenate((part[:, 0, :, :2], part[:, 1, :, :2]), axis=2))
-            # Of the velocity, not of the places: somebody may have put the robot elsewhere.
+            # From the velocity, not from positions: `set_pose` may have moved the robot.
             speeds.append(np.hypot(part[:, 2, :, 0], part[:, 2, :, 1]))
         return np.concatenate(points, axis=1)[:, self._order], np.concatenate(speeds, axis=1)[:, self._order]
 
     def _settle(self) -> None:
-        """Make of the steps that wait what is kept."""
+        """Turn the waiting steps into kept points."""
         if not self._waiting:
             return
         points, speeds = self._sorted()
@@ -98,12 +98,12 @@ class Traces:
 
     @property
     def distance(self) -> Array:
-        """That each robot has driven [m] `(M,)`, of every step."""
+        """Distance that each robot has driven [m] `(M,)`, over all steps."""
         self._settle()
         return self._distance
 
     def errors(self) -> Array:
-        """How far true and estimated positions are apart at the end [m] `(M,)`."""
+        """Distance between true and estimated positions at the end [m] `(M,)`."""
         self._settle()
         apart: Array = np.hypot(self._last[:, 0] - self._last[:, 2], self._last[:, 1] - self._last[:, 3])
         return apart

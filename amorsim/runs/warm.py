@@ -1,7 +1,7 @@
 """Compiling ahead: short simulations that use what nearly every run needs, half of them in a second process.
 
-numba compiles a kernel when it is first called, and keeps it in its cache. So to compile ahead is to call. A list of
-small robots does it, each with something that the ones before it lack; `amorsim compile` goes through it.
+numba compiles a kernel at its first call, and keeps it in its cache. To compile ahead, the kernels are called by small
+robots from a list. Each has something that the ones before it lack; `amorsim compile` goes through the list.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
     progress
         Called at the beginning too.
     more
-        Whether to compile what robots need that meet something, too.
+        Whether to compile also the kernels of robots that collide.
     """
     first, second = (_FIRST + _MORE, _SECOND) if more else (_FIRST, _SECOND)
     total, done, lock = len(first) + len(second), 0, threading.Lock()
@@ -52,7 +52,7 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
 
     if progress is not None:
         progress(0, total)
-    if not sys.executable:  # a program that Python is part of may name none
+    if not sys.executable:  # a program with an embedded Python may have none
         _try_all((*first, *second), one_more)
     else:
         _try_in_two(first, second, one_more)
@@ -76,7 +76,7 @@ def _try_in_two(first: Sequence[str], second: Sequence[str], one_more: Callable[
 
 
 def _command(names: Sequence[str]) -> list[str]:
-    # -P: otherwise Python would look into the present folder first, where a user's struct.py may lie.
+    # -P: otherwise Python would search the present folder first, where a user's struct.py may lie.
     return [sys.executable, "-P", "-m", __spec__.name, *names]
 
 

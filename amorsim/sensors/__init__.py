@@ -1,4 +1,4 @@
-"""What ideal devices read of the world; all that real ones do to it is in `amorsim.noise`."""
+"""Sensors: ideal readings of the world. The errors of real devices are in `amorsim.noise`."""
 
 from __future__ import annotations
 

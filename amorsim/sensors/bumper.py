@@ -22,7 +22,7 @@ __all__ = ["Bumper", "Sector"]
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
-# Outlines have chords in place of arcs, a 32nd of a turn's half away from them at most: 1 - cos(pi / 64) of the radius.
+# Outlines replace arcs by chords. A chord deviates from its arc by at most 1 - cos(pi / 64) of the radius.
 _SAGITTA = 1.0 - math.cos(math.pi / 64.0)
 _LEAST = 1e-9  # [m] pieces of an outline shorter than this are left out
 
@@ -48,16 +48,16 @@ _FRONT = (Sector(start=0.0, end=math.pi / 2.0), Sector(start=-math.pi / 2.0, end
 class Bumper(Sensor):
     """Which segments of a bumper around the footprint press on a wall or another body: 1 for those, 0 for others.
 
-    A segment is the part of the robot's outline that lies in a sector of directions as seen from the mount, which
-    should be within the outline. It is pressed by what comes nearer to that part than ``reach``, wherever the robot
-    is and however it came there: contact is looked for in the present place of all bodies, not among events.
+    A segment is the part of the robot's outline within a sector of directions, seen from the mount. The mount should
+    lie inside the outline. A segment is pressed while a wall or body is closer to it than ``reach``. Contact is found
+    from the current poses of all bodies, not from collision events.
 
     Parameters
     ----------
     segments
-        The sectors, each of which has a value. By default front left and front right.
+        The sectors; the reading has one value for each. By default front left and front right.
     reach
-        How far the bumper stands out from the footprint [m].
+        Distance that the bumper stands out from the footprint [m].
     """
 
     unit: ClassVar[str] = "contact"
@@ -100,7 +100,7 @@ class Bumper(Sensor):
 def _zones(
     shape: Shape, mount: tuple[float, ...], segments: tuple[Sector, ...], reach: float
 ) -> tuple[Shape | None, ...]:
-    """What presses each segment, in the body's frame: its part of the outline, as thick as the bumper stands out."""
+    """The zone that presses each segment, in the body's frame: its part of the outline, as thick as the reach."""
     x, y, heading = mount
     found: list[Shape | None] = []
     for sector in segments:

@@ -36,14 +36,14 @@ class Camera(Sensor):
     mount's heading [rad], pan included. An empty slot reads -1 for the colour and inf for the rest.
     ``measured.reshape(-1, 7)`` is a table with a line for each slot.
 
-    Every column is a ray through its middle, and is of the thing that it meets first: a wall, which has no colour, a
-    robot, an obstacle, or a landmark of that colour. Columns of one colour side by side are one blob, whatever things
-    they are of. Pixels are of equal angles, as in Stage's blob finder, and not of equal lengths on a plane as behind a
-    lens, so that tilt moves rows and nothing else. A thing stands on the ground and is as high as its ``height``;
-    what is behind it is hidden, however low it is; walls hide everything.
+    Each column is one ray through its middle. It shows the first thing that the ray meets: a wall (no colour), a robot,
+    an obstacle or a landmark. Adjacent columns of one colour form one blob, even if they show several things. All
+    pixels span equal angles, as in Stage's blob finder (not equal lengths on an image plane), so tilt only shifts rows.
+    A thing stands on the ground and has its ``height``. It hides everything behind it, however low it is; walls hide
+    everything.
 
     It takes commands: ``pan`` and ``tilt`` [rad], anticlockwise and upwards, and ``zoom``, from 0 for the widest view
-    to 1 for the narrowest. It follows at its rates, and without a command goes to 0.
+    to 1 for the narrowest. The camera follows at its rates. Without a command it returns to 0.
 
     Parameters
     ----------
@@ -52,13 +52,13 @@ class Camera(Sensor):
     colours
         The colours it looks for, as names of CSS or '#rrggbb'.
     slots
-        How many blobs a reading has room for.
+        Number of blobs that a reading holds.
     fov, fov_min
         The horizontal field of view at zoom 0 and at zoom 1 [rad].
     range_max
-        How far it sees [m].
+        Longest range of the view [m].
     eye
-        How high its lens is above the ground [m].
+        Height of the lens above the ground [m].
     """
 
     unit: ClassVar[str] = "mixed"
@@ -113,7 +113,7 @@ class Camera(Sensor):
         state["head"] = head + np.clip(np.clip(command, low, high) - head, -most, most)
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Blobs, nearest first `(N, 7 * slots)`; beside them ``slot``, ``range`` and ``empty``."""
+        """Blobs, nearest first `(N, 7 * slots)`; for the noise chain also ``slot``, ``range`` and ``empty``."""
         pan, tilt, zoom = (state["head"][:, i : i + 1] for i in range(3))
         pixel = (self.fov + (self.fov_min - self.fov) * zoom) / self.width  # [rad]
         turned = np.zeros((view.rows, 3))
@@ -122,7 +122,7 @@ class Camera(Sensor):
         ranges, things = view.look(compose(view.pose, turned), pixel * middle, np.asarray(self.range_max))
         known = _colour_indices(view.colours, self.colours)
         colour = np.where(things >= 0, known[things], -1)
-        # Rows of the image from the thing's top to the ground before it.
+        # Image rows from the thing's top down to the ground in front of it.
         high = np.where(things >= 0, view.heights[things], 0.0)
         away = np.where(np.isfinite(ranges), np.maximum(ranges, 1e-9), 1.0)
         upper = 0.5 * self.height - (np.arctan2(high - self.eye, away) - tilt) / pixel
@@ -149,7 +149,7 @@ class Camera(Sensor):
 
 @functools.lru_cache(maxsize=256)
 def _colour_indices(things: tuple[str | None, ...], wanted: tuple[str, ...]) -> Ints:
-    """For each thing which of the wanted colours it has, -1 for none; one more at the end, for no thing."""
+    """Index of each thing's colour among the wanted ones, -1 for none; one more at the end, for no thing."""
     known = {ImageColor.getrgb(colour): i for i, colour in reversed(list(enumerate(wanted)))}
     return np.array([*(known.get(ImageColor.getrgb(c), -1) if c else -1 for c in things), -1], dtype=np.int64)
 
@@ -181,7 +181,7 @@ def _blobs(colour: Ints, ranges: Array, first: Array, last: Array) -> _Blobs:
     def least(of: Array) -> Array:
         if not len(at):
             return np.empty(0)
-        # Every second stretch lies between two runs; one more number lets the last run end at the array's end.
+        # Every second stretch lies between two runs. The extra index lets the last run end at the array's end.
         return np.asarray(np.minimum.reduceat(np.append(of.ravel(), np.inf), at)[::2])
 
     return _Blobs(row, colour[row, left], left, right, least(first), -least(-last), least(ranges))

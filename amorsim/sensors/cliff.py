@@ -29,7 +29,7 @@ class Cliff(Sensor):
     elements
         Where each element sits, in the frame of the sensor's mount. One at the mount by default.
     depth_min
-        Drops less deep than this [m] are not told.
+        Shallower drops [m] are not reported.
     """
 
     unit: ClassVar[str] = "drop"

@@ -23,9 +23,9 @@ _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 class Compass(Sensor):
     """The heading of the mount in the world [rad], anticlockwise from the world's x axis, in [-pi, pi].
 
-    What is measured is whatever the noise chain makes of it, and may lie beyond pi: the chain works on
-    numbers, not on directions. Wrap the *difference* of two headings (`amorsim.core.poses.wrap_angle`), which
-    is needed near pi even where nothing is noisy.
+    The measured heading may lie outside [-pi, pi]: the noise chain works on numbers, not on directions. Wrap
+    the *difference* of two headings (`amorsim.core.poses.wrap_angle`). Near pi this is necessary even without
+    noise.
     """
 
     unit: ClassVar[str] = "rad"

@@ -25,9 +25,9 @@ _TURN = 2.0 * math.pi
 class Encoder(Sensor):
     """The cumulative count of every joint of the drive, in the order of the drive's joints.
 
-    The ideal count is no whole number; a chain with ``quantize`` of step 1 makes it one. White noise on a
-    count does not accumulate, for each reading is a new look at the same wheel; ``gaussian`` with ``per =
-    "increment"`` does.
+    The ideal count is not an integer; a ``quantize`` of step 1 in the chain rounds it. White noise on a count
+    does not accumulate, because each reading is a new look at the same wheel. ``gaussian`` with ``per =
+    "increment"`` accumulates.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Encoder(Sensor):
         Raises
         ------
         ParameterError
-            If counts are told for another number of joints.
+            If the number of counts is not the number of joints.
         """
         told = np.shape(self.counts_per_revolution)[-1:]  # (j,) as made, (N, j) over rows
         joints = drive.joints
@@ -66,7 +66,7 @@ class Encoder(Sensor):
         return view.joints / _TURN * counts, _NOTHING
 
     def angles(self, values: Array) -> Array:
-        """Joints `(N, j)` [rad] that counts `(N, j)` stand for: the inverse of `sense`."""
+        """Joint angles `(N, j)` [rad] for counts `(N, j)`: the inverse of `sense`."""
         counts: Any = self.counts_per_revolution
         result: Array = values / counts * _TURN
         return result

@@ -24,21 +24,21 @@ _COLUMNS: Mapping[str, str] = types.MappingProxyType({"range": "m", "bearing": "
 class Fiducial(Sensor):
     """Range [m], bearing [rad] and identity of the marks in sight, the nearest first, in a fixed number of slots.
 
-    Marks are the landmarks of the scenario, and the robots and obstacles with a ``fiducial``; walls and bodies hide
-    them. The range is to a landmark's place or the carrier's base point, the bearing from the mount's heading. An
-    empty slot reads inf, inf, -1; a mark too far off to be read has the identity 0. ``measured.reshape(-1, 3)`` is a
+    Marks are the landmarks of the scenario and the robots and obstacles with a ``fiducial``. Walls and bodies hide
+    them. The range is to the landmark or to the carrier's base point; the bearing counts from the mount's heading. An
+    empty slot reads inf, inf, -1. A mark beyond ``range_max_id`` has the identity 0. ``measured.reshape(-1, 3)`` is a
     table with a line for each slot.
 
     Parameters
     ----------
     slots
-        How many marks a reading has room for.
+        Number of marks that a reading holds.
     fov
         The field of view [rad], half of it to either side.
     range_max
-        How far marks are seen [m].
+        Longest range at which marks are seen [m].
     range_max_id
-        How far they can be told apart [m].
+        Longest range at which they are identified [m].
     """
 
     unit: ClassVar[str] = "mixed"
@@ -57,7 +57,7 @@ class Fiducial(Sensor):
         return _COLUMNS
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges, bearings and identities in turn `(N, 3 * slots)`; beside them ``slot``, ``range`` and ``empty``."""
+        """Range, bearing, identity of each slot `(N, 3 * slots)`; for the chain also ``slot``, ``range``, ``empty``."""
         fov: Any = self.fov
         range_max: Any = self.range_max
         seen = view.landmarks(self.slots, range_max, 0.5 * fov)

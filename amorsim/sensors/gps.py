@@ -1,4 +1,4 @@
-"""Where a robot is, as satellites or a tracking system tell it."""
+"""A robot's position from satellites or a tracking system."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ _POSE: Mapping[str, str] = types.MappingProxyType({"x": "m", "y": "m", "heading"
 class Gps(Sensor):
     """The place of the mount in the world, x and y [m]; with ``heading``, its heading [rad] in [-pi, pi] too.
 
-    The mount is the antenna, not the robot's base point. How often there is a fix and how late it comes are the
-    ``rate`` and ``latency`` that every sensor has; slow drift is a ``bias_instability`` in the chain, a lost fix a
-    ``dropout``.
+    The reading is the position of the antenna (the mount), not of the robot's base point. As for every sensor,
+    ``rate`` sets how often there is a fix and ``latency`` how late it arrives. Put a ``bias_instability`` into the
+    chain for slow drift and a ``dropout`` for lost fixes.
 
     Parameters
     ----------
     heading
-        Whether the heading is told as well, as by two antennas or by a camera above the field.
+        Whether the heading is measured too, as with two antennas or a camera above the field.
     """
 
     unit: ClassVar[str] = "m"
@@ -44,7 +44,7 @@ class Gps(Sensor):
         return len(self.columns())
 
     def columns(self) -> Mapping[str, str]:
-        """The coordinates, and the heading if it is told."""
+        """The coordinates, and the heading if it is measured."""
         return _POSE if self.heading else _PLACE
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:

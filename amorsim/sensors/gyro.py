@@ -22,8 +22,8 @@ _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 class Gyro(Sensor):
     """The rate of turn [rad/s], anticlockwise, as the mean over the last step; 0 before the first.
 
-    The range of a device is a ``saturate`` in its chain, the drift of its zero a ``gaussian`` with
-    ``per = "increment"``.
+    Model the device's range with a ``saturate`` in the chain, and the drift of its zero with a ``gaussian``
+    with ``per = "increment"``.
     """
 
     unit: ClassVar[str] = "rad/s"

@@ -1,4 +1,4 @@
-"""What a ring of transducers hears of others that fire at the same time."""
+"""Cross-talk: the sound of other transducers that a ring of transducers hears."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Ints = npt.NDArray[np.int64]
 SOUND = 343.0
 """Speed of sound [m/s] in dry air of 20 °C."""
 
-# Rays in which surfaces are looked for, by parts of a cone's half angle; as many for all cones, so that a row's bits do
-# not depend on other rows. In a cone of 30 degrees they are half a degree apart.
+# Rays that look for surfaces, as fractions of a cone's half angle. Their number is the same for all cones, so a row's
+# bits do not depend on other rows. In a cone of 30 degrees they are half a degree apart.
 _FAN = np.linspace(-1.0, 1.0, 61)
 
-# Sounds of each listener whose lines are looked along together: at first one, which mostly is free.
+# Number of sounds of each listener whose lines of sight are tested together: first one, which is mostly free.
 _BATCHES = (1, 8, 64)
 
 _TOGETHER = 12  # rays of a listener that are cast as one look
@@ -40,24 +40,24 @@ def hear(
     range_min: Array,
     range_max: Array,
 ) -> Array:
-    """What the sound of others, and of other elements of the ring itself, would read `(N, k)` [m]; inf for silence.
+    """Ranges `(N, k)` [m] that sound from other transducers, of this ring or others, would read; inf for silence.
 
-    Sound goes straight from one transducer to another where each is in the other's cone, or by way of any surface that
-    is seen from both within both cones, other than those of the robot that emits it; of all ways the shortest, which
-    on a flat wall is the mirror's. A transducer takes what comes for its own echo: it reads half the way that sound
-    would have gone since it fired itself. Nothing is heard below `range_min`, while it still rings, nor beyond
-    `range_max`.
+    Sound takes the shortest path. It goes straight from one transducer to another if each lies in the other's cone. Or
+    it reflects off a surface that both see within their cones, except surfaces of the emitting robot; on a flat wall
+    that is the mirror path. A transducer takes the sound for its own echo: it reads half the distance that sound
+    travels in the time since it fired itself. Nothing is heard below `range_min`, while the transducer still rings, nor
+    beyond `range_max`.
 
     Parameters
     ----------
     said
-        What everyone fires into the medium, as the view tells the sensor that listens.
+        All emissions into the medium, from the listening sensor's view.
     receivers
         World poses `(N * k, 3)` of the elements.
     half_angle, range_min, range_max
         `(N, 1)` [rad], [m], [m].
     listens
-        When each element fires itself, and so begins to listen `(N, k)` [s], from the tick on.
+        Time `(N, k)` [s] after the tick at which each element fires and begins to listen.
     """
     heard = np.full(listens.shape, np.inf)
     cones = np.concatenate((half_angle, range_min, range_max), axis=1)
@@ -71,7 +71,7 @@ def hear(
         return heard
     surfaces = _surfaces(view, listeners, facing, len(listens) * looks)
     after, after_number = np.full(len(receivers), -np.inf), np.full(len(receivers), -1, dtype=np.int64)
-    # Sounds in the order in which they come, until for each listener one is found that nothing keeps off.
+    # Try sounds in order of arrival until each listener has one that nothing blocks.
     for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
         sounds = _silence(len(receivers), batch)
         found = acoustics.first_sounds(listeners, emitters, facing, surfaces, SOUND, after, after_number, sounds)
@@ -88,7 +88,7 @@ def hear(
 
 
 def _surfaces(view: View, listeners: acoustics.Listeners, facing: acoustics.Facing, looks: int) -> acoustics.Surfaces:
-    """Where those rays end that may carry a sound, in so many looks."""
+    """End points of the rays that may carry a sound, in `looks` looks."""
     shape = (looks, _TOGETHER)
     surfaces = acoustics.Surfaces(
         np.empty((looks, 3)), np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.int64)
@@ -101,7 +101,7 @@ def _surfaces(view: View, listeners: acoustics.Listeners, facing: acoustics.Faci
 
 
 def _owners(view: View, met: Ints) -> Ints:
-    """Whose surface rays end on: of a part of a robot, the robot's body; -1 for a wall or none."""
+    """Body whose surface each ray ends on (for a part of a robot, the robot's body); -1 for a wall or none."""
     if (met < 0).all():
         return met
     return np.where(met >= 0, view.bodies().owner[met], -1)

@@ -24,11 +24,11 @@ _COLUMNS: Mapping[str, str] = types.MappingProxyType({"ahead": "m/s^2", "left": 
 class Imu(Sensor):
     """Specific force ahead and to the left [m/s^2], in the mount's frame, and the rate of turn [rad/s].
 
-    On level ground specific force is the acceleration of the mount: v' + w x v, with v the velocity of that point
-    in the body's frame and w the rate of turn. So on a circle a unit ahead of the axle feels the centripetal
-    acceleration of its own, larger circle. v is the mean velocity over the last step, and v' its change since the
-    sample before, over the time between; a robot that a wall stops feels it within one step. Before the second sample
-    v' is 0.
+    On level ground the specific force is the acceleration of the mount: v' + w x v, where v is the mount's velocity
+    in the body's frame and w the rate of turn. On a circle, a unit ahead of the axle thus measures the centripetal
+    acceleration of its own, larger circle. v is the mean velocity over the last step. v' is its change since the
+    previous sample, divided by the time between; when a wall stops the robot, it appears within one step. Before the
+    second sample v' is 0.
     """
 
     unit: ClassVar[str] = "mixed"
@@ -42,7 +42,7 @@ class Imu(Sensor):
         return _COLUMNS
 
     def start(self, context: Context) -> State:
-        """The velocity `(N, 2)` of the mount in the body's frame at the sample before, and its tick `(N, 1)`."""
+        """Velocity `(N, 2)` of the mount in the body's frame at the previous sample, and its tick `(N, 1)`."""
         rows = context.rows
         return {"velocity": np.zeros((rows, 2)), "tick": np.full((rows, 1), -1, dtype=np.int64)}
 

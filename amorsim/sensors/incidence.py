@@ -1,4 +1,4 @@
-"""At what angle a beam meets a surface: a body's shape, or a wall, which is probed close to the beam."""
+"""Angle of incidence of a beam on a surface: a body's shape, or a wall, which is probed close to the beam."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ twice this length, which is half a degree in cells of 1 mm. In cells as large as
 no wall shorter than this has a slope of its own; the area that an ultrasonic pulse is reflected by is of that size.
 """
 
-# Rays in which the nearest return is looked for, by parts of a cone's half angle; for bodies as near to each other as
-# those that make a sonar's reading, in a cone of 30 degrees. Their number is fixed: one that depended on the widest
-# cone of all rows would make a row's bits depend on the other rows.
+# Rays that look for the nearest return, as fractions of a cone's half angle. Those for bodies are as dense as the rays
+# of a sonar's reading in a cone of 30 degrees. Their number is fixed: if it depended on the widest cone of all rows, a
+# row's bits would depend on the other rows.
 _WALL_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
 _BODY_FAN = np.linspace(-1.0, 1.0, 601)[None, :]
 _BODY_STEP = 2.0 / 600.0  # from one of these to the next
 
-_EVEN = 3.0  # a probe so many times farther off than the other lies on another surface: an edge, or a corner's far side
+_EVEN = 3.0  # a probe this many times farther than the other is on another surface: an edge, or a corner's far side
 
 
 def incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Array:
@@ -40,11 +40,11 @@ def incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_
     Parameters
     ----------
     view
-        The world; `origins` are world poses `(M, 3)`, as many for each of its rows.
+        The world; `origins` are world poses `(M, 3)`, the same number for each of its rows.
     bearings, ranges
-        `(1, k)` or `(M, k)` [rad] from the origins' headings, and `(M, k)` [m] what was found there.
+        `(1, k)` or `(M, k)` [rad] from the origins' headings, and the ranges `(M, k)` [m] found there.
     range_max
-        `(N, 1)` [m], beyond which nothing returns.
+        Longest range `(N, 1)` [m]; nothing returns beyond it.
     """
     _, body = view.look(origins, bearings, range_max, landmarks=False)
     of_walls = _wall_incidence(view, origins, bearings, ranges, range_max)
@@ -55,7 +55,7 @@ def incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_
 
 
 def nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: Array) -> Array:
-    """Angles of incidence [rad] `(N, m)` where the nearest returns of cones come from; 0 where nothing returns.
+    """Angles of incidence [rad] `(N, m)` at the nearest return of each cone; 0 where nothing returns.
 
     `origins` are world poses `(N * m, 3)` of cones, `half_angle` [rad] and `range_max` [m] `(N, 1)`.
     """
@@ -71,15 +71,15 @@ def nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: 
 
 
 def _near_bodies(view: View, origins: Array, half_angle: Array, range_max: Array, nearest: Array) -> Ints | None:
-    """Which cones `(N * p,)`, p of each row in turn, may meet a body nearer than walls; None for none.
+    """Indices `(N * p,)` of cones, p per row, that may meet a body nearer than walls; None for none.
 
-    Rows with fewer of them get others of theirs besides.
+    Rows with fewer such cones are filled up with other cones of the row.
     """
     bodies = view.bodies()
     if len(bodies.reach) < 2:
         return None
     might = np.empty(len(origins), dtype=np.bool_)
-    wider = half_angle * (1.0 + _BODY_STEP)  # the last rays that are cast go beyond the edge by as much
+    wider = half_angle * (1.0 + _BODY_STEP)  # the outermost rays go beyond the edge by this step
     slopes.bodies_in_cones(
         origins, wider, nearest, range_max, bodies.poses, bodies.reach, bodies.owner, bodies.own, might
     )
@@ -92,10 +92,10 @@ def _near_bodies(view: View, origins: Array, half_angle: Array, range_max: Array
 
 
 def _nearest_bodies(view: View, origins: Array, half_angle: Array, range_max: Array) -> tuple[Array, Array]:
-    """Angles of incidence [rad] `(M, 1)` on the bodies that cones meet nearest, and how far off [m], inf for none."""
+    """Angles of incidence [rad] `(M, 1)` on the nearest body in each cone, and its range [m], inf for none."""
     per_row = len(origins) // view.rows
     half = np.repeat(half_angle, per_row, axis=0)
-    # The ray that meets a body nearest; then, as a thin post's normal turns much from ray to ray, closer about it.
+    # First the ray with the nearest body. Then finer rays around it: a thin post's normal changes much between rays.
     rays = _spread(half_angle, per_row, _BODY_FAN)
     aside, _ = _nearest_body(view, origins, rays, range_max)
     aside, reach = _nearest_body(view, origins, aside + half * _BODY_STEP * _WALL_FAN, range_max)
@@ -104,7 +104,7 @@ def _nearest_bodies(view: View, origins: Array, half_angle: Array, range_max: Ar
 
 
 def _nearest_body(view: View, origins: Array, rays: Array, range_max: Array) -> tuple[Array, Array]:
-    """The bearing and the range `(M, 1)` at which a body is met nearest by one of the rays `(1 or M, k)`."""
+    """Bearing and range `(M, 1)` of the nearest body on any of the rays `(1 or M, k)`."""
     ranges, body = view.look(origins, rays, range_max, landmarks=False)
     return _nearest(rays, np.where(body >= 0, ranges, np.inf))
 
@@ -133,11 +133,11 @@ def _body_incidence(view: View, origins: Array, bearings: Array, body: Ints) -> 
 def _wall_incidence(view: View, origins: Array, bearings: Array, ranges: Array, range_max: Array) -> Array:
     """Angles [rad] `(M, k)` between beams and the walls that they meet, as `incidence` gives them.
 
-    Two more beams are cast close to each, so as to meet the wall `PATCH` away, and a line laid through what they find;
-    through the nearer one and the beam's own end where the other looks past an edge. Bodies do not keep them off.
+    Two probes are cast close to each beam, to meet the wall `PATCH` away. The wall's line goes through their ends. If
+    one probe passes an edge, the line goes through the nearer end and the beam's own end. Bodies do not block probes.
     """
     turn = np.arctan2(PATCH, np.where(np.isfinite(ranges), ranges, 1.0))
-    # A probe may go farther than the beam: a slanting wall goes on beyond what is seen.
+    # A probe may be longer than the beam: a slanted wall continues beyond the range of view.
     probes = view.cast(
         origins, np.concatenate((bearings + turn, bearings - turn), axis=1), 2.0 * range_max, bodies=False
     )

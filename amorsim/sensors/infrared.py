@@ -25,28 +25,28 @@ _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 class Infrared(Sensor):
     """How much of its own infrared light comes back to each element of a ring, in counts; 0 where nothing does.
 
-    An element looks along three rays: its axis and one to either side. What is met along the axis answers as the
-    table of ``distances`` and ``values`` says, what is met at the sides as that of ``side_distances`` and
-    ``side_values``; the three are added, and the sum ends at ``saturation``. Between the points of a table its
-    values lie on straight lines; nearer than the first point they are its own, beyond the last they are 0.
+    An element looks along three rays: its axis and one to either side. The table of ``distances`` and ``values``
+    gives the response along the axis, ``side_distances`` and ``side_values`` that of the side rays. The three are
+    added and limited to ``saturation``. Tables are interpolated linearly. Nearer than the first point the first value
+    holds; beyond the last point the response is 0.
 
-    The defaults are the Khepera's, as the Khepera Simulator 2.0 of O. Michel (1995) has them: points at which it
-    probes its map, 12 to 58 mm ahead and 5.7 to 43.9 mm to the sides. Its side points lie on a bent line, 45 to 24
-    degrees off the axis; here they are at their distances on a straight ray. Its noise, ten per cent either way, is
-    the chain's.
+    The defaults are the Khepera's, from the Khepera Simulator 2.0 of O. Michel (1995): the points at which it probes
+    its map, 12 to 58 mm ahead and 5.7 to 43.9 mm to the sides. Its side points lie on a bent line, 45 to 24 degrees
+    off the axis; here they lie at the same distances on a straight ray. Its noise, ten per cent either way, belongs
+    in the chain.
 
     Parameters
     ----------
     elements
         Where each element sits and looks, in the frame of the ring's mount. One straight ahead by default.
     distances, values
-        Of the ray along the axis: distances [m] that grow, and what comes back from there.
+        Table of the ray along the axis: increasing distances [m], and the response [counts] at each.
     side_distances, side_values
-        Of each of the two other rays.
+        Table of each of the two side rays.
     spread
-        Between the axis and the rays at its sides [rad].
+        Angle between the axis and the side rays [rad].
     saturation
-        Which no reading passes.
+        Largest reading [counts].
     """
 
     unit: ClassVar[str] = "count"
@@ -80,7 +80,7 @@ class Infrared(Sensor):
         return int(self.bearings().shape[1])
 
     def bearings(self) -> Array:
-        """Where the elements' axes look [rad] `(N, k)` from the mount's heading."""
+        """Directions [rad] `(N, k)` of the elements' axes, from the mount's heading."""
         elements: Any = self.elements
         if isinstance(elements, Mount):  # over rows: a table of arrays
             return np.asarray(elements.heading)

@@ -21,12 +21,12 @@ from amorsim.sensors.sweep import poses_at
 __all__ = ["Laser"]
 
 Array = npt.NDArray[np.float64]
-_FULL_CIRCLE = 2.0 * math.pi - 1e-9  # [rad] so far round, the last beam would fall on the first
+_FULL_CIRCLE = 2.0 * math.pi - 1e-9  # [rad] from this field of view on, the last beam would fall on the first
 
 
 @functools.lru_cache(maxsize=64)
 def _bearings(beams: int, fields_of_view: bytes) -> Array:
-    """What `Laser.bearings` tells, by the bytes of the fields of view of all rows."""
+    """The result of `Laser.bearings`, from the bytes of the fields of view of all rows."""
     fov = np.frombuffer(fields_of_view).reshape(-1, 1)
     if (fov == fov[0]).all():
         fov = fov[:1]  # one table of directions for all rows
@@ -41,20 +41,20 @@ def _bearings(beams: int, fields_of_view: bytes) -> Array:
 class Laser(Sensor):
     """Ranges [m] along beams spread evenly over a field of view, from its right end; inf for no return, -inf too near.
 
-    The first beam looks at -fov / 2 from the mount's heading and the last at fov / 2; a full circle does not
-    double its last beam; a single beam of a smaller field looks straight ahead.
+    The first beam looks at -fov / 2 from the mount's heading, the last at fov / 2. In a full circle no direction
+    occurs twice. A single beam of a smaller field looks straight ahead.
 
     Parameters
     ----------
     beams
-        How many beams a scan has.
+        Number of beams of a scan.
     fov
         Angle from the first beam to the last [rad].
     range_max
         Longest range that is seen [m].
     range_min
-        Shortest range that is measured [m]. Nearer things read -inf, "too close to measure", as REP 117 of ROS has it.
-        They still hide what is behind them.
+        Shortest range that is measured [m]. Nearer things read -inf, "too close to measure" in ROS (REP 117), and still
+        hide what is behind them.
     """
 
     unit: ClassVar[str] = "m"
@@ -87,7 +87,7 @@ class Laser(Sensor):
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """Ranges `(N, beams)` [m], inf for no return, -inf for what is nearer than `range_min`.
 
-        Beside them each beam's angle of ``incidence`` [rad].
+        For the noise chain also each beam's angle of ``incidence`` [rad].
         """
         bearings = self.bearings()
         if aim.bearing is not None:

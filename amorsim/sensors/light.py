@@ -27,26 +27,25 @@ _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 class Light(Sensor):
     """How bright it is before each element of a ring, in counts, from the lamps of the scenario.
 
-    A lamp of intensity I, a distance d off and an angle b off the element's axis, that no wall and no other body
-    hides, makes a brightness of I g(d) cos(b * 90 deg / half_angle), and none beyond the half angle. With
-    ``falloff = "linear"`` g is 1 - d / reach, and 0 from there on; with ``"inverse_square"`` it is 1 / d^2, so
-    that with a half angle of 90 degrees the brightness is an illuminance [lx]. The brightnesses of all lamps add up,
-    and the reading is ``dark + gain * brightness``, but never beyond ``bright``.
+    A lamp has intensity I, distance d and angle b from the element's axis. If no wall and no other body hides it, it
+    adds a brightness of I g(d) cos(b * 90 deg / half_angle), and nothing beyond the half angle. With ``falloff =
+    "linear"`` g is 1 - d / reach, and 0 beyond the reach. With ``"inverse_square"`` g is 1 / d^2; with a half angle of
+    90 degrees the brightness is then an illuminance [lx]. The reading is ``dark + gain * brightness`` with the sum over
+    all lamps, limited by ``bright``.
 
-    The defaults are the Khepera's, as the Khepera Simulator 2.0 of O. Michel (1995) has them: 500 in the dark, 50
-    in full light, lamps that reach 25 cm, 60 degrees to either side. Its noise, five per cent either way, is the
-    chain's.
+    The defaults are the Khepera's, from the Khepera Simulator 2.0 of O. Michel (1995): 500 in the dark, 50 in full
+    light, lamps that reach 25 cm, 60 degrees to either side. Its noise, five per cent either way, belongs in the chain.
 
     Parameters
     ----------
     elements
         Where each element sits and looks, in the frame of the ring's mount. One straight ahead by default.
     half_angle
-        Between an element's axis and the edge of what it sees [rad].
+        Angle between an element's axis and the edge of its field of view [rad].
     falloff, reach
         How brightness falls with distance, and with ``"linear"`` where it ends [m].
     dark, gain, bright
-        The reading in the dark, what a brightness of 1 adds to it, and what it never passes; none for no end.
+        The reading in the dark, the change for a brightness of 1, and the limit of the reading; none for no limit.
     """
 
     unit: ClassVar[str] = "count"
@@ -76,7 +75,7 @@ class Light(Sensor):
         return int(self.bearings().shape[1])
 
     def bearings(self) -> Array:
-        """Where the elements' axes look [rad] `(N, k)` from the mount's heading."""
+        """Directions [rad] `(N, k)` of the elements' axes, from the mount's heading."""
         elements: Any = self.elements
         if isinstance(elements, Mount):  # over rows: a table of arrays
             return np.asarray(elements.heading)
@@ -100,7 +99,7 @@ class Light(Sensor):
         return np.where(darkens, np.maximum(counts, self.bright), np.minimum(counts, self.bright)), _NOTHING
 
     def _from(self, view: View, origins: Array, places: Array) -> Array:
-        """The brightness `(N * k, M)` that lamps of intensity 1 at `places` `(M, 2)` make before each element."""
+        """Brightness `(N * k, M)` at each element from lamps of intensity 1 at `places` `(M, 2)`."""
         k = len(origins) // view.rows
         dx, dy = places[:, 0] - origins[:, :1], places[:, 1] - origins[:, 1:2]
         away = np.sqrt(dx * dx + dy * dy)
@@ -111,12 +110,12 @@ class Light(Sensor):
         else:
             falloff = 1.0 / np.maximum(away * away, 1e-12)
         reached = np.where(np.abs(bearing) < half_angle, falloff * np.cos(bearing * (0.5 * math.pi) / half_angle), 0.0)
-        # Those that it does not reach need not look for it.
+        # Elements that a lamp does not reach cast no ray.
         farthest = np.where(reached > 0.0, away, 0.0)
         if not farthest.any():
             return reached
-        # A lamp is in nobody's way, so a ray that ends with it has met whatever hides it. Rays of a row that are wanted
-        # come first, and those beyond the most that any row wants are left out.
+        # Lamps block no rays, so a ray that ends before its lamp has met something that hides it. Each row's needed
+        # rays come first; rays beyond the largest number that any row needs are left out.
         per_row = (view.rows, k * len(places))
         wanted = (farthest > 0.0).reshape(per_row)
         most = int(wanted.sum(axis=1).max())

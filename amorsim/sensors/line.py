@@ -20,7 +20,7 @@ __all__ = ["Line"]
 Array = npt.NDArray[np.float64]
 _NOTHING: Mapping[str, Array] = types.MappingProxyType({})
 
-# Where in a spot of radius 1 the floor is looked at: along a spiral, so that each place stands for as much of it.
+# Sample points in a spot of radius 1: along a spiral, so that each point stands for an equal area.
 _PLACES = 32
 _TURN = math.pi * (3.0 - math.sqrt(5.0))
 _RADII = np.sqrt((np.arange(_PLACES) + 0.5) / _PLACES)
@@ -31,15 +31,15 @@ _SPOT = np.stack((_RADII * np.cos(_TURN * np.arange(_PLACES)), _RADII * np.sin(_
 class Line(Sensor):
     """How much light the floor returns below each element of a row: from 0, all dark, to 1.
 
-    The mean reflectance of the scenario's floor, its markings and drops, over a round spot below the element; a drop
-    returns nothing. The mean is that of 32 places in the spot.
+    The reading is the mean reflectance of the floor with its markings, over a round spot below the element. A drop
+    returns nothing. The mean is taken over 32 points of the spot.
 
     Parameters
     ----------
     elements
         Where each element sits, in the frame of the sensor's mount. By default two, 1 cm to the left and to the right.
     spot
-        Diameter [m] of what an element sees of the floor.
+        Diameter [m] of the spot that an element sees.
     """
 
     unit: ClassVar[str] = "reflectance"

@@ -1,4 +1,4 @@
-"""Response curves that are given as tables, and where the elements of a ring look from."""
+"""Response curves given as tables, and the poses of the elements of a ring."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 
 def check_table(distances: tuple[float, ...], values: tuple[float, ...], names: tuple[str, str]) -> None:
-    """Raise `ParameterError` unless the two are columns of a table whose distances grow."""
+    """Raise `ParameterError` unless the two are columns of one table with increasing distances."""
     if len(values) != len(distances):
         raise ParameterError(
             names[1], f"expected {len(distances)} values, one for each of {names[0]}, got {len(values)}"
@@ -29,7 +29,7 @@ def check_table(distances: tuple[float, ...], values: tuple[float, ...], names: 
 
 
 def respond(ranges: Array, distances: Array, values: Array) -> Array:
-    """What a table says of ranges `(N, k)`: lines between its points, its first value nearer, 0 farther away.
+    """Response `(N, k)` of a table to ranges `(N, k)`: linear between points, the first value nearer, 0 farther away.
 
     `distances` and `values` are `(N, m)`, the table of each row.
     """
@@ -37,19 +37,19 @@ def respond(ranges: Array, distances: Array, values: Array) -> Array:
     for i in range(distances.shape[1] - 1):
         near, far = distances[:, i : i + 1], distances[:, i + 1 : i + 2]
         first, last = values[:, i : i + 1], values[:, i + 1 : i + 2]
-        # Of nothing there (inf) no part is taken; at either end the table's own number, to the bit.
+        # A range of inf contributes nothing. At either end the result is the table's own number, to the bit.
         part = np.where((ranges > near) & (ranges <= far), (far - ranges) / (far - near), 0.0)
         answer = np.where((ranges > near) & (ranges <= far), last + (first - last) * part, answer)
     return answer
 
 
 def ring_size(ring: Any) -> int:
-    """How many elements a ring has: a tuple of mounts, or over rows a table of arrays `(N, k)`."""
+    """Number of elements of a ring: a tuple of mounts, or over rows a table of arrays `(N, k)`."""
     return int(ring.x.shape[1]) if hasattr(ring, "x") else len(ring)
 
 
 def ring_poses(view: View, ring: Any, aim: Aim) -> Array:
-    """World poses `(N * k, 3)` from which the elements of a ring look, those of a row side by side.
+    """World poses `(N * k, 3)` of the elements of a ring, row by row.
 
     `ring` is a table of mounts over rows: x, y and heading `(N, k)`.
     """

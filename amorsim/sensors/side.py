@@ -1,4 +1,4 @@
-"""What a sensor can tell of its values beside them, worked out only if an element of its chain asks."""
+"""Side information on a sensor's values, computed only when an element of its chain reads it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Array = npt.NDArray[np.float64]
 
 
 class Side(Mapping[str, Array]):
-    """Arrays `(N, k)` by name, each made when it is first asked for; good for the step in which it was made.
+    """Arrays `(N, k)` by name, each computed at its first use; valid for the step in which it was made.
 
     Parameters
     ----------
     makers
-        By name, what makes the array.
+        Functions by name; each returns its array.
     """
 
     __slots__ = ("_made", "_makers")

@@ -32,23 +32,23 @@ class Sonar(Sensor):
         Where each element sits and looks, in the frame of the ring's mount. One element straight ahead by
         default.
     half_angle
-        Between the axis of a cone and its edge [rad]. The default is half of the 30 degrees that MobileSim
+        Angle from the axis of a cone to its edge [rad]. The default is half of the 30 degrees that MobileSim
         gives the Pioneer's sonars.
     range_min
-        Nearer things read as this far [m], as the transducer still rings when their echo comes.
+        Nearer things read this range [m], because the transducer still rings when their echo arrives.
     range_max
         Longest range that is seen [m].
     medium
-        What the elements fire into, such as ``"ultrasound"``: those that fire into the same one hear each other, which
-        a `cross_talk` in the chain takes for an echo. Empty: nobody hears them, and they hear nobody.
+        Name of the medium, such as ``"ultrasound"``. Elements in the same medium hear each other, and a `cross_talk` in
+        the chain takes that sound for an echo. Empty: they hear no others and no others hear them.
     firing
-        In which turn each element fires, from 0 on; elements of one turn fire together. Empty: all at once.
+        The turn in which each element fires, from 0 on; elements of one turn fire together. Empty: all at once.
     interval
-        From one turn to the next [s]. The default is that of the Pioneer, whose arrays fire an element each at 25 Hz
+        Time from one turn to the next [s]. The default is the Pioneer's, whose arrays each fire one element at 25 Hz
         [remembered].
     phase
-        When the first turn is [s], from the tick of the reading on. Rings of different robots are not in step: draw
-        it, ``errors.sensors.sonar.phase = { add = { uniform = [0.0, 0.3] } }``.
+        Time of the first turn [s], from the tick of the reading on. Rings of different robots are not in step, so
+        draw it: ``errors.sensors.sonar.phase = { add = { uniform = [0.0, 0.3] } }``.
     """
 
     unit: ClassVar[str] = "m"
@@ -89,16 +89,16 @@ class Sonar(Sensor):
         return int(self.bearings().shape[1])
 
     def bearings(self) -> Array:
-        """Where the elements' axes look [rad] `(N, k)` from the mount's heading."""
+        """Directions [rad] `(N, k)` of the elements' axes, from the mount's heading."""
         elements: Any = self.elements
         if isinstance(elements, Mount):  # over rows: a table of arrays
             return np.asarray(elements.heading)
         return np.array([[element.heading for element in elements]])
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """Ranges `(N, k)` [m], inf for no return; beside them the nearest return's angle of ``incidence`` [rad].
+        """Ranges `(N, k)` [m], inf for no return; for the chain also the nearest return's ``incidence`` [rad].
 
-        With a `medium`, also what each element would read of the sound of others, ``heard`` [m], inf for silence.
+        With a `medium`, also ``heard`` [m]: the range that the sound of others would read, inf for silence.
         """
         origins = ring_poses(view, self.elements, aim)
         half_angle: Any = self.half_angle
@@ -125,7 +125,7 @@ class Sonar(Sensor):
         )
 
     def _turns(self, rows: int) -> Array:
-        """When each element fires `(N, k)` [s], from the tick on."""
+        """Firing time `(N, k)` [s] of each element after the tick."""
         turns: Any = self.firing
         late = np.zeros((rows, self.bearings().shape[1])) if isinstance(turns, tuple) else turns * self.interval
         return np.asarray(late + self.phase)

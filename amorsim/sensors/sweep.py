@@ -1,4 +1,4 @@
-"""From where a sensor looks whose beams are not all of the same instant."""
+"""Poses of a sensor whose beams are not all taken at the same instant."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Array = npt.NDArray[np.float64]
 
 
 def poses_at(view: View, poses: Array, time: Array) -> Array:
-    """World poses `(N * k, 3)` of what now stands at `poses` on the body, at another time `(N, k)` [s] from now.
+    """World poses `(N * k, 3)`, at `time` `(N, k)` [s] from now, of points fixed to the body and now at `poses`.
 
-    The body is taken to move with the mean velocity of its last step, which is exact within that step for a drive that
-    keeps its twist through it. Where the time is 0, poses keep their bits.
+    The body is assumed to move with the mean velocity of its last step. This is exact within that step if the drive
+    keeps its twist constant. Where the time is 0, poses keep their bits.
     """
     k = time.shape[1]
     body = np.repeat(view.body_pose, k, axis=0)

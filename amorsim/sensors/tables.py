@@ -13,10 +13,10 @@ Array = npt.NDArray[np.float64]
 
 
 def table_of(values: Array, range_: int, empty: tuple[float, ...]) -> tuple[Array, Side]:
-    """Values `(N, slots, columns)` as a sensor returns them `(N, slots * columns)`, and what their chain may need.
+    """Values `(N, slots, columns)` flattened to a reading `(N, slots * columns)`, and side information for the chain.
 
-    That is for each value the ``slot`` that it is in, the ``range`` [m] of what the slot holds, which is column
-    `range_`, and what an ``empty`` slot reads.
+    The side information holds for each value its ``slot``, the ``range`` [m] of the slot's thing, from column
+    `range_`, and the value that an ``empty`` slot reads.
     """
     rows, slots, columns = values.shape
     size = slots * columns

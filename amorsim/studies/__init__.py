@@ -1,1 +1,1 @@
-"""Experiments on a robot: the square of UMBmark, calibrations, and which error did what."""
+"""Experiments on a robot: the square of UMBmark, calibrations, and the effect of each error."""

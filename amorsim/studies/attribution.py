@@ -1,4 +1,4 @@
-"""What each error of a robot does to its odometry: the same drive with each alone, and with all together."""
+"""The effect of each error of a robot on its odometry: the same drive with each alone, and with all together."""
 
 from __future__ import annotations
 
@@ -31,14 +31,13 @@ class Case:
     name
         Path of the error, such as ``"errors.drive.track"`` or ``"ground.diffusion"``.
     believed
-        Where the robot of the first replica would believe to be `(T, 3)` if it truly went along the reference.
+        Estimated poses `(T, 3)` of the first replica's robot if it truly went along the reference.
     errors
-        Estimated less true position at the end, as the robot itself sees it (ahead, to the left) [m], `(R, 2)`.
+        Estimated less true position at the end, in the robot's frame (ahead, to the left) [m], `(R, 2)`.
     error
         Their length, root mean square over replicas [m].
     share
-        Of the final error of all together: how much of it points its way, 1 for all of it. Negative, where it makes
-        up for others.
+        Share of the final error of all together, 1 for all of it. Negative if the error compensates others.
     """
 
     name: str
@@ -59,7 +58,7 @@ class Attribution:
     together
         All errors at once; its share is 1.
     left_out
-        Paths of errors that have no part in odometry, and the zones of the floor, which are nowhere in an empty world.
+        Paths of errors that do not affect odometry, and the zones of the floor, which an empty world does not have.
     """
 
     robot: str
@@ -70,26 +69,26 @@ class Attribution:
 
     @property
     def interaction(self) -> float:
-        """What the shares of single errors lack to 1: errors that make one another larger or smaller."""
+        """1 less the sum of the single shares: the part by which errors amplify or reduce each other."""
         return 1.0 - sum(case.share for case in self.cases)
 
 
 def attribute_errors(scenario: Scenario, *, robot: str | None = None, replicas: int = 20) -> Attribution:
     """Drive once without errors, and then give the same commands with each error alone, and with all together.
 
-    An error is an entry of the robot's `errors`, an element of its `ground`, or one of its encoder's chain. Draws hang
-    on names, so each error draws the same alone as in company. The estimate is dead reckoning. The commands are the
-    controller's in the scenario's own world; they are given again where nothing is in the way.
+    An error is an entry of the robot's `errors`, an element of its `ground`, or one of its encoder's chain. Draws
+    depend only on names, so each error draws the same alone and together with others. The estimate is dead reckoning.
+    The commands are the controller's in the scenario's own world; they are repeated in an empty one.
 
-    A final error of all together is, to first order, the sum of those of each alone. A share is the part of it that
-    lies along the whole, averaged over replicas: mean of e_i . e over mean of e . e.
+    To first order, the final error of all together is the sum of the final errors of each alone. A share is the part
+    of the sum that lies along the whole, averaged over replicas: mean of e_i . e over mean of e . e.
 
     Parameters
     ----------
     robot
         Its name; without it, the first.
     replicas
-        How many, for what is random.
+        Number of replicas, for random errors.
 
     Raises
     ------
@@ -165,7 +164,7 @@ def _with_only(robot: Robot, encoder: str, kept: set[str]) -> Robot:
 
 
 def _commands(scenario: Scenario, robot: Robot, encoder: str) -> Array:
-    """What the controller commands, step by step `(T, c)`, in its world, where nothing is wrong with odometry."""
+    """The controller's commands, step by step `(T, c)`, in its own world, without odometry errors."""
     clean = attrs.evolve(
         robot,
         errors={},
@@ -186,7 +185,7 @@ def _commands(scenario: Scenario, robot: Robot, encoder: str) -> Array:
 
 
 def _reach(scenario: Scenario, commands: Array, robot: Robot) -> float:
-    """How far the drive could lead at most [m], with twice of every travel."""
+    """Largest distance [m] that the drive could reach, with every travel doubled."""
     radius = float(np.max(stack([robot.drive]).rolling_radius()))
     return 2.0 * radius * float(np.sum(np.max(np.abs(commands), axis=1))) * scenario.dt
 

@@ -16,7 +16,7 @@ from amorsim.simulation.truth import true_robot
 
 __all__ = ["alone", "chosen_robot", "empty_world", "error_paths", "only_odometry", "true_value", "with_settled_errors"]
 
-_NOBODY = 0.5  # [m] cells of a world in which there is nothing to be met
+_NOBODY = 0.5  # [m] cells of a world without obstacles
 
 
 def chosen_robot(scenario: Scenario, name: str | None) -> Robot:
@@ -36,7 +36,7 @@ def chosen_robot(scenario: Scenario, name: str | None) -> Robot:
 
 
 def true_value(robot: Robot, path: str, seed: int) -> float:
-    """What the number at a path really is, for the robot of replica 0."""
+    """True value of the number at a path, for the robot of replica 0."""
     found: list[float] = []
 
     def look(value: float) -> float:
@@ -48,16 +48,16 @@ def true_value(robot: Robot, path: str, seed: int) -> float:
 
 
 def with_settled_errors(robot: Robot, seed: int) -> Robot:
-    """The robot of replica 0 in every replica: what its errors draw at random, drawn once.
+    """The robot of replica 0 for every replica: the random values of its errors are drawn once.
 
-    Repeated runs of one experiment are of one robot, however many there are in a study.
+    All runs of one experiment thus use the same robot, also in a study with many replicas.
     """
     settled = {path: Deviation(value=true_value(robot, path, seed)) for path in robot.errors}
     return attrs.evolve(robot, errors=settled)
 
 
 def error_paths(robot: Robot, sensor: str) -> list[str]:
-    """The paths of those errors that say something of the drive, of the start, or of one sensor."""
+    """The paths of the errors of the drive, of the start, or of one sensor."""
     return [path for path in robot.errors if path.split(".")[0] in ("drive", "pose") or _is_of(path, sensor)]
 
 
@@ -68,7 +68,7 @@ def _is_of(path: str, sensor: str) -> bool:
 def only_odometry(robot: Robot) -> tuple[Robot, str]:
     """The robot with dead reckoning alone and the encoder that this reads, and the encoder's name.
 
-    All other sensors are left out: they have no part in odometry, and draws hang on names, so nobody's change.
+    All other sensors are removed. They do not affect odometry, and draws depend only on names, so none changes.
 
     Raises
     ------

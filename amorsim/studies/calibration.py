@@ -1,8 +1,8 @@
-"""Devices of a robot on a test bench: what a gyro, a compass and a range sensor do to their quantities.
+"""A robot's devices on a test bench: the systematic errors of a gyro, a compass and a range sensor.
 
-Each experiment is run several times, as replicas with draws of their own; every run gives one estimate, and the
-interval is Student's t over the runs. So it holds however the readings within a run hang together (a bias that wanders,
-a walk), for which intervals from single readings would be too narrow.
+Each experiment is run several times, as replicas with draws of their own. Every run gives one estimate, and the
+interval is Student's t over the runs. It stays valid if the readings within a run are correlated (a bias that wanders,
+a walk); intervals from single readings would then be too narrow.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _DISTANCES = (0.25, 0.5, 0.75)  # of a range sensor's longest range
 
 @attrs.frozen(kw_only=True)
 class _TurnTable(Drive):
-    """Turns what stands on it, about the robot's base point, exactly as commanded."""
+    """A turn table: turns the robot about its base point, exactly as commanded."""
 
     joints: ClassVar[tuple[Joint, ...]] = (Joint(name="table", rolls=False),)
     channels: ClassVar[tuple[str, ...]] = ("table",)
@@ -70,7 +70,7 @@ class _TurnTable(Drive):
 
 
 def _device(scenario: Scenario, robot: str | None, sensor: str | None, fits: Callable[[Any], bool], what: str) -> str:
-    """The name of the sensor that is meant: the one named, or the first that fits.
+    """Name of the sensor to test: the named one, or the first that fits.
 
     Raises
     ------
@@ -180,8 +180,8 @@ def calibrate_compass(
     """The compass' name, and the coefficients of its deviation [rad]: ``a`` to ``e``.
 
     Measured less true heading is a + b sin h + c cos h + d sin 2h + e cos 2h, where h is the heading of the
-    compass. It reads at every 5 degrees of a turn in place. A mount that is turned against what the robot's software
-    holds shows as part of `a`, as a lubber line out of true does.
+    compass. It reads at every 5 degrees of a turn in place. If the true mount is rotated from the nominal one, the
+    angle shows as part of `a`, like a misaligned lubber line.
 
     Raises
     ------
@@ -213,7 +213,7 @@ def calibrate_compass(
 
 @attrs.frozen(kw_only=True)
 class RangeCalibration:
-    """What a range sensor does at one distance from a wall, both in m; `returned` is the share of readings with one."""
+    """Bias and spread of a range sensor at one distance from a wall [m]; `returned` is the share with a return."""
 
     distance: float
     bias: Interval
@@ -229,11 +229,11 @@ def calibrate_range(
     element: int | None = None,
     runs: int = 10,
 ) -> tuple[str, int, list[RangeCalibration]]:
-    """The range sensor's name, the number of the element that was tried, and what it does at some distances.
+    """The range sensor's name, the number of the tested element, and its calibration at three distances.
 
     The element looks squarely at a wall, from a quarter, a half and three quarters of its longest range, 200 readings
-    each. What a perfect device at the nominal mount would read is the distance; sigma is the standard deviation of
-    single readings about their own mean, rounding included.
+    each. The distance is the reading of a perfect device at the nominal mount; sigma is the standard deviation of
+    single readings about their own mean, including rounding.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def calibrate_range(
     Raises
     ------
     AmorsimError
-        If the robot has no range sensor, that has no such element, or there are too few runs or readings.
+        If the robot has no range sensor, the sensor has no such element, or there are too few runs or readings.
     """
     _check_runs(runs)
     name = _device(scenario, robot, sensor, _is_range_sensor, "a range sensor")
@@ -298,13 +298,13 @@ def _spread(true: float, readings: Array, name: str) -> RangeCalibration:
     counts = returned.sum(axis=0)
     if not math.isfinite(true) or (counts < 2).any():
         raise AmorsimError(f"sensor {name!r} hardly ever sees a wall squarely ahead of it; nothing can be told of it")
-    # From the shortest one on, so that readings that are all alike have no spread at all.
+    # Relative to the shortest, so that equal readings have exactly no spread.
     shortest = np.where(returned, readings, np.inf).min(axis=0)
     values = np.where(returned, readings, shortest) - shortest
     means = values.sum(axis=0) / counts
     squares = np.where(returned, values - means, 0.0) ** 2
     variance = mean_interval(squares.sum(axis=0) / (counts - 1))
-    # An interval of the variance, told of its root: d sigma = d variance / (2 sigma).
+    # An interval of the variance, converted to its root: d sigma = d variance / (2 sigma).
     sigma = math.sqrt(variance.value)
     half = 0.5 * variance.half_width / sigma if sigma > 0.0 else 0.0
     return RangeCalibration(

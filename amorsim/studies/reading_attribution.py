@@ -1,4 +1,4 @@
-"""What each error of a sensor does to its readings: the same drive with each alone, and with all together."""
+"""The effect of each error of a sensor on its readings: the same drive with each alone, and with all together."""
 
 from __future__ import annotations
 
@@ -32,12 +32,11 @@ class ReadingCase:
     name
         Path of the error, such as ``"sensors.laser.noise.gaussian"`` or ``"errors.sensors.laser.mount.heading"``.
     error
-        Root mean square of what it changes a value by, over all values, steps and replicas, in the sensor's unit.
+        Root mean square change of a value, over all values, steps and replicas, in the sensor's unit.
     share
-        Of the mean square error of all together: how much of it points its way; 1 for all of it, negative where it
-        makes up for others.
+        Share of the mean square error of all together, 1 for all of it; negative if the error compensates others.
     changed
-        Of all values, the part in which something returned and now nothing does, or the reverse.
+        Fraction of all values that lost their return by the error, or gained one.
     by_step
         `(T,)` the root mean square at each step.
     """
@@ -62,7 +61,7 @@ class ReadingAttribution:
 
     @property
     def interaction(self) -> float:
-        """What the shares of single errors lack to 1: errors that make one another larger or smaller."""
+        """1 less the sum of the single shares: the part by which errors amplify or reduce each other."""
         return 1.0 - sum(case.share for case in self.cases)
 
 
@@ -71,11 +70,11 @@ def attribute_readings(
 ) -> ReadingAttribution:
     """Give the commands of one drive again with each error of a sensor alone, and with all together.
 
-    An error is an entry of the robot's `errors` that touches the sensor, or an element of its chain. What is not the
-    sensor's own stays as it is in all cases, so that the robot goes the same way and sees the same; draws hang on
-    names, so each error draws the same alone as in company. The error of a value is its difference from what the
-    sensor would report at that step with none of its errors (a compass's, the short way round): latency and rate are
-    none of them, jitter of latency is one. Values of which only one has a return count in `changed` alone.
+    An error is an entry of the robot's `errors` that touches the sensor, or an element of its chain. Everything else
+    is the same in all cases, so the robot goes the same way and sees the same. Draws depend only on names, so each
+    error draws the same alone and together with others. The error of a value is its difference from the sensor's
+    report at that step without errors (a compass's, the short way round); latency and rate are not errors, jitter of
+    latency is one. If only one of the two has a return, the value counts in `changed` alone.
 
     A share is the part of the error of all together that one error makes: mean of e_i e over mean of e e.
 
@@ -86,7 +85,7 @@ def attribute_readings(
     robot
         Its name; without it, the first.
     replicas
-        How many, for what is random.
+        Number of replicas, for random errors.
 
     Raises
     ------
@@ -166,7 +165,7 @@ def _with_only(robot: Robot, sensor: str, kept: set[str]) -> Robot:
 
 
 def _commands(scenario: Scenario, robot: Robot) -> Array:
-    """What the controller commands in the scenario as it is, step by step `(T, c)`, devices too."""
+    """The controller's commands in the unchanged scenario, step by step `(T, c)`, devices included."""
     simulation = Simulation(scenario)
     group, row = simulation._fleet.robot_row(robot.name, 0)
     commands = []
@@ -177,7 +176,7 @@ def _commands(scenario: Scenario, robot: Robot) -> Array:
 
 
 def _play(scenario: Scenario, name: str, sensor: str, commands: Array, replicas: int, every: int) -> Array:
-    """What the sensor measures `(T, R, k)` under these commands, at every so manieth step."""
+    """The sensor's measured values `(T, R, k)` under these commands, at every `every`-th step."""
     simulation = Simulation(scenario, replicas=replicas)
     found = [simulation._fleet.robot_row(name, index) for index in range(replicas)]
     group, rows = found[0][0], [row for _, row in found]

@@ -1,4 +1,4 @@
-"""UMBmark on a robot of a scenario: squares driven both ways round, and what they tell of its drive."""
+"""UMBmark on a robot of a scenario: squares driven both ways round, and the drive's errors from them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Squares:
     ends
         Absolute less odometric displacement from start to end (x, y) [m] in the frame of the start, `(n, 2)`.
     angles
-        What the encoders said of the joints [rad], at every step, `(T, n, 2)`.
+        Joint angles from the encoders [rad], at every step, `(T, n, 2)`.
     """
 
     ends: Array
@@ -55,7 +55,7 @@ class Squares:
 
 @attrs.frozen(kw_only=True, eq=False)
 class Umbmark:
-    """All that the method tells.
+    """All results of the method.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Umbmark:
     published, exact
         The figures of Borenstein and Feng, and the least-squares fit.
     nominal
-        What the robot's software holds; `corrected_published` and `corrected` are what either would have it hold.
+        The geometry in the robot's software; `corrected_published` and `corrected` are the corrections by each method.
     error_before, error_after_published, error_after
         E_max,syst [m] with each of the three, driven with the same random draws.
     """
@@ -96,28 +96,27 @@ def umbmark(
 ) -> Umbmark:
     """Drive the bidirectional square, and find the drive's errors.
 
-    The robot goes by its odometry, with steps of the scenario's own length (noise may be told per step). Runs are
-    replicas with random draws of their own, of one and the same robot: errors that replicas draw are those of
-    replica 0.
+    The robot drives by its odometry, with the scenario's own step (noise may be given per step). Runs are replicas of
+    one and the same robot with random draws of their own: errors that replicas draw are those of replica 0.
 
     Parameters
     ----------
     robot
         Its name; without it, the first.
     side
-        Of the square [m].
+        Side of the square [m].
     speed
-        At which it drives [m/s], `SPEED_MAX` at most.
+        Its speed [m/s], at most `SPEED_MAX`.
     runs
-        Each way round, two at least; the method's own number is five.
+        Number of runs each way round, at least two; the method's own number is five.
     in_its_world
         Drive on the scenario's map, from the robot's own start, instead of in an empty world.
 
     Raises
     ------
     AmorsimError
-        If the robot has no differential drive or no encoder, a number is out of its bounds, or the robot meets
-        something, or does not come to the end.
+        If the robot has no differential drive or no encoder, a number is out of its bounds, or the robot collides or
+        does not reach the end.
     """
     chosen = chosen_robot(scenario, robot)
     drive = _differential(chosen)
@@ -155,9 +154,9 @@ def umbmark(
 
 
 def corrected_scenario(scenario: Scenario, robot: str, geometry: WheelGeometry) -> Scenario:
-    """The scenario with another nominal geometry of a robot's drive, whose true one stays what it was.
+    """The scenario with another nominal geometry of a robot's drive; the true geometry stays the same.
 
-    As true values are told by how they differ from nominal ones, the errors of the drive's geometry become values.
+    Errors give true values relative to nominal ones, so the errors of the drive's geometry become absolute values.
     """
     chosen = chosen_robot(scenario, robot)
     _differential(chosen)
@@ -216,7 +215,7 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
     sensor: Any = nominal.sensor
     true_start, told_start = simulation.true_pose, simulation.estimated_pose
     angles = [sensor.angles(group.readings[encoder].measured)]
-    # Generous, so that only what never comes to an end runs into it.
+    # Generous, so that only a run that never ends reaches it.
     most = simulation.steps_of(
         12.0 * (controller.side / controller.speed + 0.5 * math.pi / controller.turn_rate) + 120.0
     )
@@ -249,12 +248,12 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
 
 
 def fit_squares(drive: Differential, clockwise: Squares, anticlockwise: Squares) -> ExactFit:
-    """Ed and Eb by least squares over all end points, each square computed anew from what its encoders said.
+    """Ed and Eb by least squares over all end points, each square recomputed from its encoder readings.
 
     Raises
     ------
     AmorsimError
-        If the end points are of no differential drive that is near to the nominal one.
+        If no differential drive near the nominal one fits the end points.
     """
     predictors = [_predictor(drive, squares.angles) for squares in (clockwise, anticlockwise)]
     nominal = [predict(np.ones((1, 2))) for predict in predictors]

@@ -68,10 +68,10 @@ def check_component(
         A drive, sensor, noise element, estimator, controller, motion, map loader or recorder; or its class, of which
         one is made with its defaults, and with some value where it has none.
     drive
-        On which a sensor, estimator or controller is tried; a differential drive by default.
+        Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
-        By name, what else an estimator or controller reads. There are an ``encoder``, a ``laser``, a ``sonar``, a
-        ``compass`` and a ``gyro``.
+        Further sensors, by name, for an estimator or controller. There are an ``encoder``, a ``laser``, a ``sonar``,
+        a ``compass`` and a ``gyro``.
     values_of
         The name of the sensor whose values a noise element gets; without it, numbers of no meaning, 5 a row.
     side
@@ -89,12 +89,12 @@ def check_component(
     Warns
     -----
     UserWarning
-        If a sensor's reading never changed in any trial: then nothing was proven of what it reads.
+        If a sensor's reading never changed in any trial: the check then proves nothing about the reading.
 
     Raises
     ------
     ComponentError
-        That says which component fails which check, what was expected and what was found.
+        If the component fails a check; it names component and check, and says what was expected and what was found.
     """
     cls = component if isinstance(component, type) else type(component)
     who = _who(cls)
@@ -134,7 +134,7 @@ def check_component(
 
 
 def _check_change(who: Who, record: Record) -> None:
-    """Warn of a sensor that read the same at all times: whether it reads the right thing, no trial can have told."""
+    """Warn of a sensor whose reading never changed: no trial can show whether it reads the right quantity."""
     values = [outputs["values"] for outputs in record.outputs]
     if all(array.tobytes() == values[0].tobytes() for array in values):
         warnings.warn(

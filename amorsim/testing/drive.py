@@ -1,4 +1,4 @@
-"""How drives are tried: their joints under commands, and whether their paths are what the engine takes them for."""
+"""Trials of drives: their joints under commands, and whether their paths are as the engine assumes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 
 _PARTS = 16  # of a step, into which a path is cut
 _EXACT = 1e-12  # [m, rad] for a step of about a metre
-_SETTLING = 100  # steps until a drive does what it is told
+_SETTLING = 100  # steps until a drive follows its command
 
 
 class DriveTrial(Trial[Drive]):
@@ -55,7 +55,7 @@ class DriveTrial(Trial[Drive]):
         return {"joints": np.zeros(shape), "rates": np.zeros(shape)}
 
     def step(self, component: Drive, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
-        """One step of the joints, and all that the drive tells of it."""
+        """One step of the joints, and the results of the drive's methods for it."""
         rows, index, call = len(session.rows), session.index, self.who.calling
         before, rates = carried["joints"], carried["rates"]
         command = self.commands[session.t][index]
@@ -109,7 +109,7 @@ class DriveTrial(Trial[Drive]):
         return outputs
 
     def check_paths(self, components: list[Drive]) -> None:
-        """Whether displacements start at none, agree with stops, and keep within the travel that is told."""
+        """Whether displacements start at zero, agree with stops, and stay within the drive's `travel`."""
         drive, session = stack(components), Session(self.rig, np.arange(ROWS, dtype=np.int64))
         state = dict(drive.start(session.context()))
         carried = self.begin(drive, session)
@@ -128,7 +128,7 @@ class DriveTrial(Trial[Drive]):
                 self._check_part_travel(drive, before, after)
 
     def _check_part_travel(self, drive: Drive, before: Array, after: Array) -> None:
-        """Whether parts start where the joints have them, and keep within the travel that is told."""
+        """Whether parts start at the poses of the joints, and stay within the drive's `part_travel`."""
         bound = (drive.part_travel(before, after) / _PARTS).reshape(-1, 2)
         last = drive.part_poses(before).reshape(-1, 3)
         for part in range(_PARTS + 1):
@@ -194,7 +194,7 @@ class DriveTrial(Trial[Drive]):
                 )
 
     def check_inverse(self, components: list[Drive]) -> None:
-        """Whether a motion that was reached by some command is reached by the command that is told for it."""
+        """Whether a motion reached by some command is also reached by the drive's `command_for` it."""
         drive, session = stack(components), Session(self.rig, np.arange(ROWS, dtype=np.int64))
         state = dict(drive.start(session.context()))
         shape = (ROWS, self.joints)

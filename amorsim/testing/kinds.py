@@ -80,7 +80,7 @@ class SensorTrial(Trial[Sensor]):
         return outputs
 
     def _fire(self, component: Sensor, session: Session, state: State) -> Outputs:
-        """What it emits, made known in the rig's world, where nobody else does."""
+        """The sensor's emission, added to the rig's world, in which nothing else emits."""
         rows, require = len(session.rows), self.who.require
         with self.who.calling("emit"):
             found = component.emit(session.view, state)
@@ -191,7 +191,7 @@ class NoiseTrial(Trial[Noise]):
 
 
 class EstimatorTrial(Trial[Estimator]):
-    """Estimates from what the rig's sensors read, with what the rig's robots were told."""
+    """Estimates from the readings of the rig's sensors, with the knowledge of the rig's robots."""
 
     widths = (3,)
 

@@ -80,16 +80,16 @@ def _surroundings(landmarks: Array) -> Surroundings:
 
 
 def _floor() -> Floor:
-    """Stripes a hand wide, so that a sensor is now on one and now beside it, and drops among them."""
+    """Stripes a hand wide, so that a sensor is on one at times and off it at others, with drops between them."""
     stripes = [Marking(points=((0.0, 0.2 * i), (12.0, 0.2 * i)), width=0.1, reflectance=0.02 * i) for i in range(40)]
     drops = [Drop(shape=Shape.rectangle(0.1, 8.0), pose=Pose(x=0.5 * i, y=4.0), depth=0.02 * i) for i in range(1, 24)]
     return Floor(markings=stripes, drops=drops)
 
 
 class Rig:
-    """Robots whose drives follow some commands, what their sensors read meanwhile, and what they were told.
+    """Robots whose drives follow some commands, with the readings of their sensors and the initial poses they know.
 
-    Everything is the same each time, and what a row is given depends on its number only; rows beyond 64 begin again.
+    Everything is the same each time. The input of a row depends only on its number; rows beyond 64 repeat the first.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class Rig:
         self.surroundings = Surroundings.of((first, *obstacles), scene.landmarks, scene.lights)
 
     def _drive_about(self) -> None:
-        """Joints, rates, poses and twists of every row at every step; nobody minds walls here."""
+        """Joints, rates, poses and twists of every row at every step; walls have no effect here."""
         joints = np.zeros((ROWS, len(self.drive.joints)))
         rates, pose = np.zeros_like(joints), self.told
         one = np.ones((ROWS, 1))
@@ -182,7 +182,7 @@ class Rig:
         return found
 
     def draws(self, rows: Ints) -> Draws:
-        """Random numbers of rows, at tick 0; the same for a row whoever is beside it."""
+        """Random numbers of rows, at tick 0; they do not depend on the other rows."""
         counter = np.zeros((len(rows), 3), dtype=np.uint32)
         counter[:, 0] = rows % ROWS
         return Draws(self.keys[rows % ROWS], counter)
@@ -202,7 +202,7 @@ class Rig:
         )
 
     def robot(self, rows: Ints) -> RobotModel:
-        """What rows know of themselves."""
+        """The model that rows have of themselves."""
         models = {
             name: SensorModel(
                 name=name,
@@ -248,7 +248,7 @@ class Session:
         self.t = 0
 
     def context(self, size: int = 0) -> Context:
-        """What `start` is given."""
+        """The context that `start` is given."""
         return Context(rows=len(self.rows), dt=DT, robot=self.robot, pose=self.rig.told[self.index], size=size)
 
     def go_to(self, t: int) -> None:
@@ -270,7 +270,7 @@ class Session:
         return found
 
     def estimate(self) -> Estimate:
-        """What the controller is told of its pose."""
+        """The estimate that the controller is given."""
         covariance = np.zeros((len(self.rows), 3, 3))
         covariance[:] = np.diag((4e-4, 4e-4, 1e-4))
         return Estimate(pose=self.rig.estimates[self.t][self.index], covariance=covariance)

@@ -55,17 +55,17 @@ class Trial(abc.ABC, Generic[C]):
         self.who = who
         self.rig = rig
 
-    is_robot = True  # an obstacle is none, and its motion is told nothing of one
+    is_robot = True  # an obstacle is not a robot; its motion's context has none
 
     def begin(self, component: C, session: Session) -> Outputs:
-        """What is carried from step to step beside the state (a drive's joints), row first."""
+        """Arrays carried from step to step in addition to the state (a drive's joints), row first."""
         return {}
 
     @abc.abstractmethod
     def step(
         self, component: C, session: Session, state: State, carried: Outputs, given: Given
     ) -> Mapping[str, Anything]:
-        """Call the component, tell `given` what it gets, check the shapes of what it returns; arrays by name."""
+        """Call the component, add its inputs to `given`, check the shapes of its results; arrays by name."""
 
     def array(self, found: Any, shape: tuple[int, ...], name: str) -> Anything:
         """The array that a method returned, if it is one of float64 and of this shape."""
