@@ -59,7 +59,7 @@ class Sight(NamedTuple):
 def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
     """Where something was seen, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
 
-    Its last row is room to work in, for what is worked out of the points.
+    Its last row is scratch space, for values computed from the points.
 
     `ranges` (k,) [m] are seen from `beams` (5, k): x, y and headings in the robot's frame, cosine and sine of these.
     With a `half_angle` [rad] a return may come from anywhere on an arc: there are `p // k` points on each, less those
@@ -167,7 +167,7 @@ def nearest_side(points: Floats) -> float:
 
 @part
 def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float) -> float:
-    """What a direction promises: places along the free way, those near the robot's trail counting little."""
+    """The score of a direction: places along the free path; those near the robot's trail count little."""
     heading = pose[2] + bearing
     c = math.cos(heading)
     s = math.sin(heading)
@@ -222,10 +222,10 @@ def choose_direction(
 ) -> float:
     """A bearing [rad] with room ahead, or nan if there is none.
 
-    Drawn among all directions within `view` (least, greatest bearing) by the cube of what they promise: room,
-    and places that are not on the `trail` (places, 2) [m] of the last `visits`. With a `bar` above 0 none is
-    taken that promises less than so many times what straight ahead does. `weights` is room to work in, a number for
-    each of `directions_within` the view.
+    Drawn among all directions within `view` (least, greatest bearing) by the cube of their scores: room, and places
+    that are not on the `trail` (places, 2) [m] of the last `visits`. With a `bar` above 0, no direction is taken whose
+    score is less than `bar` times that of straight ahead. `weights` is scratch space, a number for each of
+    `directions_within` the view.
     """
     least = view[0]
     count = directions_within(view)

@@ -147,8 +147,8 @@ def _steer(
 ) -> None:
     """A twist towards a place, with `left` metres to drive: along the circle that leads there.
 
-    `way` is 1, or -1 for one who drives backwards, and so has ahead of him what is behind. `moving` is the speed by the
-    robot's own reckoning, and whether it is turning in place.
+    `way` is 1, or -1 for driving backwards, where ahead and behind are exchanged. `moving` is the speed by the robot's
+    own reckoning, and whether it is turning in place.
     """
     c = math.cos(pose[2])
     s = math.sin(pose[2])

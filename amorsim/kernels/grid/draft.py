@@ -45,7 +45,7 @@ def grow(draft: Draft) -> None:
     """Give a draft space for half as much again of whatever is used up, in place."""
     tables, pages = len(draft.tables), len(draft.pages)
     if draft.used[0] >= tables:
-        # In place, so that a large map never lies in memory twice; nobody else holds these arrays.
+        # In place, so that a large map is never in memory twice; no other reference to these arrays exists.
         draft.tables.resize((tables + tables // 2 + 4, 4096), refcheck=False)
         draft.tables[tables:] = FREE
     if draft.used[1] >= pages:
@@ -292,8 +292,8 @@ def finish(draft: Draft, resolution: float) -> Grid:
         grow(draft)
     draft.tables.resize((int(draft.used[0]), 4096), refcheck=False)
     draft.pages.resize((int(draft.used[1]), 64), refcheck=False)
-    # The arrays stay writable though nobody writes to them: numba compiles every kernel a second time for
-    # read-only # ones, and a grid out of a pickle has none.
+    # The arrays stay writable although nothing writes to them: numba compiles every kernel a second time for
+    # read-only ones, and a grid from a pickle has none.
     grid = Grid(
         resolution=float(resolution),
         rows=draft.rows,

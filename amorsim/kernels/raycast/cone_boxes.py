@@ -1,8 +1,8 @@
-"""What a cone hears of a wall that is a box of cells, all occupied: told by quotients, with no ray cast.
+"""A cone's nearest return from a wall that is a box of occupied cells: from quotients, with no ray cast.
 
 A ray enters such a box by a side that it meets, at the quotient that defines a distance
-(`amorsim.kernels.raycast.rays`). Along a side the distance grows to either hand of where it is nearest, so the rays
-about that place are asked.
+(`amorsim.kernels.raycast.rays`). Along a side the distance grows to both sides of its nearest point, so only the
+rays around that point are tested.
 """
 
 from __future__ import annotations
