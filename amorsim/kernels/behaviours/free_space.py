@@ -1,4 +1,4 @@
-"""What a wandering robot sees of free space, and where it turns next.
+"""The free space that a wandering robot sees, and its choice of direction.
 
 The robot is taken as a disc about its base point, as wide as it sweeps when it turns in place. The disc that
 it stands on is free (it came there along a checked corridor), so turning is always safe; driving is checked
@@ -42,7 +42,7 @@ _ABEAM_COUNT = 8  # directions about abeam, twice that far between
 
 
 class Sight(NamedTuple):
-    """What the range finders of N robots see, and how they look."""
+    """The readings and the beams of the range finders of N robots."""
 
     ranges: Floats
     """(N, k) [m]"""
@@ -52,12 +52,12 @@ class Sight(NamedTuple):
     half_angle: Floats
     """(N, 1) half the angle of the cone about that [rad]."""
     samples: int
-    """How many points stand for a return: 1 of a beam, more on the arc of a cone."""
+    """The number of points for a return: 1 for a beam, more on the arc of a cone."""
 
 
 @part
 def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
-    """Where something was seen, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
+    """Points of returns, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
 
     Its last row is scratch space, for values computed from the points.
 
@@ -145,7 +145,7 @@ def free_way(points: Floats, bearing: float, half_width: float, spread: float) -
 
 @part
 def nearest_distance(points: Floats) -> float:
-    """How far [m] the nearest point is from the base point."""
+    """Distance [m] from the base point to the nearest point."""
     squares = points[2]
     for n in range(points.shape[1]):
         squares[n] = points[0, n] * points[0, n] + points[1, n] * points[1, n]
@@ -204,7 +204,7 @@ def find_opening(points: Floats, view: Floats, half_width: float, side: float) -
 
 @part
 def directions_within(view: Floats) -> int:
-    """How many bearings `choose_direction` weighs in a view (least, greatest bearing [rad])."""
+    """The number of bearings that `choose_direction` weighs in a view (least, greatest bearing [rad])."""
     return int((view[1] - view[0]) / _SPREAD) + 1
 
 

@@ -31,7 +31,7 @@ class BodyHash(NamedTuple):
     """The bodies of all replicas, sorted by bucket; made by `hash_bodies`."""
 
     side: float
-    """Of a cell [m]; at least the diameter of the largest body."""
+    """Side of a cell [m]; at least the diameter of the largest body."""
     rows: int
     cols: int
     first: Ints

@@ -31,7 +31,7 @@ AHEAD = 32.0
 
 
 class Clearance(NamedTuple):
-    """What is known of the room around each body; kept from step to step."""
+    """The known clearance of each body; kept from step to step."""
 
     at: Floats
     """The poses for which it holds, (T, 3). If a body is elsewhere, its whole replica is looked at again."""

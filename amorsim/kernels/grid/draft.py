@@ -54,7 +54,7 @@ def grow(draft: Draft) -> None:
 
 @kernel
 def page_slot(draft: Draft, page_row: int, page_col: int) -> int:
-    """Where the draft holds a page, taking a new one if it was free; -1 when there is no space for one."""
+    """The index of a page in the draft, a new one if the page was free; -1 if there is no space for it."""
     top = (page_row >> 6) * draft.super_cols + (page_col >> 6)
     table = int(draft.supers[top])
     if table < 0:

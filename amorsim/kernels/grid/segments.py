@@ -92,7 +92,7 @@ def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
 
 @inlined
 def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
-    """How far [m] from a point all is at least that a block's segments occupy."""
+    """Lower bound of the distance [m] from a point to anything that a block's segments occupy."""
     away_x = max(max(boxes[0, block] - x, x - boxes[2, block]), 0.0)
     away_y = max(max(boxes[1, block] - y, y - boxes[3, block]), 0.0)
     return math.sqrt(away_x * away_x + away_y * away_y)
@@ -102,7 +102,7 @@ def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
 def _near_blocks(
     lines: SegmentIndex, x: float, y: float, reach: float, found: Integers, away: Floats, ends: Integers
 ) -> int:
-    """How many blocks may occupy something within reach; into `found` which, by rings, the nearest first.
+    """The number of blocks that may occupy something within reach; `found` gets them by rings, the nearest first.
 
     `away` gets how far [m] each block is; both are as long as there are blocks. `ends` (RINGS + 2,) is room to work in.
     """
@@ -241,7 +241,7 @@ def side_of(
     stop = along + length + margin
     far = across + margin
     passed = (near > reach) | (start > reach) | (stop < -reach)
-    # Seen from beside it well off, from before its start or beyond its end, or from beside it close by; or from within.
+    # Seen from its side far off, from before its start or beyond its end, or from its side close by; or from within.
     beside = near > margin
     before = (start > 0.0) & (not beside)
     beyond = (stop < 0.0) & (start <= 0.0) & (not beside)

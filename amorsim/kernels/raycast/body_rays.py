@@ -201,7 +201,7 @@ def _cast_rows(
     out: Floats,
     hit: Ints,
 ) -> None:
-    """What `cast_bodies` does, with room to work in."""
+    """`cast_bodies` with scratch arrays."""
     in_order = False
     for i in range(out.shape[0]):
         beam_row = min(i, cos_b.shape[0] - 1)

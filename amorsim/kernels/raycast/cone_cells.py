@@ -30,7 +30,7 @@ _COARSE = 100  # one ray in this many is cast
 
 @part
 def _entry(cell: int, own: int, resolution: float, start: float, component: float) -> float:
-    """Where a ray from cell `own` of an axis comes into `cell`: -inf if it is there, inf if it never gets there."""
+    """Distance at which a ray from cell `own` of an axis enters `cell`: -inf if it is there, inf if it never does."""
     if cell == own:
         return -np.inf
     if (component > 0.0) != (cell > own) or component == 0.0:
@@ -41,7 +41,7 @@ def _entry(cell: int, own: int, resolution: float, start: float, component: floa
 
 @part
 def _exit(cell: int, resolution: float, start: float, component: float) -> float:
-    """Where a ray leaves `cell` of an axis for good."""
+    """Distance at which a ray leaves `cell` of an axis for good."""
     if component == 0.0:
         return np.inf
     line = cell + 1 if component > 0.0 else cell

@@ -23,7 +23,7 @@ TOLERANCE = 1e-9
 
 
 class Reading(NamedTuple):
-    """What a robot holds of a sensor with k values."""
+    """A robot's current reading of a sensor with k values."""
 
     true: Floats
     """(N, k)"""
