@@ -83,7 +83,7 @@ class Driver:
     def command(
         self, before: Array, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
     ) -> Array:
-        """The command `(N, c)` of this step; `before` is the last step's, and stays for rows without a controller.
+        """The command `(N, c)` of this step; `before`, the last one, if there is no controller and no hand.
 
         Raises
         ------
