@@ -1,16 +1,16 @@
-"""What a plugin author reads: the kinds of component, what each is given and what it gives back.
+"""The contracts for plugin authors: the kinds of component, their inputs and their outputs.
 
 A component is an ``attrs.frozen(kw_only=True)`` class whose fields are its parameters (`parameter`). It is written
 once, over **rows**: a row is one robot in one replica of the scenario. In the engine its fields hold arrays: a number
 is `(N, 1)`, so that ``values * self.scale`` broadcasts over `(N, k)`; see `amorsim.core.rows.stack`. Static fields
-(`parameter(static=True)`), texts and flags stay plain, for they are equal in all rows of a group.
+(`parameter(static=True)`), texts and flags stay plain, because they are equal in all rows of a group.
 
-A component keeps nothing on itself. What changes from step to step lives in ``state``, the dict of row-first arrays
-that `start` returned: write into its arrays, or put arrays of the same shape and dtype in their places. The engine
-owns it, copies it for a snapshot, and resets single rows of it.
+A component stores nothing on itself. What changes from step to step lives in ``state``, the dict of row-first arrays
+that `start` returned: write into its arrays, or replace them by arrays of the same shape and dtype. The engine owns
+the state, copies it for a snapshot, and resets single rows of it.
 
-Bits must not depend on how many rows there are: use elementwise NumPy, `amorsim.core.poses`, or a kernel, never
-``@``, ``dot`` or a sum over the rows. `amorsim.testing.check_component` tries all of this.
+Results must not depend on the number of rows, to the bit: use elementwise NumPy, `amorsim.core.poses`, or a kernel,
+never ``@``, ``dot`` or a sum over the rows. `amorsim.testing.check_component` tests all of this.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ State = dict[str, npt.NDArray[Any]]
 
 @attrs.frozen(kw_only=True)
 class SensorModel:
-    """A sensor as the robot's software holds it: its nominal parameters, where it is mounted, how often it reads."""
+    """A sensor as the robot's software knows it: its nominal parameters, mount and rate."""
 
     name: str
     sensor: Sensor
@@ -88,7 +88,7 @@ class SensorModel:
 
 @attrs.frozen(kw_only=True)
 class RobotModel:
-    """What a robot knows of itself and was told: nominal parameters throughout, for N rows. Never the truth."""
+    """What N robots know of themselves and their world: nominal parameters and knowledge, never the truth."""
 
     rows: int
     dt: float  # [s]
@@ -98,27 +98,27 @@ class RobotModel:
     channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
     map: Map | None = None  # `knowledge.map` of the scenario
     landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
-    landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) of the same, 0 where the robot was told none
-    names: Sequence[str] = ()  # of the rows' robots, for messages
+    landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) their ids, 0 for a landmark without one
+    names: Sequence[str] = ()  # the rows' robots, for messages
 
     def who(self, row: int) -> str:
-        """The robot of a row, as a message calls it."""
+        """The name of a row's robot, for messages."""
         return f"robot {self.names[row]!r}" if self.names else f"row {row}"
 
 
 @attrs.frozen(kw_only=True)
 class Context:
-    """What `start` is given: how many rows, the step, the nominal robot, and where the robot was told it stands.
+    """The input of `start`: the number of rows, the step, the nominal robot, and the start pose that the robot knows.
 
-    There are no draws at the start: what begins at random is drawn at the first call, where `elapsed` is 0.
+    Nothing can be drawn here: draw random initial values at the first call, where `elapsed` is 0.
     """
 
     rows: int
     dt: float  # [s]
-    robot: RobotModel  # an obstacle's motion has none, and must not ask
+    robot: RobotModel  # an obstacle's motion has none and must not use it
     pose: Array  # (N, 3) [m, m, rad]
-    size: int = 0  # values in a sample: for a sensor, and for the elements of a chain
-    names: Sequence[str] = ()  # of the rows' robots or obstacles, for messages
+    size: int = 0  # values in a sample, for a sensor and the elements of its chain
+    names: Sequence[str] = ()  # the rows' robots or obstacles, for messages
 
 
 class Clock(NamedTuple):
@@ -130,26 +130,26 @@ class Clock(NamedTuple):
 
 
 class Measurement(NamedTuple):
-    """A reading as the robot has it: the measured values `(N, k)`, from when they are, and whether they are new."""
+    """A reading as the robot receives it: the measured values `(N, k)`, their tick and age, and if they are new."""
 
     measured: Array
-    stamp: npt.NDArray[np.int64]  # (N, 1), the tick that the values are of; -1 before there are any
+    stamp: npt.NDArray[np.int64]  # (N, 1), the tick of the values; -1 before the first arrive
     age: Array  # (N, 1) [s], since that tick
     fresh: npt.NDArray[np.bool_]  # (N, 1), whether they arrived in this step
 
 
 class Estimate(NamedTuple):
-    """What the robot believes of its pose: `pose` (N, 3) [m, m, rad] and `covariance` (N, 3, 3)."""
+    """An estimate of the robot's pose: `pose` (N, 3) [m, m, rad] and `covariance` (N, 3, 3)."""
 
     pose: Array
     covariance: Array
 
 
 class Aim(NamedTuple):
-    """How a sensor's beams are bent before it looks: an angle [rad] added to each beam's bearing `(N, k)`, or none.
+    """Offsets of a sensor's beams: an angle [rad] added to each beam's bearing `(N, k)`, or None.
 
-    And when each looks, from this tick on `(N, k)` [s], at most 0; none for all at the tick. An element of a chain
-    adds to what it is given (``aim._replace``); a sensor without beams heeds neither.
+    `time` `(N, k)` [s] is when each beam is measured relative to this tick, at most 0; None: all at the tick.
+    An element of a chain adds to the aim that it is given (``aim._replace``). A sensor without beams ignores both.
     """
 
     bearing: Array | None = None
@@ -157,46 +157,46 @@ class Aim(NamedTuple):
 
 
 class Emission(NamedTuple):
-    """What a sensor fires into its medium, from e emitters, each with a cone."""
+    """What a sensor emits into its medium: e emitters, each with a cone."""
 
-    poses: Array  # (N, e, 3) where each stands in the world, and looks
+    poses: Array  # (N, e, 3) pose of each emitter in the world; its cone points along the heading
     half_angle: Array  # (N, e) [rad] of its cone
     fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
-    time: Array | None = None  # (N, e) [s] from the tick on, when it fires; none for all at the tick
+    time: Array | None = None  # (N, e) [s] when it fires, relative to the tick; None: all at the tick
 
 
 class Emissions(NamedTuple):
-    """Every emitter of a medium (ultrasound ...) in each row's replica; e of them, the same in all replicas."""
+    """All e emitters of a medium (ultrasound ...) in each row's replica, the same in all replicas."""
 
-    poses: Array  # (N, e, 3) where it stands in the world, and looks
+    poses: Array  # (N, e, 3) pose of each emitter in the world; its cone points along the heading
     half_angle: Array  # (N, e) [rad] of its cone
     fired: npt.NDArray[np.bool_]  # (N, e) whether it fires at this tick
-    own: npt.NDArray[np.bool_]  # (N, e) whether it is of the row's own sensor; in the order in which this told them
-    time: Array  # (N, e) [s] from the tick on, when it fires
-    body: npt.NDArray[np.int64]  # (N, e) which body carries it, of those that `View.bodies` tells
+    own: npt.NDArray[np.bool_]  # (N, e) whether it belongs to the row's own sensor, in the order of its `emit`
+    time: Array  # (N, e) [s] when it fires, relative to the tick
+    body: npt.NDArray[np.int64]  # (N, e) the body that carries it, an index into `View.bodies`
 
 
 class BodyStates(NamedTuple):
-    """All bodies of each row's replica, robots, obstacles and parts of robots, the row's own among them; B of them."""
+    """All B bodies of each row's replica: robots, obstacles and parts of robots, including the row's own body."""
 
     poses: Array  # (N, B, 3) true, in the world
     twists: Array  # (N, B, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
     reach: Array  # (B,) [m] from a body's base point to the farthest point of its footprint
-    own: npt.NDArray[np.int64]  # (N,) which of them is the row's own
+    own: npt.NDArray[np.int64]  # (N,) the index of the row's own body
     is_robot: npt.NDArray[np.bool_]  # (B,) a robot or a part of one; the others are obstacles
     owner: npt.NDArray[np.int64]  # (B,) the robot's body that a part belongs to; of all others, the body itself
 
 
 class Neighbours(NamedTuple):
-    """The bodies near each row, K in all: one row's after the other's, each row's in order of body.
+    """The bodies near each row, K in all: row after row, in order of body within a row.
 
-    `poses` to `owner` are of all T bodies of all replicas; `own` and `body` say which of them. To add something up for
-    each row use ``np.add.at(total, near.row, values)``: it adds in this order, however many rows there are.
+    `poses` to `owner` cover all T bodies of all replicas; `own` and `body` are indices into them. To sum values for
+    each row, use ``np.add.at(total, near.row, values)``: it adds in this order for any number of rows.
     """
 
     own: npt.NDArray[np.int64]  # (N,) the row's own body
     first: npt.NDArray[np.int64]  # (N + 1,) row n's neighbours are first[n]:first[n + 1] of the K
-    body: npt.NDArray[np.int64]  # (K,) which body it is
+    body: npt.NDArray[np.int64]  # (K,) the neighbour's body
     poses: Array  # (T, 3) true, in the world
     twists: Array  # (T, 3) [m/s, m/s, rad/s] over the last step, in each body's frame
     reach: Array  # (T,) [m] from a body's base point to the farthest point of its footprint
@@ -205,34 +205,34 @@ class Neighbours(NamedTuple):
 
     @property
     def row(self) -> npt.NDArray[np.int64]:
-        """Whose neighbour each is `(K,)`."""
+        """The row of each neighbour `(K,)`."""
         return np.repeat(np.arange(len(self.own)), np.diff(self.first))
 
 
 class Lights(NamedTuple):
-    """The lamps of the world, the same in all replicas; M of them."""
+    """The M lamps of the world, the same in all replicas."""
 
     places: Array  # (M, 2) [m] in the world
     intensity: Array  # (M,) [cd]
 
 
 class FloorPoints(NamedTuple):
-    """What the floor is like at k places of each row."""
+    """Properties of the floor at k places of each row."""
 
-    reflectance: Array  # (N, k) the part of the light that it returns, 0 to 1; 0 in a drop
-    depth: Array  # (N, k) [m] how much deeper it lies than the floor that robots roll on; 0 but in a drop
+    reflectance: Array  # (N, k) the fraction of light that it reflects, 0 to 1; 0 in a drop
+    depth: Array  # (N, k) [m] below the floor that robots drive on; 0 outside drops
 
 
 class Sightings(NamedTuple):
-    """Marks in sight of each row, the nearest first, in a fixed number of slots m; and slots that are empty."""
+    """Marks in sight of each row, the nearest first, in m slots; slots that are left over are empty."""
 
     range: Array  # (N, m) [m] to the mark's place, inf where the slot is empty
-    bearing: Array  # (N, m) [rad] from the heading of the one who looks, in [-pi, pi]; inf
-    id: npt.NDArray[np.int64]  # (N, m) what is written on it, 1 and up; -1
+    bearing: Array  # (N, m) [rad] from the heading of the sensor's mount, in [-pi, pi]; inf where empty
+    id: npt.NDArray[np.int64]  # (N, m) the mark's id, 1 and up; -1 where empty
 
 
 class View(Protocol):
-    """All that a sensor or a motion may ask of the world, for its N rows: the truth, read-only."""
+    """The true world as sensors and motions may query it, for N rows; read-only."""
 
     rows: int
     dt: float
@@ -242,63 +242,63 @@ class View(Protocol):
     joints: Array  # (N, j) true positions of the drive's joints
     joint_rates: Array  # (N, j)
     free: (
-        Array  # (N, 1) of a motion: what part of the last displacement was free; 1 at first, and where none was wanted
+        Array  # (N, 1) for motions: the fraction of the last displacement that was free; 1 at first and where it was 0
     )
 
     mount: Array  # (N, 3) true pose of the sensor's mount on the body
 
     @property
     def names(self) -> Sequence[str]:
-        """What the rows' robots or obstacles are called, for messages."""
+        """The names of the rows' robots or obstacles, for messages."""
 
     @property
     def pose(self) -> Array:
-        """True pose `(N, 3)` of the sensor's mount in the world; of the body, for a motion."""
+        """True pose `(N, 3)` of the sensor's mount in the world; for a motion, of the body."""
 
     def cast(
         self, origins: Array, bearings: Array, range_max: Array, traversal: str = "exact", bodies: bool = True
     ) -> Array:
         """Distances [m] `(N * m, k)` to the nearest wall or other body along beams from `origins`, inf for none.
 
-        A robot sees neither itself nor its own parts. `origins` `(N * m, 3)` are world poses, m for each row in turn;
-        `bearings` `(1, k)` or `(N * m, k)` are relative to them; `range_max` `(N, 1)`, or `(N * m, 1)`, of each
-        origin. With `traversal` ``"bresenham"`` walls are looked for along the cells of Bresenham's line, as the
-        original AMORsim does, and distances are between the centres of cells. Without `bodies`, walls alone count.
+        A robot sees neither itself nor its own parts. `origins` `(N * m, 3)` are world poses, m for each row in turn.
+        `bearings` `(1, k)` or `(N * m, k)` are relative to them. `range_max` is `(N, 1)`, or `(N * m, 1)` for each
+        origin. With `traversal` ``"bresenham"``, walls are searched along the cells of Bresenham's line, as in the
+        original AMORsim, and distances are between the centres of cells. Without `bodies`, only walls count.
         """
 
     def cone(self, origins: Array, half_angle: Array, range_max: Array, traversal: str = "exact") -> Array:
-        """The nearest return [m] `(N, m)` within a cone about each of `origins` `(N * m, 3)`, inf for none.
+        """The nearest return [m] `(N, m)` within a cone at each of `origins` `(N * m, 3)`, inf for none.
 
-        The least over rays at both edges of the cone and at most 0.05 degrees apart; `half_angle` [rad] `(N, 1)`.
+        It is the minimum over rays at most 0.05 degrees apart, both edges included; `half_angle` [rad] is `(N, 1)`.
         """
 
     def bodies(self) -> BodyStates:
-        """Where all bodies of each row's replica are, and how they move; `neighbours` is faster if they are many."""
+        """Poses and twists of all bodies of each row's replica; `neighbours` is faster if there are many."""
 
     def neighbours(self, range_max: Array, ahead: Array | float = 0.0) -> Neighbours:
-        """The bodies near each row, found by a spatial hash: the time grows with how many are near, not with all.
+        """The bodies near each row, from a spatial hash: the cost grows with the bodies nearby, not with all bodies.
 
-        A row's own body and its own parts are no neighbours.
+        A row's own body and its own parts are not neighbours.
 
         Parameters
         ----------
         range_max
-            How far [m] `(N, 1)` from the row's base point the nearest point of a body's circle (`reach`) may be.
+            The largest distance [m] `(N, 1)` from the row's base point to a body's circle (`reach`).
         ahead
-            For how long [s], a number or `(N, 1)`, bodies are taken to come nearer at their present speeds: those that
-            may come within `range_max` in that time are neighbours as well.
+            A time [s], a number or `(N, 1)`. Bodies that could come within `range_max` in that time at their present
+            speeds are neighbours as well.
 
         Raises
         ------
         ComponentError
-            If one of them is no number >= 0 for each row.
+            If either is not a number >= 0 for each row.
         """
 
     def landmarks(self, slots: int, range_max: Array, half_angle: Array) -> Sightings:
         """The nearest marks in sight of the sensor's mount: landmarks, and other bodies that carry a fiducial.
 
-        Within `range_max` [m] and `half_angle` [rad] to either side of the mount's heading, both `(N, 1)`. One is in
-        sight if the line to it meets nothing before: no wall, no body but the row's own, its parts and what carries it.
+        They lie within `range_max` [m] and `half_angle` [rad] to either side of the mount's heading, both `(N, 1)`. A
+        mark is in sight if no wall or body blocks the line to it; the row's body, its parts and the carrier never do.
         """
 
     @property
@@ -307,115 +307,115 @@ class View(Protocol):
 
     @property
     def colours(self) -> tuple[str | None, ...]:
-        """Of all things, the bodies of a replica in order, and after them the landmarks: the colour, or none."""
+        """The colour, or None, of each thing: the bodies of a replica in order, then the landmarks."""
 
     @property
     def heights(self) -> Array:
-        """How high each of them is `(B + L,)` [m]."""
+        """The height [m] of each thing `(B + L,)`, in the order of `colours`."""
 
     def look(
         self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
     ) -> tuple[Array, npt.NDArray[np.int64]]:
-        """What beams meet first: the distances [m] `(N * m, k)` as of `cast`, and which thing, -1 for a wall or none.
+        """Distances [m] `(N * m, k)` as from `cast`, and the thing that each beam hits first: -1 for a wall or nothing.
 
-        Things are the bodies of the replica, in order, and after them those landmarks that have a colour and a size;
-        without `landmarks`, bodies alone, and the distances are those of `cast`.
+        Things are the bodies of the replica, in order, then those landmarks that have a colour and a size.
+        Without `landmarks`, things are bodies only, and the distances are those of `cast`.
         """
 
     def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
         """Directions [rad] `(N * m, k)` in the world of the outward normals where beams enter bodies; nan elsewhere.
 
-        `bodies` `(N * m, k)` is what `look` gave for these beams without landmarks.
+        `bodies` `(N * m, k)` comes from `look` for the same beams, without landmarks.
         """
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
         """Whether zones of the rows' bodies, in the bodies' frames, overlap a wall or another body `(N, s)`.
 
-        `which` `(N, s)` says which of `zones` each is.
+        `which` `(N, s)` holds indices into `zones`.
         """
 
     def floor(self, places: Array) -> FloorPoints:
-        """What the floor is like at places `(N, k, 2)` [m] in the world: its markings and its drops."""
+        """Properties of the floor, with its markings and drops, at places `(N, k, 2)` [m] in the world."""
 
     def lights(self) -> Lights:
-        """All lamps, whether they are in sight or not: `cast` tells."""
+        """All lamps, in sight or not; `cast` finds out which are."""
 
     def emissions(self, medium: str) -> Emissions:
-        """Who fires at this tick, of all sensors whose `medium` it is; for sensors, not for motions."""
+        """The emitters of all sensors with this `medium`, and which fire at this tick; for sensors, not motions."""
 
 
 # -------------------------------------------------------------------------------------------- kinds of component
 
 
 class Component:
-    """What all kinds share."""
+    """The base of all kinds that have a state."""
 
     def start(self, context: Context) -> State:
-        """The state at the start of an episode: arrays whose first axis is the row. None is kept unless asked for."""
+        """The state at the start of an episode: arrays whose first axis is the row; empty by default."""
         return {}
 
 
 @attrs.frozen(kw_only=True)
 class Joint:
-    """A joint of a drive: a wheel or a steering axis. `rolls` where it turns along the ground."""
+    """A joint of a drive: a wheel or a steering axis. `rolls` is true for a wheel that turns along the ground."""
 
     name: str
     rolls: bool = True
 
 
 class Part(NamedTuple):
-    """A rigid body that a drive moves beside the robot's own: a trailer, a boom. Its shape is in its own frame."""
+    """A rigid body of a robot in addition to its base: a trailer, a boom. Its shape is in its own frame."""
 
     name: str
     shape: Shape
 
 
 class Drive(Component, abc.ABC):
-    """How joints follow commands, and how a body moves as its joints go from one position to another.
+    """How joints follow commands, and how a body moves as its joints move.
 
-    The engine moves the true body with the true parameters and the wheels' travel over the ground; an estimator calls
-    `displacement` with the nominal ones and what the encoders said.
+    The engine moves the true body with the true parameters and the wheels' travel over the ground. An estimator calls
+    `displacement` with the nominal parameters and the encoders' readings.
     """
 
-    # Both may be properties, where static fields decide what is there.
+    # Both may be properties that depend on static fields.
     joints: ClassVar[tuple[Joint, ...]]
     channels: ClassVar[tuple[str, ...]]  # of a command, in order; joint rates [rad/s] or positions [rad]
-    # What there is of the robot beside its own footprint; a property, too, where static fields decide.
+    # Further bodies of the robot; this may be a property as well.
     parts: ClassVar[tuple[Part, ...]] = ()
 
     @abc.abstractmethod
     def advance(
         self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
     ) -> tuple[Array, Array]:
-        """Joints `(N, j)` [rad] and their rates [rad/s] a step later, under limits, as `command` `(N, c)` asks."""
+        """Joints `(N, j)` [rad] and their rates [rad/s] a step later, under `command` `(N, c)` within the limits."""
 
     @abc.abstractmethod
     def twist(self, before: Array, after: Array) -> Array:
-        """The body's motion (forward [m], left [m], turn [rad]) `(N, 3)` over a step in which joints go so.
+        """The body's motion (forward [m], left [m], turn [rad]) `(N, 3)` in a step from `before` to `after`.
 
-        For a drive whose path is not that of a constant twist: the mean one, and `displacement` overridden.
+        A drive whose path is not that of a constant twist returns the mean twist and overrides `displacement`.
         """
 
     @abc.abstractmethod
     def command_for(self, twist: Array, joints: Array) -> Array:
-        """The command `(N, c)` that makes the body move with `twist` `(N, 3)` [m/s, m/s, rad/s], or nearest to it."""
+        """The command `(N, c)` that moves the body with `twist` `(N, 3)` [m/s, m/s, rad/s], or as close as possible."""
 
     @abc.abstractmethod
     def rolling_radius(self) -> Array:
-        """Metres of travel over the ground per radian, of each joint that rolls, `(N, r)`."""
+        """Travel over the ground per turn [m/rad] of each joint that rolls, `(N, r)`."""
 
     def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
         """The body's displacement `(N, 3)`, in its frame before, in closed form, at a fraction `(N, 1)` of the step."""
         return exponential(self.twist(before, after), fraction)
 
     def between(self, before: Array, after: Array, fraction: Array) -> Array:
-        """The joints `(N, j)` after a stop at `fraction`; moving to them makes `displacement` to that fraction."""
+        """The joints `(N, j)` after a stop at `fraction`; moving to them displaces the body as `displacement` says."""
         return before + (after - before) * fraction
 
     def travel(self, before: Array, after: Array) -> Array:
         """Bounds on the path `(N, 2)`: a part f of the step covers at most f times this length [m] and turning [rad].
 
-        A drive that moves unevenly within a step must bound its fastest part. Contact is found by these.
+        The search for contact uses them. A drive that moves unevenly within a step must bound its fastest part.
         """
         twist = self.twist(before, after)
         return np.stack((np.sqrt(twist[:, 0] ** 2 + twist[:, 1] ** 2), np.abs(twist[:, 2])), axis=1)
@@ -423,129 +423,129 @@ class Drive(Component, abc.ABC):
     def contacts(self, joints: Array) -> Array:
         """Where each joint that rolls touches the ground `(N, r, 2)` [m], in the body's frame.
 
-        There it feels zones of the floor. By default all touch it at the base point.
+        Zones of the floor act there. By default all joints touch at the base point.
         """
         return np.zeros((len(joints), sum(joint.rolls for joint in self.joints), 2))
 
     def follow(self, joints: Array, displacement: Array) -> Array:
-        """The joints `(N, j)` once passive ones have followed what the body really did, after contact."""
+        """The joints `(N, j)` after passive ones have followed the body's actual `displacement` `(N, 3)`."""
         return joints
 
     def part_poses(self, joints: Array) -> Array:
-        """Where the `parts` are `(N, p, 3)`, in the body's frame, while the joints are so."""
+        """Poses of the `parts` `(N, p, 3)` in the body's frame, for these joints."""
         return np.zeros((len(joints), 0, 3))
 
     def part_travel(self, before: Array, after: Array) -> Array:
         """Bounds on the parts' paths in the world `(N, p, 2)` [m, rad], as `travel` gives the body's.
 
         At a fraction f the joints are ``follow(between(before, after, f), displacement(before, after, f))``, and the
-        parts where `part_poses` has them then. Told too low, parts pass through walls; too high only costs time.
+        parts are at their `part_poses`. Bounds that are too low let parts pass through walls; too high cost only time.
         """
         return np.zeros((len(before), 0, 2))
 
     def heading_offset(self, joints: Array) -> Array | None:
-        """Which way is ahead `(N, 1)` [rad], in the body's frame, for whoever drives it; None: the way it looks.
+        """The direction of travel `(N, 1)` [rad] in the body's frame; None: the body's heading.
 
-        Told by a drive whose wheels steer apart from the body; the turn of a twist is then that of the course.
+        For drives whose wheels steer independently of the body; the turn of a twist is then that of the course.
         """
         return None
 
     def curvature_max(self) -> Array | None:
-        """The sharpest curve that it can drive `(N, 1)` [1/m]; None for a drive that turns in place."""
+        """The largest curvature that the drive can follow `(N, 1)` [1/m]; None for a drive that turns in place."""
         return None
 
     def top_speeds(self) -> Array | None:
-        """Fastest speed [m/s] and turn [rad/s], and how fast each may change [m/s^2, rad/s^2], `(N, 4)`.
+        """Limits of speed [m/s], turn [rad/s] and their rates of change [m/s^2, rad/s^2], `(N, 4)`.
 
-        inf for no limit; None where a drive does not say.
+        inf for no limit; None if the drive does not know its limits.
         """
         return None
 
 
 class Sensor(Component, abc.ABC):
-    """What an ideal device would read. Mounting, rate, latency and noise belong to every sensor, outside its class."""
+    """The reading of an ideal device. Mount, rate, latency and noise are set for any sensor, outside its class."""
 
     unit: ClassVar[str]  # of the values: "m", "rad", "rad/s", "count" ...
-    medium: ClassVar[str] = ""  # what it fires into, where others may hear it: "ultrasound" ...; or a static field
-    channels: ClassVar[tuple[str, ...]] = ()  # of its own commands, where it takes any: ("pan", "tilt")
+    medium: ClassVar[str] = ""  # what it emits into, for others to hear: "ultrasound" ...; or a static field
+    channels: ClassVar[tuple[str, ...]] = ()  # of its own commands, if it takes any: ("pan", "tilt")
 
     @abc.abstractmethod
     def size(self, drive: Drive) -> int:
-        """How many values a reading has, on a robot with this drive. Fixed by static parameters alone."""
+        """The number of values in a reading on a robot with this drive; it depends on static parameters only."""
 
     @abc.abstractmethod
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
-        """The ideal reading `(N, k)`, and by name what the chain may need of it (incidence ...), each `(N, k)`."""
+        """The ideal reading `(N, k)`, and by name what else the chain may need (incidence ...), each `(N, k)`."""
 
     def columns(self) -> Mapping[str, str]:
-        """Names and units of what the values are in turn, where they are not all of one quantity in `unit`.
+        """Names and units of the columns of a reading, if its values are not all one quantity in `unit`.
 
-        With c columns, value i is in column i modulo c: a reading is a table of lines one after another, ``{"range":
-        "m", "bearing": "rad"}`` a range, a bearing, a range ... The same for all of a class with the same static
-        parameters. An element of the chain says which `column` it is for.
+        With c columns, value i belongs to column i modulo c: ``{"range": "m", "bearing": "rad"}`` means a range, a
+        bearing, a range ... All sensors of a class with the same static parameters have the same columns. An element
+        of the chain names the `column` that it acts on.
         """
         return {}
 
     def bearings(self) -> Array | None:
-        """Where each value looks [rad], `(1, k)` or `(N, k)` from the mount's heading; for range sensors."""
+        """The bearing [rad] of each value, `(1, k)` or `(N, k)`, from the mount's heading; for range sensors."""
         return None
 
     def actuate(self, command: Array, dt: float, state: State, draws: Draws) -> None:
-        """Follow the command `(N, c)` of its own `channels` for a step; where that leads is kept in `state`."""
+        """Follow the command `(N, c)` of its own `channels` for a step; the result goes into `state`."""
 
     def emit(self, view: View, state: State) -> Emission | None:
-        """What it fires into its `medium`; asked of all sensors that have one before any senses."""
+        """What it emits into its `medium`; called for all sensors that have one before any sensor senses."""
         return None
 
 
 class Noise(Component):
-    """One element of a chain, which a device's values go through in order; at least one method is overridden.
+    """One element of a noise chain, which a device's values pass in order. Override at least one method.
 
-    One that is `for_ground` belongs between wheels and ground, in `Robot.ground` or in a zone: its values are travels,
-    and sensors refuse it.
+    An element with `for_ground` acts between wheels and ground, in `Robot.ground` or in a zone: its values are travels,
+    and sensors reject it.
     """
 
     for_ground: ClassVar[bool] = False
 
     def aim(self, aim: Aim, elapsed: Array, state: State, draws: Draws) -> Aim:
-        """Where the device really looks, before it senses."""
+        """The device's true aim, before it senses."""
         return aim
 
     def steps(self) -> Sequence[NoiseStep]:
-        """What the element does, as steps that a kernel takes; none where `corrupt` is written in Python.
+        """What the element does, as steps for a kernel; empty if `corrupt` is written in Python.
 
-        A chain takes the steps of neighbouring elements in one call, so an element that is all steps costs next to
-        nothing. Leave `corrupt` as it is: it takes the same steps.
+        A chain runs the steps of neighbouring elements in one call, so an element made of steps costs next to
+        nothing. Do not override `corrupt` then: it runs the same steps.
         """
         return ()
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:
-        """What becomes of the values `(N, k)`; `elapsed` `(N, 1)` [s] since the sample before (0 at the first)."""
+        """The corrupted values `(N, k)`; `elapsed` `(N, 1)` [s] since the previous sample (0 at the first)."""
         program = NoiseProgram([values.shape[1]], [[(step, draws) for step in self.steps()]])
         return program.apply(np.ravel(values)).reshape(values.shape)
 
     def slide(self, motion: Array, elapsed: Array, state: State, draws: Draws) -> Array:
-        """How far the body slides in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.
+        """The body's slide in a step `(N, 3)` [m, m, rad], in addition to the `motion` that its wheels make.
 
-        Both are (forward, left, turn) in the body's frame, `(N, 3)`; the slide is spread evenly over the step. For
-        the `ground` of a robot or a zone, where it is called after `corrupt`. Encoders do not see it.
+        Both are (forward, left, turn) in the body's frame, `(N, 3)`; the slide is spread evenly over the step. It is
+        used in the `ground` of a robot or a zone, and called after `corrupt`. Encoders do not see it.
         """
         return np.zeros_like(motion)
 
     def delay(self, elapsed: Array, state: State, draws: Draws) -> Array:
-        """How much later than its sensor's latency a reading arrives `(N, 1)` [s]; earlier where negative.
+        """Delay `(N, 1)` [s] of a reading in addition to its sensor's latency; negative: it arrives earlier.
 
-        Those of a chain add up. The engine lets none arrive before it was taken, nor overtake one taken earlier.
+        The delays of a chain add up. No reading arrives before it was taken or overtakes one taken earlier.
         """
         return np.zeros_like(elapsed)
 
     def longest_delay(self) -> Array:
-        """What `delay` never exceeds `(N, 1)` [s]; to be given wherever `delay` is, and fixed while a run lasts."""
+        """Upper bound `(N, 1)` [s] of `delay`; override both together. It must not change during a run."""
         return np.zeros((1, 1))
 
 
 class Estimator(Component, abc.ABC):
-    """What the robot makes of its readings. It has the nominal robot and what it was told, never the world."""
+    """Estimates the robot's pose from its readings, the nominal robot and its knowledge, never from the true world."""
 
     @abc.abstractmethod
     def update(
@@ -557,11 +557,11 @@ class Estimator(Component, abc.ABC):
         state: State,
         draws: Draws,
     ) -> Estimate:
-        """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the one before (0 at the start)."""
+        """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the previous one (0 at the start)."""
 
 
 class Controller(Component, abc.ABC):
-    """What the robot does: readings and estimate in, a command out. A plain function of one robot serves too."""
+    """Computes a command from readings and estimate. A plain function for one robot works as well."""
 
     @abc.abstractmethod
     def command(
@@ -573,32 +573,32 @@ class Controller(Component, abc.ABC):
         state: State,
         draws: Draws,
     ) -> Array:
-        """The command `(N, c)`: ``robot.channels`` in order, or the drive's alone, which leaves devices at 0."""
+        """The command `(N, c)`: all of ``robot.channels`` in order, or only the drive's, which leaves devices at 0."""
 
     def goal_points(self) -> Sequence[tuple[str, float, float]]:
-        """The places in the world that it is told to drive to: the field that tells each ("waypoints.2"), x, y [m].
+        """The goals of the controller in the world: the field of each ("waypoints.2"), x and y [m].
 
-        Asked of the controller as it was made; ``amorsim check`` remarks on those where nobody gets.
+        Called on the controller as specified, before stacking; ``amorsim check`` reports goals that are out of reach.
         """
         return ()
 
 
 class Motion(Component, abc.ABC):
-    """How an obstacle wants to move; the engine says what part of it was free (``view.free``)."""
+    """How an obstacle wants to move; ``view.free`` is the fraction of it that was free."""
 
     @abc.abstractmethod
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Array:
-        """The wanted displacement `(N, 3)` of this step, in the obstacle's own frame."""
+        """The displacement `(N, 3)` that is wanted in this step, in the obstacle's own frame."""
 
     def default_start(self) -> tuple[float, float, float] | None:
-        """Where an obstacle starts that is told no pose (x [m], y [m], heading [rad]), or none: at the origin.
+        """Start (x [m], y [m], heading [rad]) of an obstacle that is given no pose; None: the origin.
 
-        Asked of the motion as it was made, before there are rows.
+        Called on the motion as specified, before there are rows.
         """
         return None
 
     def goal_points(self) -> Sequence[tuple[str, float, float]]:
-        """The places in the world that it is told to move to, as of `Controller.goal_points`."""
+        """The goals of the motion in the world, as in `Controller.goal_points`."""
         return ()
 
 
@@ -609,33 +609,33 @@ class MapLoader(abc.ABC):
 
     @classmethod
     def sniff(cls, head: bytes) -> bool:
-        """Whether a file that begins with `head` is of this format; asked where the extension does not tell."""
+        """Whether a file that begins with `head` has this format; called if the extension does not decide."""
         return False
 
     @abc.abstractmethod
     def load(self, path: Path) -> Map:
-        """The map in a file; `MapError` names what is wrong with it, and the line where there is one."""
+        """The map in a file. Raises `MapError`, which names the fault and, where possible, the line."""
 
     def companions(self, path: Path) -> Sequence[Path]:
         """The other files that `load` reads for this one, such as the picture that it names.
 
-        A run's folder gets copies of all of them, in the same places relative to each other, so a file has to name
-        its companions relative to itself. `MapError` where the file cannot be read.
+        A run's folder gets copies of all of them, in the same places relative to each other, so a file must name its
+        companions relative to itself. Raises `MapError` if the file cannot be read.
         """
         return ()
 
     @classmethod
     def save(cls, world: Map, path: Path) -> MapLoader:
-        """Write a map into a file of this format, where that can be done; returns the loader that reads it again.
+        """Write a map to a file of this format, if the loader can; returns the loader that reads it again.
 
-        Companions are written next to it, and named relative to it: all of them move to where they belong when they
-        are whole. `amorsim.save_map` reads the file again and sees whether the cells are the same.
+        Companions are written next to it and named relative to it: all files move to their final place once they are
+        complete. `amorsim.save_map` reads the file back and checks that the cells are the same.
         """
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
 
 class Frame(NamedTuple):
-    """One step of one group of robots, as recorders get it: truth included. Arrays are not to be changed."""
+    """One step of one group of robots for recorders, truth included. Do not change the arrays."""
 
     names: Sequence[str]  # of each row
     replica: npt.NDArray[np.int64]  # (N,)
@@ -645,17 +645,17 @@ class Frame(NamedTuple):
     true_twist: Array  # (N, 3) mean over the step, in the body's frame
     joint_names: Sequence[str]
     joint_rates: Array  # (N, j) true, mean over the step
-    estimates: Mapping[str, Estimate]  # the controller's is the first
-    readings: Mapping[str, tuple[Array, Measurement]]  # true values, and the robot's reading
+    estimates: Mapping[str, Estimate]  # the first is the controller's
+    readings: Mapping[str, tuple[Array, Measurement]]  # true values, and the robot's measurement
     channels: Sequence[str]
     command: Array  # (N, c)
     robot: RobotModel  # the nominal one
-    parts: Sequence[str] = ()  # the names of each robot's
-    part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, where there are any
+    parts: Sequence[str] = ()  # names of each robot's parts
+    part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, if there are parts
 
 
 class ObstacleFrame(NamedTuple):
-    """One step of one group of obstacles, as recorders get it. Arrays are not to be changed."""
+    """One step of one group of obstacles for recorders. Do not change the arrays."""
 
     names: Sequence[str]  # of each row
     replica: npt.NDArray[np.int64]  # (N,)
@@ -667,34 +667,34 @@ class ObstacleFrame(NamedTuple):
 
 
 class RunInfo(NamedTuple):
-    """What a recorder is told of a run before its first step."""
+    """What a recorder knows of a run before its first step."""
 
-    folder: Path  # exists, and is the run's own
+    folder: Path  # exists, and belongs to this run only
     dt: float  # [s]
     replicas: Sequence[int]
-    with_sensors: bool  # whether sensors are to be written
+    with_sensors: bool  # whether to write sensors
 
 
 class Recorder(abc.ABC):
-    """Writes a run down while it goes: an ``attrs.define(kw_only=True)`` class, for it has files to keep open."""
+    """Records a run as it goes: an ``attrs.define(kw_only=True)`` class, because it keeps files open."""
 
     def fresh(self) -> Recorder:
-        """Another with the same parameters, which no run has opened yet: each run has one of its own."""
+        """A new recorder with the same parameters, not yet opened: each run has its own."""
         again: Recorder = attrs.evolve(cast(Any, self))
         return again
 
     @abc.abstractmethod
     def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
-        """Begin; `frames` are those of tick 0, with the first readings, and are to be written too."""
+        """Begin a run; write `frames` too: they are those of tick 0, with the first readings."""
 
     @abc.abstractmethod
     def write(self, frames: Sequence[Frame], events: Sequence[Any]) -> None:
-        """Take a step: a frame for each group, and the events (`amorsim.simulation.events.Event`) since the last."""
+        """Record a step: a frame for each group, and the events (`amorsim.simulation.events.Event`) since the last."""
 
     def write_obstacles(self, frames: Sequence[ObstacleFrame]) -> None:
-        """Take where the obstacles are, a frame for each group; called after `open` and after each `write`."""
+        """Record the obstacles, a frame for each group; called after `open` and after each `write`."""
         return
 
     @abc.abstractmethod
     def close(self) -> None:
-        """End; also called when a run is broken off, or when it could not begin and `open` was never called."""
+        """End the run; also called when a run is aborted, or when it could not begin and `open` was never called."""

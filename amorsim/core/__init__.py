@@ -1,1 +1,1 @@
-"""Poses, errors, random draws, the clock, maps and the world: what every component stands on."""
+"""Poses, errors, random draws, the clock, maps and shapes: the base of every component."""

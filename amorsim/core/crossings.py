@@ -1,4 +1,4 @@
-"""How much of a straight way lies within a shape."""
+"""Line segments and shapes: the part of a segment that lies within a shape."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ def contains(shape: Shape, points: Array) -> npt.NDArray[np.bool_]:
 
 
 def share_within(shape: Shape, start: Array, end: Array) -> Array:
-    """The share `(M,)` of each straight way from `start` to `end` `(M, 2)` [m] that lies in the shape.
+    """The share `(M,)` of each segment from `start` to `end` `(M, 2)` [m] that lies in the shape.
 
-    A circle, or a polygon without rounding, whose convex parts do not overlap; the points are in its frame. Of a way
-    of no length all, if it lies there.
+    The shape is a circle, or a polygon without rounding, and its convex parts do not overlap; the points are in its
+    frame. The share of a segment of length 0 is 1 if it lies in the shape.
     """
     share = np.zeros(len(start))
     for enters, leaves in crossings(shape, start, end):
         share = share + np.maximum(leaves - enters, 0.0)
-    return np.minimum(share, 1.0)  # a way along the cut between two parts lies in both
+    return np.minimum(share, 1.0)  # a segment along the cut between two parts lies in both
 
 
 def share_rolled(shape: Shape, start: Array, end: Array, ratio: Array) -> Array:
-    """The share `(M,)` of a wheel's rolling that happens in the shape, where it goes `ratio` `(M,)` of what it rolls.
+    """The share `(M,)` of a wheel's rolling within the shape, where it travels `ratio` `(M,)` of what it rolls.
 
-    On the straight way from `start`, which would lead to `end` `(M, 2)` [m] without the shape. A wheel that goes less
-    in the shape leaves it later, or not at all.
+    It travels along the line from `start`, and would end at `end` `(M, 2)` [m] without the shape. A wheel that
+    travels less within the shape leaves it later, or not at all.
     """
-    # A wheel that goes more than it rolls comes farther than `end`.
+    # A wheel that travels more than it rolls goes beyond `end`.
     stretch = np.maximum(ratio, 1.0)
     found = crossings(shape, start, start + (end - start) * stretch[:, None])
     enters = np.stack([np.where(leaves > enters, enters, np.inf) for enters, leaves in found]) * stretch
@@ -53,7 +53,7 @@ def share_rolled(shape: Shape, start: Array, end: Array, ratio: Array) -> Array:
         left = np.maximum(left - np.maximum(first - place, 0.0), 0.0)
         length = np.where(last > first, last - np.maximum(first, place), 0.0)
         needs = np.where(ratio > 0.0, length / np.where(ratio > 0.0, ratio, 1.0), np.where(length > 0.0, np.inf, 0.0))
-        # A wheel whose way ends before the border is within to the end.
+        # A wheel that does not reach the border stays within to the end.
         rolled = np.where(last >= stretch, left, np.minimum(np.maximum(needs, 0.0), left))
         rolled = np.where(last > first, rolled, 0.0)
         share, left = share + rolled, left - rolled
@@ -62,7 +62,7 @@ def share_rolled(shape: Shape, start: Array, end: Array, ratio: Array) -> Array:
 
 
 def crossings(shape: Shape, start: Array, end: Array) -> list[tuple[Array, Array]]:
-    """For each convex part, at which fractions `(M,)` of a straight way it is entered and left; before, where never."""
+    """For each convex part, the fractions `(M,)` of a segment at entry and exit; the exit comes first if it misses."""
     found = []
     for part in shape.parts:
         enters, leaves = np.zeros(len(start)), np.ones(len(start))
@@ -88,12 +88,12 @@ def crossings(shape: Shape, start: Array, end: Array) -> list[tuple[Array, Array
 
 
 def _beyond(centre: Array, radius: float, points: Array) -> Array:
-    """By how much squared distances from the centre exceed the squared radius [m^2]."""
+    """Squared distances from the centre minus the squared radius [m^2]."""
     return np.asarray((points[:, 0] - centre[0]) ** 2 + (points[:, 1] - centre[1]) ** 2 - radius**2)
 
 
 def _left_of(corners: Array, points: Array) -> list[Array]:
-    """For each side of a convex polygon, on which side of it points lie: above 0 inside."""
+    """For each edge of a convex polygon, the side that points lie on: above 0 inside."""
     found = []
     for (x0, y0), (x1, y1) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
         found.append((x1 - x0) * (points[:, 1] - y0) - (y1 - y0) * (points[:, 0] - x0))

@@ -1,8 +1,8 @@
-"""Random draws that are a pure function of who asks and when.
+"""Random draws that are a pure function of names and time.
 
 A draw depends on a key (seed, robot, component, element) and a counter (replica, episode, tick, index), and on
-nothing else: no generator has a state to save, and nobody's draws change when a sensor, a robot, a replica or a
-thread is added.
+nothing else: no generator has a state to save, and no draws change when a sensor, a robot, a replica or a thread is
+added.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def stream_key(seed: int, *names: str) -> int:
 
 
 def check_collisions(seed: int, streams: Iterable[tuple[str, ...]]) -> None:
-    """Raise where two different streams would draw the same numbers (odds of one in 10^13 for a thousand streams)."""
+    """Raise if two different streams would draw the same numbers (odds of one in 10^13 for a thousand streams)."""
     seen: dict[int, tuple[str, ...]] = {}
     for names in streams:
         other = seen.setdefault(stream_key(seed, *names), names)
@@ -44,7 +44,7 @@ def check_collisions(seed: int, streams: Iterable[tuple[str, ...]]) -> None:
 class Draws:
     """The random numbers of one component (or one element of a noise chain), for N rows, at the current tick.
 
-    Each call takes the next numbers of the tick; at the next tick they start anew.
+    Each call takes the next numbers of the tick; the next tick starts a new sequence.
 
     Parameters
     ----------
@@ -53,9 +53,9 @@ class Draws:
     counter
         `(N, 3)` uint32: replica, episode and tick of each row, kept up to date by the engine.
     workers
-        Threads that share the rows; the numbers are the same with any.
+        Threads that share the rows; their number does not change the draws.
     rounds
-        One number, shared by many streams: where it is another than before, the tick's numbers start anew.
+        One number, shared by many streams: when it changes, the tick's numbers start again.
     """
 
     __slots__ = ("_block", "_counter", "_keys", "_round", "_rounds", "_workers")
@@ -76,11 +76,11 @@ class Draws:
 
     @property
     def keys(self) -> npt.NDArray[np.uint64]:
-        """The keys of the rows `(N,)`; not to be changed."""
+        """The keys of the rows `(N,)`; do not change them."""
         return self._keys
 
     def rewind(self) -> None:
-        """Start the tick's numbers anew; for the engine, before it calls the component."""
+        """Restart the tick's numbers; for the engine, before it calls the component."""
         self._block = 0
 
     def take(self, rows: npt.NDArray[np.intp]) -> Draws:
@@ -89,19 +89,19 @@ class Draws:
 
     @property
     def counter(self) -> npt.NDArray[np.uint32]:
-        """Replica, episode and tick of the rows `(N, 3)`; not to be changed."""
+        """Replica, episode and tick of the rows `(N, 3)`; do not change them."""
         return self._counter
 
     def still(self, rows: npt.NDArray[np.intp]) -> Draws:
-        """The draws of some of the rows, from the number on that comes next, whatever happens to these."""
+        """The draws of some of the rows from the next number on, independent of later draws from this object."""
         kept = Draws(self._keys[rows], self._counter[rows], self._workers)
         kept._block = self._block if self._round == self._rounds[0] else 0
         return kept
 
     def share(self, work_per_row: int, work: Callable[[int, int], None]) -> None:
-        """Call ``work(first, end)`` for slices of the rows, in the engine's threads where that pays.
+        """Call ``work(first, end)`` for slices of the rows, in the engine's threads if that is faster.
 
-        For kernels that work on each row by itself; `work_per_row` is about how many rays a row costs as much as.
+        For kernels that treat each row independently; `work_per_row` is the approximate cost of a row in rays.
         """
         if self._workers is None:
             work(0, len(self._keys))
@@ -117,14 +117,14 @@ class Draws:
         return self._fill(philox.fill_uniform, k)
 
     def reserve(self, k: int) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.uint32], int]:
-        """What a kernel draws the next `k` numbers of each row by: keys, counter, and the number of their first block.
+        """Keys, counter and the number of the first block, for a kernel that draws the next `k` numbers of each row.
 
-        As `normal` and `uniform` do, see `amorsim.kernels.random.philox.pairs`; neither array is to be changed.
+        `normal` and `uniform` use them too, see `amorsim.kernels.random.philox.pairs`. Do not change the arrays.
         """
         return self._keys, self._counter, self.next_block(k)
 
     def next_block(self, k: int) -> int:
-        """The number of the first block of the next `k` numbers of each row, which are thereby taken."""
+        """Take the next `k` numbers of each row; returns the number of their first block."""
         if self._round != self._rounds[0]:
             self._round = self._rounds[0]
             self._block = 0
@@ -143,12 +143,12 @@ class Draws:
 
 
 class Medians(Draws):
-    """In place of draws, the medians of what they are drawn from: what a component does on the whole."""
+    """Returns medians of the distributions in place of draws: the typical behaviour of a component."""
 
     __slots__ = ()
 
     def next_block(self, k: int) -> int:
-        """No block, but `noise_steps.MEDIANS`."""
+        """`noise_steps.MEDIANS` in place of a block."""
         return MEDIANS
 
     def normal(self, k: int = 1) -> Array:

@@ -1,6 +1,6 @@
-"""What can go wrong, one class a kind of failure, all under `AmorsimError`.
+"""Exceptions, one class for each kind of failure, all under `AmorsimError`.
 
-A message says who, what was given, what was expected and what to do.
+A message says what failed, what was given, what was expected and what to do.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ __all__ = [
 
 
 class AmorsimError(Exception):
-    """Whatever amorsim raises on purpose."""
+    """The base of all exceptions that amorsim raises on purpose."""
 
 
 class MapError(AmorsimError):
-    """A map that cannot be read, or a question that a map cannot answer."""
+    """A map that cannot be read, or a query that a map cannot answer."""
 
 
 class PluginError(AmorsimError):
@@ -45,7 +45,7 @@ class ComponentError(AmorsimError):
 
 
 class ContactError(AmorsimError):
-    """A step of which the contacts cannot be found, because something moves too far in it."""
+    """A step whose contacts cannot be found, because a body moves too far in it."""
 
 
 class ControllerError(AmorsimError):
@@ -57,11 +57,11 @@ class ControllerError(AmorsimError):
 
 
 class DocumentError(AmorsimError):
-    """A path that leads nowhere in a document, or a change that its file cannot take."""
+    """A path that leads nowhere in a document, or a change that its file cannot hold."""
 
 
 class SnapshotError(AmorsimError):
-    """A state that cannot be copied or put back."""
+    """A state that cannot be copied or restored."""
 
 
 class RunError(AmorsimError):
@@ -70,11 +70,11 @@ class RunError(AmorsimError):
 
 @attrs.frozen(kw_only=True)
 class Fault:
-    """One thing wrong with a scenario: where it stands, what was found, what would be right.
+    """One fault in a scenario: its place, what was found, and what was expected.
 
-    `path` leads to it in the document; `named` is the same with the names of robots, obstacles and zones in the places
-    of their numbers, where they have any, for messages. `line` counts from 1 in the file, where one is known, and
-    `value` is what was found.
+    `path` is its place in the document. `named` is the same for messages, with names of robots, obstacles and zones
+    instead of their numbers, if they have names. `line` is the line in the file from 1, if known; `value` is what was
+    found.
     """
 
     file: str
@@ -91,7 +91,7 @@ class Fault:
 
     @property
     def remedy(self) -> str:
-        """What would be right, in the words of the message; nothing where it does not say."""
+        """What was expected, in the words of the message; empty if the message does not say."""
         if found := re.search(r"Did you mean .*\?", self.message):
             return found[0]
         if found := re.search(r"expected (?:(?!, got ).)*", self.message):
@@ -104,7 +104,7 @@ class Fault:
 
 
 class ScenarioError(AmorsimError):
-    """A scenario with faults; carries all of them, not the first only, and the warnings of its map, if it was read."""
+    """A scenario with faults; carries all of them, and the warnings of its map if that was read."""
 
     def __init__(self, faults: Iterable[Fault], warnings: Iterable[str] = ()) -> None:
         self.faults = tuple(faults)
@@ -113,7 +113,7 @@ class ScenarioError(AmorsimError):
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """A question after the known name nearest to `name`, led by a space, or nothing; nothing for what is no text."""
+    """A question after the known name nearest to `name`, with a leading space; empty if none is near."""
     if not isinstance(name, str):
         return ""
     near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)

@@ -1,4 +1,4 @@
-"""Where a map is free, and has most room."""
+"""Free places of a map, and those with most room."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ __all__ = ["free_places", "freest_place", "roomy_places"]
 
 
 def freest_place(world: Map) -> tuple[float, float]:
-    """A free place (x, y) [m] of the world with most room about it, the same one every time.
+    """A free place (x, y) [m] of the world with most room around it; always the same one.
 
-    Places that walls shut off from the map's border are preferred where they make up a fair part of what
-    is free; so the place is in the building and not around it. Looks at cells of at most 1/256 of the map
-    first, and at finer ones, up to 1/4096, only while there is hardly a free one.
+    Places that walls separate from the map's border are preferred if they are a fair part of the free area, so the
+    place is in the building and not around it. The search starts with cells of at most 1/256 of the map, and takes
+    finer ones, up to 1/4096, only while hardly any is free.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def freest_place(world: Map) -> tuple[float, float]:
 
 
 def roomy_places(world: Map, count: int) -> list[tuple[float, float]]:
-    """Up to `count` free places (x, y) [m] of the world, those with most room first, as `freest_place` looks.
+    """Up to `count` free places (x, y) [m] of the world, those with most room first, searched as in `freest_place`.
 
     Raises
     ------
@@ -53,9 +53,9 @@ def roomy_places(world: Map, count: int) -> list[tuple[float, float]]:
 
 
 def free_places(world: Map) -> tuple[NDArray[np.float64], float]:
-    """Middles (M, 2) [m] in the world of free squares, and their side [m], as `freest_place` looks.
+    """Middles (M, 2) [m] in the world of free squares, and their side [m], searched as in `freest_place`.
 
-    Those that free squares join to the roomiest place: none in a hollow pillar, or around the building.
+    Only squares that free squares connect to the roomiest place: none in a hollow pillar, or around the building.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def _free_cells(
 
 
 def _looks(world: Map) -> Iterator[tuple[NDArray[np.bool_], float]]:
-    """Coarse looks at which squares are free, and their side [m], finer each time."""
+    """Coarse views of the free squares, and their side [m], finer each time."""
     longest = max(world.size)
     for pieces in (256, 1024, 4096):
         # A little more than 1/pieces, so that rounding makes no piece more.

@@ -1,4 +1,4 @@
-"""A map: which cells of the plane are occupied, where they lie, and the walls they were drawn from."""
+"""A map: which cells of the plane are occupied, their place in the world, and the walls they were drawn from."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from amorsim.kernels.raycast.scans import cast_scans
 __all__ = ["Map"]
 
 _MOST_BYTES = 10**9
-# There a double still tells a thousandth of a cell.
+# A double still resolves a thousandth of a cell there.
 _FARTHEST_CELL = 2**43
 _MOST_TABLES = 2**23
 _TABLE_CELLS = 4096
@@ -32,7 +32,7 @@ _PAGE_CELLS = 64
 _PAGE_BYTES = 640
 # Of a table: 4 bytes for each of its pages.
 _TABLE_BYTES = 16_384
-# What the cells of one map may take; together with what drawing them takes meanwhile that is 1 GB.
+# The limit for the cells of one map; with the memory needed to draw them, that is 1 GB.
 _MOST_GRID_BYTES = 400_000_000
 
 Window = tuple[float, float, float, float]
@@ -51,15 +51,15 @@ class Map:
     grid: Grid
     """The cells, as kernels read them; never written to."""
     origin: Place
-    """The lower left corner in the world, and how far the map is turned about it."""
+    """The lower left corner in the world, and the map's rotation about it."""
     segments: NDArray[np.float64] | None = None
     """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
     segment_index: SegmentIndex = attrs.field(factory=no_segments)
     """Walls in the map's frame, as scans look them up: `segments`, or outlines of the cells; never written to."""
     start: Place | None = None
-    """Where the map says a robot starts, in the world, or None."""
+    """The start pose of a robot that the map gives, in the world, or None."""
     warnings: tuple[str, ...] = ()
-    """What its file says that was left out, one message each."""
+    """What its file contains that was ignored, one message each."""
     name: str = ""
     source: Any = None
     """The file it was read from, with the loader and its options (`amorsim.scenario.maps.MapFile`), or None."""
@@ -80,7 +80,7 @@ class Map:
         Parameters
         ----------
         segments
-            (M, 4) x0, y0, x1, y1 [m] in the world; none at all is an empty room, if there is an extent.
+            (M, 4) x0, y0, x1, y1 [m] in the world; with an extent, an empty array makes an empty room.
         resolution
             Side of a cell [m]. Borders of cells lie at whole multiples of it in the world.
         extent
@@ -112,7 +112,7 @@ class Map:
             corners = np.concatenate([corners, [[xmin, ymin], [xmax, ymax]]])
         if len(corners) == 0:
             raise MapError("the map is empty: no wall and no extent; give at least one of them")
-        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is refused below
+        with np.errstate(over="ignore", invalid="ignore"):  # overflow is rejected below
             low = np.floor(snapped(corners.min(axis=0) / side))
             high = np.ceil(snapped(corners.max(axis=0) / side))
             cols, rows = (float(n) for n in np.maximum(high - low, 1.0))
@@ -206,10 +206,10 @@ class Map:
         Parameters
         ----------
         window
-            xmin, ymin, xmax, ymax [m] in the map's frame (the lower left corner is 0, 0); the whole map where
-            not given. What of it is outside the map is occupied.
+            xmin, ymin, xmax, ymax [m] in the map's frame (the lower left corner is 0, 0); the whole map if
+            not given. Outside the map it is occupied.
         resolution
-            Side [m] of the array's cells, the map's where not given. A coarser cell is occupied if any cell
+            Side [m] of the array's cells, the map's if not given. A coarser cell is occupied if any cell
             in it is.
 
         Raises
@@ -397,7 +397,7 @@ def _refuse_too_much_memory(
 
 
 def _grid_bytes(walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]) -> float:
-    """How much memory the cells that walls touch take [bytes], at the most: of those in one page each takes its own."""
+    """Upper bound of the memory [bytes] of the cells that walls touch: every wall counts its own pages."""
     low = np.minimum(walls[:, :2], walls[:, 2:]) / side - offset
     high = np.maximum(walls[:, :2], walls[:, 2:]) / side - offset
     size = 0.0
@@ -408,6 +408,6 @@ def _grid_bytes(walls: NDArray[np.float64], rows: int, cols: int, side: float, o
         straight = (walls[:, 0] == walls[:, 2]) | (walls[:, 1] == walls[:, 3])
         touched = float(np.where(straight, across * up, across + up).sum())
         width, height = cols // cells + 1, rows // cells + 1
-        # What is outside is occupied, so that those along the right and the upper edge are needed in any case.
+        # The outside is occupied, so pages along the right and the upper edge are always needed.
         size += each * min(touched + width + height, width * height)
     return size

@@ -1,4 +1,4 @@
-"""How much memory there is, so that what cannot fit is refused before any of it is taken."""
+"""The available memory, so that what cannot fit is rejected before it is allocated."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LIMIT = Path("/sys/fs/cgroup/memory.max")  # of a container
 
 
 def memory_of_machine() -> int | None:
-    """Bytes of memory that this process can have at the most; None where that is not told (on Windows)."""
+    """Bytes of memory that this process can have at the most; None if that is not known (on Windows)."""
     try:
         whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
@@ -28,12 +28,12 @@ def memory_of_machine() -> int | None:
         whole = min(whole, *(limit for limit in limits if limit != resource.RLIM_INFINITY), whole)
     try:
         return min(whole, int(_LIMIT.read_text()))
-    except (OSError, ValueError):  # there is none, or it says "max"
+    except (OSError, ValueError):  # no such file, or it holds "max"
         return whole
 
 
 def too_large(count: int, each: int) -> str:
-    """That so many of `each` bytes do not fit into memory, in words, and how many would if any; nothing if they do."""
+    """A message if `count` things of `each` bytes do not fit into memory, with the number that would; else empty."""
     there = memory_of_machine()
     if there is None or count * each <= there:
         return ""

@@ -1,4 +1,4 @@
-"""What noise does to values, said as steps that a kernel takes: a whole chain of them in one call."""
+"""Noise as steps for a kernel: a whole chain of them in one call."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ __all__ = ["NoiseProgram", "NoiseStep"]
 Array = npt.NDArray[np.float64]
 
 _RANDOM = (kernels.SCATTER, kernels.REPLACE)
-_WORK = {kernels.SCATTER: 0.5, kernels.REPLACE: 0.25}  # rays that a value costs as much as, where it is drawn for
+_WORK = {kernels.SCATTER: 0.5, kernels.REPLACE: 0.25}  # cost of a value that needs a draw, in rays
 
 
 class NoiseStep(NamedTuple):
-    """One step of what an element of noise does (`Noise.steps`): made by one of the methods below.
+    """One step of a noise element (`Noise.steps`), made by one of the methods below.
 
     Parameters of a step are numbers, or the element's own fields, which over rows are arrays `(N, 1)`.
     """
@@ -56,12 +56,12 @@ class NoiseStep(NamedTuple):
 
     @classmethod
     def clip(cls, low: Any, high: Any) -> NoiseStep:
-        """Raise what is below `low`, and lower what is above `high` and no inf."""
+        """Clip to `low` and `high`; inf stays."""
         return cls(kernels.CLIP, low, high)
 
     @classmethod
     def replace(cls, probability: Any, value: Any) -> NoiseStep:
-        """Put `value` in the place of each value with a probability."""
+        """Replace each value by `value` with a probability."""
         return cls(kernels.REPLACE, probability, value)
 
 
@@ -71,10 +71,9 @@ class NoiseProgram:
     Parameters
     ----------
     sizes
-        How many values each device has.
+        The number of values of each device.
     steps
-        Of each device in the order in which they are taken, each step with the draws of the element that it is of.
-        All draws have the same rows.
+        For each device its steps in order, each with the draws of its element. All draws have the same rows.
     """
 
     def __init__(self, sizes: Sequence[int], steps: Sequence[Sequence[tuple[NoiseStep, Draws]]]) -> None:
@@ -98,9 +97,9 @@ class NoiseProgram:
         self._work = 1 + int(sum(costs))
 
     def apply(self, values: Array) -> Array:
-        """What the steps make of the values `(V,)`, device by device, with the next draws of the tick.
+        """The values `(V,)` after the steps, device by device, with the next draws of the tick.
 
-        Of each device the values of row 0 come first.
+        For each device, the values of row 0 come first.
         """
         if self._draws is None:
             return values
@@ -116,7 +115,7 @@ class NoiseProgram:
 
 
 def _drawing(sizes: Sequence[int], steps: Sequence[Sequence[tuple[NoiseStep, Draws]]]) -> Iterator[tuple[Draws, int]]:
-    """The draws of each step, and how many numbers it draws for a row."""
+    """The draws of each step, and the number of draws for a row."""
     for size, its in zip(sizes, steps, strict=True):
         for step, draws in its:
             yield draws, size if step.kind in _RANDOM else 0

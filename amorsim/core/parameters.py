@@ -1,6 +1,6 @@
 """Parameters of components: attrs fields that know their unit, bounds and meaning.
 
-The scenario file, the command line, forms and reference pages are all made from what `describe` tells.
+The scenario file, the command line, forms and reference pages are all made from `describe`.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ LARGEST = 1e12
 """No number of a component is larger, whatever its unit: squares and products of such numbers keep all their digits."""
 SMALLEST = 1e-12
 """No number that must be above 0 is smaller."""
-_LARGEST_WHOLE = 2**53  # of those whose bounds say nothing of it
+_LARGEST_WHOLE = 2**53  # for those without bounds of their own
 
 _KEY = "amorsim"
 _REQUIRED: Any = attrs.NOTHING
 
 
 class ParameterError(AmorsimError, ValueError):
-    """A value that a parameter does not take; `name` is the parameter, `problem` what is wrong with the value."""
+    """A value that a parameter does not accept; `name` is the parameter, `problem` the fault of the value."""
 
     def __init__(self, name: str, problem: str) -> None:
         self.name = name
@@ -42,10 +42,10 @@ class ParameterError(AmorsimError, ValueError):
 class Parameter:
     """One parameter of a component, as its field declares it.
 
-    `unit` is ``""`` for a pure number and ``"sensor"`` where it follows the sensor the component sits on.
-    `static` parameters fix shapes (a number of beams): rows that differ in one are of different groups.
-    `live` ones may change between steps. A `file` is the path of one: relative ones start, in a scenario, where the
-    scenario lies, and a run's folder gets a copy.
+    `unit` is ``""`` for a pure number and ``"sensor"`` if it is that of the component's sensor.
+    `static` parameters fix shapes (a number of beams): rows that differ in one belong to different groups.
+    `live` parameters may change between steps. A `file` is a path: in a scenario, relative to the scenario's folder;
+    a run's folder gets a copy of the file.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Parameter:
 
     @property
     def is_angle(self) -> bool:
-        """Whether it is spelt in degrees in files, in a key that ends in ``_deg``."""
+        """Whether files give it in degrees, in a key that ends in ``_deg``."""
         return self.unit.split("/")[0] == "rad"
 
     @property
@@ -79,12 +79,12 @@ class Parameter:
 
     @property
     def file_type_name(self) -> str:
-        """The same with the keys that tables have in files."""
+        """The same, with the keys of tables in files."""
         return _type_name(self.type, in_file=True)
 
     @property
     def bounds(self) -> str:
-        """What values are allowed, in words, or nothing."""
+        """The bounds in words; empty if there are none."""
         if self.choices:
             return "one of " + ", ".join(repr(choice) for choice in self.choices)
         parts = [
@@ -96,10 +96,10 @@ class Parameter:
 
     @property
     def expectation(self) -> str:
-        """What would be right, in words: type, unit and bounds."""
+        """The expected value in words: type, unit and bounds."""
         unit = f" [{self.unit}]" if self.unit not in ("", "sensor") else ""
         options = [option for option in typing.get_args(self.type) if option not in (str, types.NoneType)]
-        if self.choices and options and str in typing.get_args(self.type):  # a word, or else something measured
+        if self.choices and options and str in typing.get_args(self.type):  # a word, or else a quantity
             return " or ".join([*map(repr, self.choices), *map(_type_name, options)]) + unit
         return f"{self.type_name}{unit}" + (f" {self.bounds}" if self.bounds else "")
 
@@ -154,11 +154,11 @@ def _describe(cls: type) -> dict[str, Parameter]:
     hints = typing.get_type_hints(cls)
     found = {}
     for field in attrs.fields(cls):
-        if not field.init:  # what a recorder keeps for itself
+        if not field.init:  # internal to a recorder
             continue
         default = field.default
         if isinstance(default, attrs.Factory):  # type: ignore[arg-type]
-            # One that hangs on the other fields is nothing that could be told beforehand.
+            # A default that depends on other fields is not known beforehand.
             default = None if default.takes_self else default.factory()
         found[field.name] = Parameter(
             name=field.name, type=hints[field.name], default=default, **field.metadata.get(_KEY, {})
@@ -171,7 +171,7 @@ def _validate(instance: Any, attribute: attrs.Attribute[Any], value: Any) -> Non
 
 
 def check_value(expected: Parameter, value: Any) -> None:
-    """Raise `ParameterError` unless `value` is one that the parameter takes."""
+    """Raise `ParameterError` unless the parameter accepts `value`."""
     problem = _problem(expected, expected.type, value)
     if problem:
         raise ParameterError(expected.name, problem)

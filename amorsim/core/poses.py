@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class Mount:
-    """Where a device sits on its robot: a pose in the robot's base frame (x ahead, y to the left)."""
+    """The mount of a device on its robot: a pose in the robot's base frame (x ahead, y to the left)."""
 
     x: float = parameter(0.0, unit="m", help="ahead of the robot's base point")
     y: float = parameter(0.0, unit="m", help="to the left of the robot's base point")
@@ -33,8 +33,8 @@ def compose(poses: Array, displacements: Array) -> Array:
 def exponential(twists: Array, fraction: Array) -> Array:
     """Displacements `(N, 3)` in closed form by a fraction `(N, 1)` of constant twists `(N, 3)`.
 
-    A twist is the motion (forward [m], left [m], turn [rad]) over the whole step as the body itself feels it; the
-    path is an arc of a circle.
+    A twist is the motion (forward [m], left [m], turn [rad]) over the whole step in the body's frame; the path
+    is an arc of a circle.
     """
     out = np.empty((len(twists), 3))
     kernels.exponential(np.ascontiguousarray(twists), np.ascontiguousarray(fraction), out)

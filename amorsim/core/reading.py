@@ -1,4 +1,4 @@
-"""Reads files that a user names, whatever they turn out to be."""
+"""Reads files that a user names, of any kind, safely."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 __all__ = ["MOST_BYTES", "check_readable", "is_file", "read_bytes", "read_text", "reason"]
 
 MOST_BYTES = 100_000_000
-"""A text longer than this [bytes] is no map, track, scenario or program that anybody wrote."""
+"""A text longer than this [bytes] is not a map, track, scenario or program."""
 
 _KINDS = (
     (stat.S_ISCHR, "a device"),
@@ -20,10 +20,10 @@ _KINDS = (
 
 
 def check_readable(path: str | os.PathLike[str], most: int = MOST_BYTES) -> None:
-    """Raise `OSError` unless a file is there, and is one that can be read to its end: regular, and of `most` bytes.
+    """Raise `OSError` unless a file exists and can be read to its end: regular, and of at most `most` bytes.
 
-    A pipe would wait for somebody to write into it, and a device such as ``/dev/zero`` has no end. Folders are left to
-    `open`, which says it of them.
+    A pipe would wait for a writer, and a device such as ``/dev/zero`` has no end. Folders are left to `open`, which
+    reports them.
     """
     about = Path(path).stat()
     for is_kind, what in _KINDS:
@@ -34,7 +34,7 @@ def check_readable(path: str | os.PathLike[str], most: int = MOST_BYTES) -> None
 
 
 def is_file(path: str | os.PathLike[str]) -> bool:
-    """Whether there is a regular file; none is under a name that the system does not take."""
+    """Whether there is a regular file; false for a name that the system does not accept."""
     try:
         return Path(path).is_file()
     except OSError:  # a name that is too long
@@ -42,25 +42,25 @@ def is_file(path: str | os.PathLike[str]) -> bool:
 
 
 def read_bytes(path: str | os.PathLike[str], most: int = MOST_BYTES) -> bytes:
-    """What is in a file.
+    """The content of a file.
 
     Raises
     ------
     OSError
-        If there is no such file, it cannot be read, is no regular file, or has more than `most` bytes.
+        If there is no such file, it cannot be read, is not a regular file, or has more than `most` bytes.
     ValueError
-        If the path is none that a system could have, as with a zero byte.
+        If no system could have such a path, for example one with a zero byte.
     """
     check_readable(path, most)
     return Path(path).read_bytes()
 
 
 def read_text(path: str | os.PathLike[str], encoding: str = "utf-8", most: int = MOST_BYTES) -> str:
-    """The text in a file, its line ends as Python reads them; raises what `read_bytes` does."""
+    """The text in a file, its line ends as Python reads them; raises as `read_bytes`."""
     check_readable(path, most)
     return Path(path).read_text(encoding=encoding)
 
 
 def reason(error: Exception) -> str:
-    """Why a file could not be read, without its name, which the caller says."""
+    """Why a file could not be read, without its name, which the caller adds."""
     return (isinstance(error, OSError) and error.strerror) or str(error)

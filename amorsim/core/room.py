@@ -11,7 +11,7 @@ __all__ = ["inside", "joined", "joined_to", "room_about", "roomiest"]
 def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
     """`(row, col, room)` of the free cell with most room: in the middle of a free square of 2 room - 1 cells.
 
-    None where nothing is free.
+    None if nothing is free.
     """
     left = np.pad(inside(free), 1)
     room = 0
@@ -23,19 +23,19 @@ def roomiest(free: NDArray[np.bool_]) -> tuple[int, int, int] | None:
     if room == 0:
         return None
     places = np.argwhere(middle)
-    # Of the equally roomy the one nearest to their mean: the middle of a long hall, not its end.
+    # Of equally roomy cells, the one nearest to their mean: the middle of a long hall, not its end.
     row, col = places[np.argmin(((places - places.mean(axis=0)) ** 2).sum(axis=1))]
     return int(row) - 1, int(col) - 1, room
 
 
 def joined(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The free cells that some way over free cells joins to the roomiest place; none if nothing is free."""
+    """The free cells connected to the roomiest place by free cells; none if nothing is free."""
     found = roomiest(free)
     return np.zeros_like(free) if found is None else joined_to(free, found[0], found[1])
 
 
 def joined_to(free: NDArray[np.bool_], row: int, col: int) -> NDArray[np.bool_]:
-    """The free cells that some way over free cells, from side to side, joins to a free one."""
+    """The free cells connected to a given free cell by free cells that share a side."""
     padded = np.pad(free, 1)
     reached = np.zeros_like(padded)
     reached[row + 1, col + 1] = True
@@ -44,17 +44,16 @@ def joined_to(free: NDArray[np.bool_], row: int, col: int) -> NDArray[np.bool_]:
 
 
 def inside(free: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The free cells that are inside a building, or all where there is none."""
+    """The free cells that are inside a building, or all free cells if there is none."""
     padded = np.pad(free, 1)
     enclosed = _enclosed(padded)
-    # A hollow pillar is enclosed too; only where much of the free area is, its walls are taken for those of a
-    # building.
+    # A hollow pillar is enclosed too. Only if much of the free area is enclosed, the walls count as a building.
     left = enclosed if 4 * np.count_nonzero(enclosed) >= np.count_nonzero(padded) else padded
     return left[1:-1, 1:-1]
 
 
 def room_about(free: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Of each cell the `room` of the largest free square of 2 room - 1 cells about it; 0 where it is not free."""
+    """For each cell the `room` of the largest free square of 2 room - 1 cells around it; 0 if it is not free."""
     left = np.pad(free, 1)
     room = np.zeros(left.shape, dtype=np.int64)
     while left.any():
@@ -73,7 +72,7 @@ def _eroded(left: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Free cells of a padded array that no way joins to its border; none where finding out takes too long."""
+    """Free cells of a padded array that are not connected to its border; none if the search takes too long."""
     reached = np.zeros_like(padded)
     for edge in (np.s_[1], np.s_[-2], np.s_[:, 1], np.s_[:, -2]):
         reached[edge] = padded[edge]
@@ -82,7 +81,7 @@ def _enclosed(padded: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _spread(padded: NDArray[np.bool_], reached: NDArray[np.bool_], rounds: int) -> tuple[NDArray[np.bool_], bool]:
-    """What free cells of a padded array some are joined to, and whether that is all after so many rounds."""
+    """The free cells of a padded array connected to `reached`, and whether `rounds` were enough to find all."""
     # Each blocked cell begins a run of its row (or column); what reaches one free cell of a run reaches all
     # of it.
     row_runs = np.cumsum(~padded.ravel()).reshape(padded.shape)

@@ -35,13 +35,13 @@ def _is_table(value: tuple[Any, ...]) -> bool:
 
 
 def signature(component: Any) -> Hashable:
-    """What must be equal for two components to be rows of one group: class, static fields, lengths of rings."""
+    """The key that must be equal for components to be rows of one group: class, static fields, lengths of rings."""
     kind: Any = type(component)
     parts: list[Hashable] = [kind]
     for name, parameter in describe(kind).items():
         value = getattr(component, name)
         if type(value) is float and not parameter.static:
-            parts.append(name)  # as the rules below say; nearly all are such, and a fleet has very many
+            parts.append(name)  # as by the rules below; a short cut, because most values are floats
         elif not _varies(parameter, value):
             parts.append((name, value))
         elif isinstance(value, tuple):
@@ -61,8 +61,8 @@ def stack(components: Sequence[T]) -> T:
 
     A number becomes `(N, 1)`, so that ``values * self.scale`` broadcasts; a tuple of k numbers `(N, k)`, of k tuples of
     m numbers `(N, k, m)`; a nested table one of such arrays; a tuple of k tables one table of `(N, k)` arrays.
-    Everything else stays as it is and is
-    equal in all rows (`signature`). The fields were checked when each row's own component was made.
+    Everything else stays as it is and is equal in all rows (`signature`). The fields were checked when each row's own
+    component was made.
     """
     first = components[0]
     values = {}
@@ -83,7 +83,7 @@ def _stack_column(column: list[Any], parameter: Parameter) -> Any:
         return _assemble(type(first[0]), fields)
     if attrs.has(type(first)):
         return stack(column)
-    # As annotated, not as given: a whole number given for a float is a float in every row.
+    # As annotated, not as given: an int given for a float is a float in every row.
     dtype = np.float64 if "float" in str(parameter.type) else np.int64
     if isinstance(first, tuple):
         return _frozen(column, dtype)
@@ -97,7 +97,7 @@ def _frozen(rows: Any, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
 
 
 def _assemble(cls: type[T], values: dict[str, Any]) -> T:
-    # Past the validators: they speak of one row's numbers, and have done so already.
+    # Skips the validators: they check one row's numbers, and have done so already.
     made = cls.__new__(cls)
     for name, value in values.items():
         object.__setattr__(made, name, value)

@@ -1,4 +1,4 @@
-"""Footprints: what of a robot or an obstacle can touch, and can be seen by, others."""
+"""Footprints: the shape with which a robot or an obstacle touches others and is seen by them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Ring = tuple[Point, ...]
 _FLAT = 1e-12
 _CIRCLE_POINTS = 64
 SMALLEST = 1e-6
-"""Nearer to its body's origin [m] no shape ends."""
+"""The least distance [m] from its body's origin at which a shape may end."""
 LARGEST = 1e6
-"""Farther from its body's origin [m] no shape reaches."""
+"""The largest distance [m] from its body's origin that a shape may reach."""
 
 
 @attrs.frozen(cache_hash=True)
@@ -41,7 +41,7 @@ class Shape:
         The vertices [m] of each convex part, anticlockwise. A part of one vertex is a disc, one of two a
         capsule.
     radius
-        By how much each part is rounded outwards [m].
+        The outward rounding of each part [m].
     border
         The vertices [m] of the outline as drawn, anticlockwise.
     """
@@ -147,7 +147,7 @@ class Shape:
 
 
 def pack(shapes: Iterable[Shape]) -> Bodies:
-    """The footprints of bodies 0, 1, … as the arrays that kernels take."""
+    """The footprints of bodies 0, 1, … as arrays for kernels."""
     shapes = list(shapes)
     known = {shape: shape.parts for shape in set(shapes)}
     parts = [known[shape] for shape in shapes]
@@ -216,7 +216,7 @@ def _ring(vertices: ArrayLike | Iterable[Sequence[float]]) -> Ring:
         raise ValueError(f"a polygon has three vertices at least, not {len(ring)}")
     size = _size(ring)
     if abs(_area(ring)) <= _FLAT * size * size:
-        # Equal lobes of a figure of eight cancel, so say which of the two is wrong.
+        # Equal lobes of a figure of eight cancel, so the message names which of the two is wrong.
         if shapely.MultiPoint(ring).convex_hull.area <= _FLAT * size * size:
             raise ValueError(f"a polygon has an area, but these vertices lie on one line: {ring}")
         raise ValueError(f"the border of a polygon must not meet itself, but this one does: {ring}")
@@ -269,7 +269,7 @@ def _best_diagonal(ring: Ring) -> int:
         # Wholly inside, touching the border at its two ends only.
         if shapely.relate_pattern(shapely.LineString((ring[0], ring[end])), outline, "TFF******"):
             halves = (ring[: end + 1], (ring[0], *ring[end:]))
-            # Both halves bend anew where the diagonal begins and where it ends.
+            # Both halves have new corners at the ends of the diagonal.
             reflex = sum(_bend(half[-1], half[0], half[1]) < 0.0 for half in halves)
             reflex += _bend(ring[end - 1], ring[end], ring[0]) < 0.0
             reflex += _bend(ring[0], ring[end], ring[end + 1]) < 0.0

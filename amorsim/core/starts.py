@@ -1,4 +1,4 @@
-"""Where footprints have room on a map: whether they stand free, and the place where one has most."""
+"""Room for footprints on a map: whether they are free, and the place with most room."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["freest_start", "least_gaps", "out_of_reach", "outside", "overlap_wit
 
 Array = npt.NDArray[np.float64]
 
-_PLACES = 2000  # that are looked at where the roomiest one is too small
+_PLACES = 2000  # tried if the roomiest one is too small
 _HEADINGS = 16
 _IN_A_WALL = "is in a wall"
 
@@ -27,7 +27,7 @@ _IN_A_WALL = "is in a wall"
 def wall_gaps(world: Map, shapes: Sequence[Shape], poses: Array, cap: float = 0.0) -> tuple[Array, Array]:
     """Signed gaps [m] `(N,)` of footprints at `poses` `(N, 3)` to the walls, at most `cap`; nearest points `(N, 2)`.
 
-    Below zero exactly where a footprint's inside meets an occupied cell's: the engine's own test.
+    A gap is below zero exactly if a footprint's inside overlaps an occupied cell's: the engine uses the same test.
     """
     count = len(shapes)
     gaps, where = np.empty(count), np.empty((count, 2))
@@ -37,14 +37,14 @@ def wall_gaps(world: Map, shapes: Sequence[Shape], poses: Array, cap: float = 0.
 
 
 def out_of_reach(world: Map, x: float, y: float) -> str:
-    """What is wrong with a place in the world where somebody wants to be, in words; nothing if it is free."""
+    """Why a robot cannot be at a place in the world, in words; empty if the place is free."""
     if not world.occupied([[x, y]])[0]:
         return ""
     return outside(world, x, y) or _IN_A_WALL
 
 
 def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], what: str = "the footprint") -> str:
-    """What is wrong with a footprint, or with `what`, at a place that overlaps an occupied cell `near`, in words."""
+    """The message for a footprint, or `what`, at a place where it overlaps an occupied cell at `near`."""
     beyond = outside(world, x, y)
     if beyond:
         of_part = "" if what == "the footprint" else f", where {what} is,"
@@ -60,7 +60,7 @@ def overlap_with_walls(world: Map, x: float, y: float, near: Sequence[float], wh
 
 
 def outside(world: Map, x: float, y: float) -> str:
-    """That a place in the world is outside the map, in words; nothing if it is within."""
+    """The message for a place in the world outside the map; empty if it is within."""
     origin_x, origin_y, yaw = world.origin
     c, s = math.cos(yaw), math.sin(yaw)
     along, up = c * (x - origin_x) + s * (y - origin_y), c * (y - origin_y) - s * (x - origin_x)
@@ -74,15 +74,15 @@ def outside(world: Map, x: float, y: float) -> str:
 def freest_start(
     world: Map, shape: Shape, others: Sequence[tuple[Shape, Sequence[float]]] = ()
 ) -> tuple[float, float, float]:
-    """A free pose (x [m], y [m], heading [rad]) for a footprint with much room about it, the same one every time.
+    """A free pose (x [m], y [m], heading [rad]) for a footprint with much room around it; always the same one.
 
-    That is at the map's roomiest place, looking along x, if the footprint fits in there; else, of many roomy places and
-    headings, where its gap to the walls is widest. `others` are to have room, too: shapes at poses in its frame.
+    That is the map's roomiest place, heading along x, if the footprint fits there. Otherwise it is the one of many
+    roomy places and headings with the widest gap to the walls. `others` need room too: shapes at poses in its frame.
 
     Raises
     ------
     MapError
-        If it fits in nowhere that was looked at.
+        If it fits at none of the places tried.
     """
     x, y = freest_place(world)
     together = [(shape, (0.0, 0.0, 0.0)), *others]
@@ -104,7 +104,7 @@ def freest_start(
 
 
 def least_gaps(world: Map, together: Sequence[tuple[Shape, Sequence[float]]], poses: Array, cap: float = 0.0) -> Array:
-    """The least gap `(N,)` of several shapes that stand at poses in the frame of each of `poses` `(N, 3)`."""
+    """The least gap [m] `(N,)` of several shapes, at poses relative to each of `poses` `(N, 3)`, to the walls."""
     found: Array = np.full(len(poses), math.inf)
     for shape, inside in together:
         at = compose(poses, np.repeat([inside], len(poses), axis=0))

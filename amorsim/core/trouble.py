@@ -1,4 +1,4 @@
-"""What a user is told of an error: the message, and the lines of their own code that led to it."""
+"""Errors as users see them: the message, and the lines of their own code that led to it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LIBRARIES = ("llvmlite", "numba", "numpy", "PIL", "scipy", "shapely")  # that a
 _LONGEST = 200  # characters of a value
 
 RAISED = (Exception, SystemExit)
-"""What is caught of a user's code; Ctrl-C is not."""
+"""The exceptions caught from a user's code; Ctrl-C is not one."""
 
 
 def explain(error: BaseException) -> str:
@@ -34,7 +34,7 @@ def explain(error: BaseException) -> str:
 
 
 def error_in_words(error: BaseException) -> str:
-    """The error's class and text, also where it cannot say its text."""
+    """The error's class and text, even if making its text fails."""
     name = type(error).__name__
     try:
         return f"{name}: {error}"
@@ -43,7 +43,7 @@ def error_in_words(error: BaseException) -> str:
 
 
 def in_words(value: Any) -> str:
-    """A value as messages show it: not longer than they can be read, also where it cannot say what it is."""
+    """A value for messages: shortened to a readable length, even if its `repr` fails."""
     try:
         text = repr(value)
     except RAISED as error:
@@ -52,13 +52,13 @@ def in_words(value: Any) -> str:
 
 
 def users_lines(stack: traceback.StackSummary) -> list[str]:
-    """The part of a stack, outermost first, that is the user's, as text; nothing where none is."""
+    """The user's own part of a stack as text, outermost first; empty if there is none."""
     users = [i for i, frame in enumerate(stack) if _is_users(frame.filename)]
-    # What we ask a library ourselves is not the user's; what their code asks it is.
+    # Calls from amorsim to a library are not the user's; calls from their code are.
     first = next((i for i in users if not _is_librarys(stack[i].filename)), None)
     if first is None:
         return []
-    # What lies before is ours, what lies behind Python's.
+    # Frames before are amorsim's, frames after are Python's.
     return [part.rstrip("\n") for part in traceback.format_list(stack[first : users[-1] + 1])]
 
 

@@ -1,4 +1,4 @@
-"""Code of a user's within a component: a plain function of one row, or a class of which each row has an object."""
+"""A user's code within a component: a plain function for one row, or a class with an object for each row."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Objects = npt.NDArray[Any]
 
 @attrs.frozen(kw_only=True)
 class UserCode:
-    """What controllers and motions of a user's share: making the objects, asking them, and saying who failed.
+    """The common part of user-written controllers and motions: makes the objects, calls them, and reports failures.
 
     Parameters
     ----------
@@ -44,14 +44,14 @@ class UserCode:
     options: tuple[tuple[str, Any], ...] = attrs.field(default=())
 
     def failed(self, message: str, name: str) -> AmorsimError:
-        """The exception of its kind, for what went wrong with the robot or obstacle `name` (empty: not known)."""
+        """The exception of its kind for a failure with the robot or obstacle `name` (empty: not known)."""
         return AmorsimError(message)
 
     def make_objects(self, rows: int, who: Callable[[int], str]) -> dict[str, Objects]:
-        """The state at the start: ``"objects"`` `(N,)`, one of the class for each row; nothing for a function.
+        """The state at the start: ``"objects"`` `(N,)`, one of the class for each row; empty for a function.
 
-        `who` says whom a row is of, as a message calls it. What is raised is what `failed` gives, if it cannot be
-        called, an object cannot be made, or has no such method.
+        `who` gives the name of a row's robot or obstacle for messages. Raises the exception of `failed` if the code
+        cannot be called, or an object cannot be made or lacks the method.
         """
         what = f"{self.kind} {self.source!r}"
         if not callable(self.function):
@@ -83,7 +83,7 @@ class UserCode:
         return self.signature.partition("(")[0]
 
     def asker(self, state: Mapping[str, Objects]) -> Callable[[int], Callable[..., Any]]:
-        """Whom to call for a row: the method of its object, or the function with its options."""
+        """What to call for a row: the method of its object, or the function with its options."""
         objects = state.get("objects")
         if objects is not None:
             made, method = objects, self._method
@@ -92,12 +92,12 @@ class UserCode:
         return lambda _: call
 
     def raised(self, error: BaseException, who: str, time: float, name: str) -> AmorsimError:
-        """What to raise for what the user's code raised."""
+        """The exception to raise for one that the user's code raised."""
         return self.failed(f"{self.kind} {self.source!r} of {who} at {time:g} s raised {error_in_words(error)}", name)
 
 
 def present_folder() -> str | None:
-    """The working folder; None where it was removed."""
+    """The working folder; None if it was removed."""
     try:
         return os.getcwd()  # noqa: PTH109 - as text
     except OSError:
@@ -105,9 +105,9 @@ def present_folder() -> str | None:
 
 
 def go_back(folder: str | None, who: str) -> None:
-    """Make `folder` the working folder again, with a warning, where code of a user's has made another of it.
+    """Make `folder` the working folder again, with a warning, if a user's code has changed it.
 
-    Paths that a user gave are relative to it, those of a run's files among them.
+    Paths that a user gave are relative to it, including those of a run's files.
     """
     left_for = present_folder()
     if folder is None or left_for == folder:

@@ -1,4 +1,4 @@
-"""Which places walls shut off from one another."""
+"""Reachability: places that walls separate from each other."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ __all__ = ["shut_off"]
 Bools = npt.NDArray[np.bool_]
 Place = tuple[float, float]
 
-MOST = 4096  # squares along a side that are looked at
-FINE = 1024  # and that are not looked at in vain
-SQUARES = 10.0  # in the room, where there are not too many
+MOST = 4096  # the most squares along a side of the map
+FINE = 1024  # squares along a side at most, unless `room` needs smaller ones
+SQUARES = 10.0  # squares within `room`, unless that makes too many
 
 
 def shut_off(world: Map, room: float, start: Place, places: Sequence[Place]) -> Bools:
-    """Which of some free places `(M,)` nobody gets to from a start who keeps all walls `room` [m] away; x, y [m].
+    """Which of some free places `(M,)` a body that keeps `room` [m] to all walls cannot reach from `start`; x, y [m].
 
-    Said only of what is certain: whoever goes there goes through squares that touch along their sides, and all
-    squares that are wholly within his room are free. False for all where such squares would be too many.
+    True only if it is certain: any path leads through squares that share sides, and all squares wholly within `room`
+    of the body are free. False for all places if there would be too many squares.
     """
     none: Bools = np.zeros(len(places), dtype=np.bool_)
     # No corner of a square is farther from a place in it than its diagonal; cells themselves need no room.
@@ -43,11 +43,11 @@ def shut_off(world: Map, room: float, start: Place, places: Sequence[Place]) -> 
 
 
 def _with_room(free: Bools, room: float) -> Bools:
-    """The free squares in which somebody may be who needs `room`, in sides of a square, about him."""
+    """The free squares in which a body that needs `room`, in sides of a square, around it may be."""
     rows, _ = free.shape
     left = free.copy()
     for up in range(int(room) + 1):
-        # A square so far away is wholly within the room of whoever is anywhere in this one.
+        # A square this far away is wholly within `room` of every point of this one.
         across = math.floor(math.sqrt(max(0.0, room**2 - (up + 1) ** 2)) - 1.0)
         if across < 0:
             break
@@ -71,7 +71,7 @@ def _square(world: Map, side: float, place: Place) -> npt.NDArray[np.float64]:
 
 
 def _near(free: Bools, reached: Bools, square: npt.NDArray[np.float64]) -> bool:
-    """Whether any of the free squares nearest to a place, which may be close to a wall, is one that is reached."""
+    """Whether any of the free squares nearest to a place, which may be close to a wall, is reached."""
     rows, cols = free.shape
     row, col = np.floor(square).astype(int).tolist()
     for ring in range(max(rows, cols)):

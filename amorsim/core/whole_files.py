@@ -1,7 +1,7 @@
-"""Files that are replaced whole or not at all.
+"""Atomic file writes: a file is replaced completely or not at all.
 
 Everything that amorsim writes, other than the lines that a run appends to, goes through here: into a temporary folder
-next to the file, to the disk, and only then over what was there. A failure or a kill leaves the old file as it was.
+next to the file, to the disk, and only then over the old file. A failure or a kill leaves the old file unchanged.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from amorsim.core.errors import AmorsimError, RunError
 
 __all__ = ["copy_file", "replacing", "write_bytes", "write_text"]
 
-PREFIX = ".amorsim-"  # of the temporary folders; what a kill leaves of one may be removed
+PREFIX = ".amorsim-"  # of the temporary folders; one that a kill left behind may be removed
 
 
 @contextlib.contextmanager
@@ -31,9 +31,9 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
     Parameters
     ----------
     path
-        The file, which may be there or not.
+        The file, which need not exist.
     error
-        What is raised in place of an `OSError`, whether the block or the replacing raised it.
+        The exception raised in place of an `OSError` from the block or from the replacing.
     """
     path = Path(path)
     try:
@@ -48,7 +48,7 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
                 _sync(file)
             if target.exists():
                 shutil.copymode(target, new)
-            for file in beside:  # first, for the file itself may name them
+            for file in beside:  # first, because the file itself may name them
                 place = path.parent / file.relative_to(folder)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 file.replace(place)
@@ -60,7 +60,7 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
 
 
 def _refuse_to_replace(target: Path) -> None:
-    """Complain of what opening the file for writing would complain of, and of what is no file."""
+    """Raise if the file could not be opened for writing, or is not a file."""
     if target.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not target.exists():
@@ -82,19 +82,19 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     Raises
     ------
     RunError
-        If it cannot be written; what was there is there still.
+        If it cannot be written; the old file stays then.
     """
     with replacing(path) as new:
         new.write_bytes(data)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file, in UTF-8 and with the line ends of `text`; fails as `write_bytes` does."""
+    """Write a text file, in UTF-8 and with the line ends of `text`; raises as `write_bytes`."""
     write_bytes(path, text.encode())
 
 
 def copy_file(source: str | os.PathLike[str], path: str | os.PathLike[str]) -> None:
-    """Copy what a file holds; fails as `write_bytes` does, and if `source` cannot be read."""
+    """Copy the content of a file; raises as `write_bytes`, and if `source` cannot be read."""
     try:
         data = Path(source).read_bytes()
     except OSError as problem:

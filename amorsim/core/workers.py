@@ -1,7 +1,7 @@
 """Threads that share the rows of a kernel's work.
 
-Kernels release Python's global lock and write each row by itself. So rows can be cut into slices that are worked on
-side by side, and the bits are those of one thread. No thread is shared between simulations.
+Kernels release Python's global lock and write each row independently. So threads can work on slices of the rows in
+parallel, and the bits are those of one thread. No thread is shared between simulations.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 __all__ = ["Workers", "cores"]
 
 LEAST_WORK = 1_500
-"""Smaller work is not cut. In rays, or what costs about as much: some 25 ns each."""
+"""Smaller work is not split. In rays, or work of the same cost: some 25 ns each."""
 
 
 def cores() -> int:
@@ -25,13 +25,13 @@ def cores() -> int:
 
 
 class Workers:
-    """A number of threads, one of them the caller's own; no more of them than processors."""
+    """A number of threads, including the caller's own; at most as many as processors."""
 
     def __init__(self, threads: int = 1, processors: int | None = None) -> None:
         self._asked = threads
         self.threads = min(threads, cores() if processors is None else processors)
         self._pool: ThreadPoolExecutor | None = None
-        self._process = 0  # that the pool's threads are in
+        self._process = 0  # the process of the pool's threads
 
     def __reduce__(self) -> tuple[type[Workers], tuple[int]]:
         return Workers, (self._asked,)
@@ -39,8 +39,8 @@ class Workers:
     def share(self, rows: int, work_per_row: int, work: Callable[[int, int], None]) -> None:
         """Call ``work(first, end)`` for slices that make up all `rows`, one for each thread.
 
-        `work_per_row` is about how many rays a row costs as much as; work that is too small for threads to pay is done
-        in one slice. An error in any slice is raised once all have ended.
+        `work_per_row` is the approximate cost of a row in rays; work too small to benefit from threads is done in one
+        slice. An error in any slice is raised after all have ended.
         """
         threads = min(self.threads, rows)
         if threads < 2 or rows * work_per_row < LEAST_WORK:
@@ -58,7 +58,7 @@ class Workers:
             other.result()
 
     def _threads(self) -> ThreadPoolExecutor:
-        if self._pool is None or self._process != os.getpid():  # a fork does not take threads along
+        if self._pool is None or self._process != os.getpid():  # a fork does not copy threads
             self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="amorsim")
             self._process = os.getpid()
         return self._pool

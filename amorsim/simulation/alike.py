@@ -1,4 +1,4 @@
-"""Robots that are alike: what makes them so, and what the software of a whole group of them is told."""
+"""Groups of robots: which robots share a group, and the model that the software of a whole group holds."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def group_key(robot: Robot) -> Hashable:
 
 
 def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tuple[str, ...], dt: float) -> RobotModel:
-    """Robots of one group as their software knows them, a row each, with nominal parameters.
+    """The model of the robots of one group, a row each, with nominal parameters.
 
     Parameters
     ----------
     sizes
-        How many values a reading of each sensor has.
+        The number of values in a reading of each sensor.
     channels
         The columns of a command.
     """
@@ -73,7 +73,7 @@ def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tup
 
 
 def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:
-    """Where robots begin `(N, 3)`."""
+    """Start poses of robots `(N, 3)`."""
     found = []
     for robot in robots:
         assert robot.pose is not None
@@ -82,7 +82,7 @@ def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:
 
 
 def reading_size(robot: Robot, name: str) -> int:
-    """How many values a reading of a robot's sensor has."""
+    """The number of values in a reading of a robot's sensor."""
     try:
         return robot.sensors[name].sensor.size(robot.drive)
     except ParameterError as error:

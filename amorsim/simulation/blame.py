@@ -1,4 +1,4 @@
-"""Whose component failed, and when: the message for what it raised, or for what it must not return."""
+"""Errors of components: messages that name the component, its robot or obstacle, and the time."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ _NAMED = 3  # robots in a message
 
 
 class Whose:
-    """The robots or obstacles that a group's components belong to, and what time it is for them.
+    """The robots or obstacles that a group's components belong to, and their time.
 
     Parameters
     ----------
     kind
         ``"robot"`` or ``"obstacle"``.
     names
-        Of each row.
+        The name of each row.
     row_clock
-        Of the group.
+        The clock of the group.
     """
 
     def __init__(self, kind: str, names: Sequence[str], row_clock: RowClock) -> None:
@@ -40,14 +40,14 @@ class Whose:
         self._row_clock = row_clock
 
     def blame(self, what: str, component: Any, error: BaseException) -> NoReturn:
-        """Raise what a component raised as an error that says whose it is, and when.
+        """Raise a component's exception as an error that names the robot or obstacle and the time.
 
-        Errors of amorsim are raised as they are: they say it already.
+        Errors of amorsim are raised unchanged: they name them already.
 
         Parameters
         ----------
         what
-            What the component is to its robots: ``"estimator 'ekf'"``.
+            The component's role in its robots: ``"estimator 'ekf'"``.
         """
         if isinstance(error, AmorsimError):
             raise error
@@ -58,11 +58,11 @@ class Whose:
         raise ComponentError(message) from error
 
     def wrong(self, what: str, component: Any, problem: str) -> ComponentError:
-        """The error for something that a component must not return; `problem` says what it is, and what to return."""
+        """The error for an invalid return value; `problem` says what it is, and what to return."""
         return ComponentError(f"{_named(what, component)} of {self._all()} at {self._time()}: {problem}")
 
     def not_finite(self, what: str, component: Any, told: str, values: npt.NDArray[np.float64]) -> ComponentError:
-        """The error for numbers `(N, ...)` of which some row has nan or inf; `told` is what they are."""
+        """The error for numbers `(N, ...)` with nan or inf in some row; `told` names the numbers."""
         rows = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
         row = int(np.flatnonzero(~rows)[0])
         return ComponentError(
@@ -71,7 +71,7 @@ class Whose:
         )
 
     def row(self, row: int) -> str:
-        """The robot of a row, its replica where that is not the first, and when."""
+        """The robot of a row, its replica if that is not the first, and the time."""
         row_clock = self._row_clock
         replica, tick = int(row_clock.replica[row]), int(row_clock.tick[row, 0])
         of = f" in replica {replica}" if replica else ""
@@ -89,12 +89,12 @@ class Whose:
 
 
 def _named(what: str, component: Any) -> str:
-    """A component as messages call it; a class is told where it is not the whole of what is told."""
+    """A component as messages name it, with its class."""
     return f"{what} ({type(component).__name__})"
 
 
 def array_problem(array: Any, what: str, shape: tuple[int, ...], by: str = "") -> str:
-    """What is wrong with something, returned `by`, that was to be an array of numbers of a shape; or nothing."""
+    """The fault of a value, returned `by`, that must be an array of numbers of a shape; empty if there is none."""
     source = f" from {by}" if by else ""
     if not isinstance(array, np.ndarray):
         return f"expected {what} of the shape {shape}{source}, got a {type(array).__name__}"
@@ -106,8 +106,8 @@ def array_problem(array: Any, what: str, shape: tuple[int, ...], by: str = "") -
 
 
 def is_finite(array: npt.NDArray[np.float64]) -> bool:
-    """Whether there is neither nan nor inf among the numbers."""
-    # NumPy takes longer to begin than a few numbers to add up; of finite ones the sum may be infinite all the same.
+    """Whether all numbers are finite."""
+    # For a few numbers, a plain sum is faster than a call of NumPy. A sum of finite numbers may still overflow.
     if array.size <= _FEW and math.isfinite(sum(array.ravel().tolist())):
         return True
     return bool(np.isfinite(array).all())
@@ -124,7 +124,7 @@ R = TypeVar("R")
 
 
 def of_drive(method: Callable[Concatenate[G, P], R]) -> Callable[Concatenate[G, P], R]:
-    """A method of a group that asks its drive, and blames the drive for what is raised on the way."""
+    """Decorates a group's method that calls its drive: exceptions are reported as the drive's."""
 
     @functools.wraps(method)
     def asked(group: G, /, *args: P.args, **kwargs: P.kwargs) -> R:

@@ -1,4 +1,4 @@
-"""Who drives: each robot's own controller, or a hand from outside, row by row."""
+"""The source of commands, row by row: the robot's own controller, or a caller that drives it by hand."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ Rows = npt.NDArray[np.intp]
 
 
 class Driver:
-    """Who drives the robots of a group, row by row.
+    """The source of each row's command in a group of robots.
 
     Attributes
     ----------
     controller
-        The robots' own, or none.
+        The robots' controller, or None.
     state
-        Of the controller.
+        The controller's state.
     active
-        `(N, 1)` whose controller has not ended; who has ended stands still.
+        `(N, 1)` true until the row's controller ends; the robot stands still afterwards.
     by_hand
-        `(N, 1)` who is driven from outside, and has the command `hand` `(N, c)`.
+        `(N, 1)` whether the row is driven from outside, by the command `hand` `(N, c)`.
     """
 
     _ARRAYS = ("active", "by_hand", "hand")
 
     def __init__(self, channels: Sequence[str], of_drive: int, draws: Draws, whose: Whose) -> None:
         self._channels = channels
-        self._of_drive = of_drive  # how many of the channels are the drive's
+        self._of_drive = of_drive  # number of channels of the drive
         self._draws = draws
         self._whose = whose
         self.controller: Controller | None = None
@@ -49,12 +49,12 @@ class Driver:
         self.active = self.by_hand = np.zeros((0, 1), dtype=bool)
 
     def set_parameters(self, nominal: Sequence[Robot]) -> None:
-        """Take what is specified of every row."""
+        """Take the parameters of every row."""
         if nominal[0].controller is not None:
             self.controller = stack([robot.controller for robot in nominal])
 
     def start(self, context: Context) -> None:
-        """Put every row at the start of an episode, driven by its controller."""
+        """Start an episode in every row, driven by its controller."""
         self.active = np.ones((context.rows, 1), dtype=bool)
         self.by_hand = np.zeros((context.rows, 1), dtype=bool)
         self.hand = np.zeros((context.rows, len(self._channels)))
@@ -66,7 +66,7 @@ class Driver:
                 self._whose.blame("controller", self.controller, error)
 
     def hand_over(self, row: int, to_hand: bool) -> None:
-        """Take a row's command from outside from now on, at rest at first, or from its controller, ended or not."""
+        """Drive a row from outside from now on, at rest at first, or by its controller again, which may have ended."""
         self.by_hand = self.by_hand.copy()
         self.by_hand[row] = to_hand
         self.hand = self.hand.copy()
@@ -76,19 +76,19 @@ class Driver:
             self.active[row] = True
 
     def end(self, row: int) -> None:
-        """Let a row stand still from now on."""
+        """Stop a row from now on."""
         self.active = self.active.copy()
         self.active[row] = False
 
     def command(
         self, before: Array, robot: RobotModel, readings: Mapping[str, Measurement], estimate: Estimate, clock: Clock
     ) -> Array:
-        """The command `(N, c)` of this step; `before` is that of the last one, which lasts where nobody drives.
+        """The command `(N, c)` of this step; `before`, the last one, if there is no controller and no hand.
 
         Raises
         ------
         ComponentError
-            If the controller's is of another shape, or not finite; the message names the controller and the robot.
+            If the controller's command has another shape or is not finite; the message names controller and robot.
         """
         asked = robot, readings, estimate, clock
         if self.by_hand.any():
@@ -100,7 +100,7 @@ class Driver:
             return command
         if self.controller is None:
             return before
-        # An array of our own: the controller may write into its own again.
+        # A copy: the controller may reuse its array.
         command = np.zeros(self.hand.shape)
         np.copyto(command, self._ask(self.controller, None, *asked), where=self.active)
         return command
@@ -114,7 +114,7 @@ class Driver:
         estimate: Estimate,
         clock: Clock,
     ) -> Array:
-        """The command that the controller gives to the rows in `which`, or to all."""
+        """The controller's command for the rows in `which`, or for all."""
         asked = robot, readings, estimate, clock, self.state, self._draws
         try:
             command = controller.command(*asked) if which is None else _ask_some(controller, *asked, which)
@@ -122,7 +122,7 @@ class Driver:
             self._whose.blame("controller", controller, error)
         rows = np.arange(len(self.hand)) if which is None else which
         expected = len(rows), len(self._channels)
-        answer: Any = command  # whatever the plugin returned
+        answer: Any = command  # the plugin may return anything
         if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
             found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
             problem = f"expected a command of the shape {expected}, got a {found}"
@@ -142,11 +142,11 @@ class Driver:
     # ------------------------------------------------------------------------------------ for snapshots and resets
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """The arrays that change and are the engine's own; not to be changed."""
+        """The engine's own arrays that change; do not write into them."""
         return {name: getattr(self, name) for name in self._ARRAYS}
 
     def set_arrays(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
-        """Put back what `arrays` gave."""
+        """Restore what `arrays` returned."""
         for name in self._ARRAYS:
             setattr(self, name, arrays[name])
 
@@ -161,10 +161,10 @@ def _ask_some(
     draws: Draws,
     rows: Rows,
 ) -> Array:
-    """The command `(n, c)` that a controller gives to some of its rows; the others are not asked and keep their state.
+    """A controller's command `(n, c)` for some of its rows; it is not called for the others, which keep their state.
 
-    So what one robot does never hangs on whether others of its group are driven by hand, and a user's controller that
-    raises or hangs is not called for a robot that was taken from it.
+    So a robot's behaviour never depends on whether others of its group are driven by hand, and a user's controller
+    that raises or hangs is not called for a robot that is driven by hand.
     """
     part: dict[str, npt.NDArray[Any]] = {name: array[rows] for name, array in state.items()}
     command = take(controller, rows).command(

@@ -1,4 +1,4 @@
-"""Who fires into a medium at this tick: asked of all sensors before any of them senses."""
+"""The emitters that fire into a medium at this tick, collected from all sensors before any sensor senses."""
 
 from __future__ import annotations
 
@@ -52,9 +52,9 @@ def collect(groups: list[Group], world: World) -> None:
 
 
 def _joined(parts: list[Emitted]) -> Emitted:
-    """All emitters in order of body, then of the sensor's name, however the robots are grouped."""
+    """All emitters in order of body, then of the sensor's name, for any grouping of the robots."""
     if len(parts) == 1:
-        return parts[0]  # of one sensor of a group, whose robots are in order
+        return parts[0]  # one sensor of one group, whose robots are in order
     body = np.concatenate([part.body for part in parts], axis=1)
     sensor = np.concatenate([part.sensor for part in parts])
     order = np.lexsort((sensor, body[0]))

@@ -1,4 +1,4 @@
-"""What the robots of a group estimate: their estimators are asked, and what they return is checked."""
+"""The estimates of a group: calls its estimators and checks what they return."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ Array = npt.NDArray[np.float64]
 
 
 class Estimators:
-    """The estimators of a group, by name, with what they estimate. The first one's is what the controller is told.
+    """The estimators of a group, by name, with their estimates. The controller receives the first one's.
 
     Attributes
     ----------
     states
-        Of each.
+        The state of each.
     estimates
-        Of each; where there is none, that the robots are where they were told to start.
+        The estimate of each; without estimators, the start pose that the robots know.
     """
 
     def __init__(self, draws: Mapping[str, Draws], whose: Whose) -> None:
@@ -39,15 +39,15 @@ class Estimators:
 
     @property
     def first(self) -> Estimate:
-        """What the controller is told."""
+        """The estimate that the controller receives."""
         return next(iter(self.estimates.values()))
 
     def set_parameters(self, nominal: Sequence[Robot]) -> None:
-        """Take what is specified of every row."""
+        """Take the parameters of every row."""
         self._estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self._draws}
 
     def start(self, context: Context) -> None:
-        """Put every row at the start of an episode."""
+        """Start an episode in every row."""
         self.states = {}
         for name, estimator in self._estimators.items():
             try:
@@ -58,12 +58,12 @@ class Estimators:
         self.estimates = {name: Estimate(told, np.zeros((len(told), 3, 3))) for name in self._estimators or ("none",)}
 
     def update(self, robot: RobotModel, readings: Mapping[str, Measurement], command: Array, elapsed: Array) -> None:
-        """Let every estimator make of the readings what it can.
+        """Update every estimator with the readings.
 
         Raises
         ------
         ComponentError
-            If one raises, or returns no estimate or a pose that is not finite.
+            If an estimator raises, or returns no `Estimate` or a pose that is not finite.
         """
         for name, estimator in self._estimators.items():
             try:
@@ -78,7 +78,7 @@ class Estimators:
 
 
 def _problem(found: Any, rows: int) -> str:
-    """What is wrong with what an estimator returned; nothing where it is an estimate of so many rows."""
+    """The fault of what an estimator returned; empty if it is an estimate of `rows` rows."""
     if not isinstance(found, Estimate):
         return f"expected an Estimate(pose, covariance), got a {type(found).__name__}"
     for what, array, shape in (("pose", found.pose, (rows, 3)), ("covariance", found.covariance, (rows, 3, 3))):

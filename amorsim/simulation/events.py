@@ -1,4 +1,4 @@
-"""What happened, and when: collisions, ends of controllers, changes from outside."""
+"""Events with their time: collisions, ends of controllers, changes from outside."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ class Event:
     """Something that happened to a robot or an obstacle.
 
     `kind` is ``"collision"`` (with `other`, the wall or a body's name; `point` in the world; `speed` [m/s] of the
-    robot's or obstacle's base point just before, or of the point of a part that met it; and `part` and `other_part`,
-    where parts of robots met: `amorsim.Part`, empty for the bodies themselves), ``"controller_ended"``,
+    robot's or obstacle's base point just before, or of a part's point of contact; and `part` and `other_part` if
+    parts of robots met: `amorsim.Part`, empty for the bodies themselves), ``"controller_ended"``,
     ``"pose_set"``, ``"handed_over"`` (to `value`), or ``"parameter_set"`` (with `path` and `value`).
-    `tick` counts the steps that were whole before it; `time` [s] may lie between two of them.
+    `tick` counts the complete steps before it; `time` [s] may lie between two ticks.
     """
 
     tick: int

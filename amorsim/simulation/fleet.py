@@ -32,27 +32,27 @@ Ints = npt.NDArray[np.int64]
 
 
 class Fleet:
-    """What a simulation is made of, with one seed.
+    """All rows of a simulation with one seed.
 
     A body is a robot or an obstacle in one replica; bodies are in order of replica, robots by name before obstacles by
-    name. The robots are rows of groups, wherever their bodies are.
+    name. The robots are rows of groups, whatever the order of their bodies.
 
     Attributes
     ----------
     replicas
         The replicas' numbers.
     ticks, episodes
-        `(R,)` of each replica.
+        `(R,)` tick and episode of each replica.
     events
-        What happened, in order.
+        The events so far, in order.
     movement
-        What moves all bodies through a step.
+        Moves all bodies through a step.
     only
-        The group of robots, where there are no others, no obstacles and no parts.
+        The group of robots, if there is no other group, no obstacle and no part.
     touching
-        The pairs of bodies (`WALL` for a wall) that touched in the last step, each wanting to go on.
+        The pairs of bodies (`WALL` for a wall) that touched in the last step while still moving towards each other.
     contacts
-        The pairs whose contact goes on: those that touched, and those that did and have not parted since.
+        The pairs whose contact continues: they touched in the last step, or earlier and have not parted since.
     """
 
     def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...], threads: int = 1) -> None:
@@ -91,7 +91,7 @@ class Fleet:
                 Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
                 for members in _partition(robots, group_key)
             ]
-        except ScenarioError as error:  # of true values, by whoever does not know the file
+        except ScenarioError as error:  # of true values; the code that raises it does not know the file
             raise ScenarioError(attrs.evolve(fault, file=fault.file or source) for fault in error.faults) from None
         self.obstacles = [
             ObstacleGroup(*self._rows(members, len(robots)), world=self.world, seed=seed, dt=self.dt)
@@ -111,7 +111,7 @@ class Fleet:
         self._check_starts()
 
     def _rows(self, members: Sequence[tuple[int, Any]], offset: int = 0) -> tuple[list[Any], Ints, Ints]:
-        """What is specified of each row, its body in the world, and its replica's number."""
+        """The specification of each row, its body in the world, and its replica's number."""
         specified, bodies, replica = [], [], []
         for index, number in enumerate(self.replicas):
             for position, thing in members:
@@ -122,7 +122,7 @@ class Fleet:
         return specified, np.array(bodies, dtype=np.int64), np.array(replica, dtype=np.int64)
 
     def place(self) -> None:
-        """Put the bodies of the world where the groups have them."""
+        """Copy the groups' poses to the bodies of the world."""
         if self.only is not None:  # its rows are the bodies, in their order
             self.world.poses, self.world.twists = self.only.true_pose, self.only.true_twist
             return
@@ -148,7 +148,7 @@ class Fleet:
         a, b = world.pairs_within(world.poses, none)
         overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
         for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
-            # A part's robot is told of it, or else the later of the two.
+            # The message is about the robot of a part, or else the later of the two bodies.
             who, other = (first, second) if int(world.owner[second]) < int(world.owner[first]) else (second, first)
             faults.append(self._start_fault(who, f"overlaps {world.name(other)!r}; expected room between them"))
         if faults:
@@ -161,7 +161,7 @@ class Fleet:
         return Fault(file=str(source) if source else "", path=f"{kind}.{self.world.name(body)}.pose", message=message)
 
     def overlap(self, group: Group, row: int, poses: Array) -> str:
-        """What a robot and its parts would overlap at `poses` `(1 + p, 3)`, in words; nothing where they are free."""
+        """What a robot and its parts would overlap at `poses` `(1 + p, 3)`, in words; empty if they are free."""
         world = self.world
         own = np.concatenate((group.bodies[row : row + 1], world.parts_of(group.bodies[row : row + 1])[0]))
         if (world.wall_gaps(own, poses, np.zeros(len(own)))[0] < 0.0).any():
@@ -176,7 +176,7 @@ class Fleet:
         return repr(world.name(int(b[int(np.argmax(gaps < 0.0))]))) if (gaps < 0.0).any() else ""
 
     def tell_time(self) -> None:
-        """Let everyone know the present ticks and episodes, and start the tick's draws."""
+        """Set the clocks of all groups to the present ticks and episodes, and start the tick's draws."""
         for group in self.everything:
             index = self.world.replica_index[group.bodies]
             group.row_clock.set_tick(self.ticks[index][:, None])
@@ -191,7 +191,7 @@ class Fleet:
             group.streams.rewind()
 
     def part_from_all(self, body: int) -> None:
-        """Let whatever contact a robot and its parts have be over: what they meet from now on, they meet anew."""
+        """End all contacts of a robot and its parts: touching the same body again is a new collision."""
         owner = self.world.owner
         self.contacts = frozenset(
             pair for pair in self.contacts if all(owner[one] != body for one in pair if one != WALL)
@@ -219,7 +219,7 @@ def _placed(robot: Robot, scenario: Scenario) -> Robot:
 
 
 def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:
-    """Things with their positions, those of equal keys together, in order of their first."""
+    """Things with their positions, grouped by key, in order of each group's first."""
     parts: dict[Any, list[tuple[int, Any]]] = {}
     for position, thing in enumerate(things):
         parts.setdefault(key(thing), []).append((position, thing))

@@ -49,7 +49,7 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 
 class Group:
-    """Robots as rows: what is specified of each, the stacked components made of it, and all that changes.
+    """Robots as rows: their specifications, the components stacked from them, and all that changes.
 
     Arrays of poses, joints, commands, readings and estimates are replaced in a step, never changed in place.
     """
@@ -90,7 +90,7 @@ class Group:
         )
         self.true: list[Robot] = []
         self.drive: Drive = first.drive
-        # The columns of a command that are each commanded device's, after the drive's.
+        # The columns of each commanded device in a command, after the drive's.
         self.devices: dict[str, slice] = {}
         channels = list(first.drive.channels)
         for name, unit in first.sensors.items():
@@ -110,7 +110,7 @@ class Group:
     # ------------------------------------------------------------------------------------------------- parameters
 
     def set_parameters(self) -> None:
-        """Make the stacked components anew from what is specified of every row."""
+        """Stack the components again from the specification of every row."""
         true = true_robots(self.specified, self.row_clock.replica, self.seed)
         self.true = true
         self.drive = stack([robot.drive for robot in true])
@@ -136,7 +136,7 @@ class Group:
         return dict(self.drive.start(context))
 
     def start(self) -> None:
-        """Put every row at the start of an episode. Sensing and estimating come after, when all bodies are placed."""
+        """Start an episode in every row. Sensing and estimating follow when all bodies are placed."""
         rows = self.rows
         told = poses_of(self.specified)
         context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told, names=self.names)
@@ -154,7 +154,7 @@ class Group:
         self.estimators.start(context)
         self.driver.start(context)
         self.joints_before = self._after = self._ground_after = self.joints
-        self._slide: Array | None = None  # of the step, for those whose ground has any
+        self._slide: Array | None = None  # of the step, if the ground of any row makes one
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.parts is not None:
             self.parts.start()
@@ -162,13 +162,13 @@ class Group:
     # ------------------------------------------------------------------------------------------------------- phases
 
     def control(self) -> None:
-        """Ask the controller for a command; those whose controller ended stand still."""
+        """Get the controller's command; robots whose controller has ended stand still."""
         clock = self.row_clock.clock
         self.command = self.driver.command(self.command, self.robot, self.readings, self.estimators.first, clock)
 
     @of_drive
     def actuate(self) -> None:
-        """Let the joints follow the command, and the ground act on what rolls."""
+        """Move the joints by the command; ground effects act on the rolling joints."""
         self.joints_before = self.joints
         command = self.command
         if self.devices:
@@ -208,7 +208,7 @@ class Group:
 
     @of_drive
     def path(self) -> tuple[int, Array]:
-        """The form of the paths, and what they are made of `(N, 3)`: arcs, but for drives that say otherwise."""
+        """The form of the paths and their parameters `(N, 3)`: arcs, except for drives that define other paths."""
         if goes_on_arcs(self.drive):
             self._motion = ARC, arcs(self.drive, self.joints_before, self._ground_after, self._slide)
         else:
@@ -223,7 +223,7 @@ class Group:
 
     @of_drive
     def poses_at(self, which: Ints, fraction: Array) -> Array:
-        """Where some of the bodies are at fractions of the step."""
+        """Poses of some of the bodies at fractions of the step."""
         drive, slide = take(self.drive, which), None if self._slide is None else self._slide[which]
         displacement = displaced(drive, self.joints_before[which], self._ground_after[which], slide, fraction[:, None])
         return compose(self.true_pose[which], displacement)
@@ -235,7 +235,7 @@ class Group:
 
     @of_drive
     def parts_at(self, which: Ints, fraction: Array) -> tuple[Array, Array]:
-        """Poses of robots were they to stop at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
+        """Poses of robots if they stopped at fractions `(Q, 1)`, and of their parts in their frames `(Q, p, 3)`."""
         drive, before, ground, after, poses = (
             self.drive,
             self.joints_before,
@@ -244,7 +244,7 @@ class Group:
             self.true_pose,
         )
         slide = self._slide
-        if self.rows > 1 or len(which) > 1:  # one alone, which is looked at often, is all there is
+        if self.rows > 1 or len(which) > 1:  # a lone robot, a frequent case, needs no selection
             drive = take(drive, which)
             before, ground, after, poses = before[which], ground[which], after[which], poses[which]
             slide = None if slide is None else slide[which]
@@ -254,7 +254,7 @@ class Group:
 
     @of_drive
     def arrive(self, poses: Array, stop: Array) -> None:
-        """Take the poses `(N, 3)` after contact, and stop the wheels of those who met something."""
+        """Take the poses `(N, 3)` after contact, and stop the wheels of robots in contact."""
         form, motion = self._motion
         if form == ARC and type(self.drive).follow is Drive.follow:
             self.true_twist = np.empty((self.rows, 3))
@@ -278,14 +278,14 @@ class Group:
         self.true_twist = logarithm(displacement) / self.dt
 
     def _halt(self, stop: Array) -> None:
-        """Stop the wheels of those who met something, at the fraction `(N,)` of the step at which they did."""
+        """Stop the wheels of robots in contact at the fraction `(N,)` of the step at which they touched."""
         stopped = (stop < 1.0)[:, None]
         between = self.drive.between(self.joints_before, self._after, stop[:, None])
         self._after = np.where(stopped, between, self._after)
         self.joint_rates = np.where(stopped, 0.0, self.joint_rates)
 
     def look(self) -> None:
-        """Show the sensors where the robot is now."""
+        """Update the sensors' view with the robots' present state."""
         view = self.view
         view.tick = self.row_clock.tick
         view.body_pose = self.true_pose
@@ -298,7 +298,7 @@ class Group:
         self._sensing.read(self.view, self.row_clock)
 
     def estimate_pose(self) -> None:
-        """Let every estimator make of the readings what it can."""
+        """Update every estimator with the readings."""
         self.estimators.update(self.robot, self.readings, self.command, self.row_clock.elapsed)
 
     def record(self) -> None:
@@ -315,12 +315,12 @@ class Group:
 
     @property
     def estimates(self) -> dict[str, Estimate]:
-        """What every estimator estimates; the controller is told the first."""
+        """The estimate of every estimator; the controller receives the first."""
         return self.estimators.estimates
 
     @property
     def estimate(self) -> Estimate:
-        """What the controller is told."""
+        """The estimate that the controller receives."""
         return self.estimators.first
 
     @property
@@ -329,7 +329,7 @@ class Group:
         return (self.joints - self.joints_before) / self.dt
 
     def frame(self) -> Frame:
-        """The step as recorders get it."""
+        """The step for recorders."""
         clock = self.row_clock
         parts = self.drive.parts
         return Frame(
@@ -351,7 +351,7 @@ class Group:
         )
 
     def states(self) -> Mapping[str, State]:
-        """The states of all components, by where they are; the dicts themselves, not copies."""
+        """The states of all components, by their place; the dicts themselves, not copies."""
         found = {"drive": self.drive_state, "controller": self.driver.state}
         found |= {f"estimator {name}": state for name, state in self.estimators.states.items()}
         found |= {f"ground {name}": s for name, s in zip(self.ground.names, self.ground.states, strict=True)}
@@ -368,7 +368,7 @@ class Group:
     )
 
     def arrays(self) -> dict[str, Arrays]:
-        """All arrays that change and are the engine's own, by unit and name; not to be changed."""
+        """The engine's own arrays that change, by unit and name; do not write into them."""
         found: dict[str, Arrays] = {"body": {name: getattr(self, name) for name in self._ARRAYS}}
         for name, estimate in self.estimates.items():
             found[f"estimate {name}"] = {"pose": estimate.pose, "covariance": estimate.covariance}
@@ -380,7 +380,7 @@ class Group:
         return found
 
     def set_arrays(self, arrays: Mapping[str, Arrays]) -> None:
-        """Put back what `arrays` gave."""
+        """Restore what `arrays` returned."""
         for name in self._ARRAYS:
             setattr(self, name, arrays["body"][name])
         self.driver.set_arrays(arrays["driver"])
@@ -394,7 +394,7 @@ class Group:
 
 
 class _Readings(Mapping[str, Measurement]):
-    """What the units hold, by name, made when it is asked for."""
+    """The readings that the units hold, by name; each is made on access."""
 
     def __init__(self, units: Mapping[str, SensorUnit]) -> None:
         self._units = units

@@ -1,4 +1,4 @@
-"""One robot of a running simulation, as a script or an analyst sees it: truth included."""
+"""Handles to one robot or obstacle of a running simulation, for scripts and analysis: truth included."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Reading(NamedTuple):
 
     true: Array
     measured: Array
-    stamp: npt.NDArray[np.int64]  # the tick that both are of
+    stamp: npt.NDArray[np.int64]  # the tick of both
     age: Array  # [s]
     fresh: npt.NDArray[np.bool_]
 
@@ -61,7 +61,7 @@ class Readings(Mapping[str, Reading]):
 
 
 class RobotHandle:
-    """One robot in one replica. What it gives is of the present step; ask again after the next."""
+    """One robot in one replica. Its values are those of the present step; read them again after the next."""
 
     def __init__(self, group: Group, row: int) -> None:
         self._group = group
@@ -83,17 +83,17 @@ class RobotHandle:
 
     @property
     def true_pose(self) -> Array:
-        """Where it is: (x [m], y [m], heading [rad]) in the world."""
+        """The true pose: (x [m], y [m], heading [rad]) in the world."""
         return _read_only(self._group.true_pose[self._row])
 
     @property
     def estimated_pose(self) -> Array:
-        """Where it believes to be: (x [m], y [m], heading [rad]) in the world."""
+        """The estimated pose: (x [m], y [m], heading [rad]) in the world."""
         return _read_only(self._group.estimate.pose[self._row])
 
     @property
     def covariance(self) -> Array:
-        """The covariance `(3, 3)` of its estimate, as it believes."""
+        """The covariance `(3, 3)` of its estimate, by its own estimator."""
         return _read_only(self._group.estimate.covariance[self._row])
 
     @property
@@ -108,7 +108,7 @@ class RobotHandle:
 
     @property
     def parts(self) -> Mapping[str, Array]:
-        """Where its parts are, by name: (x [m], y [m], heading [rad]) in the world."""
+        """True poses of its parts, by name: (x [m], y [m], heading [rad]) in the world."""
         parts = self._group.parts
         if parts is None:
             return {}
@@ -132,12 +132,12 @@ class RobotHandle:
 
     @property
     def takes_commands(self) -> bool:
-        """Whether `drive` and `command` serve: it was handed over, or its controller is `manual`."""
+        """Whether it accepts `drive` and `command`: it was handed over, or its controller is `manual`."""
         return self.is_by_hand or "command" in self._group.driver.state
 
     @property
     def nominal(self) -> Robot:
-        """What is specified of it at present: its nominal parameters, and by `errors` how the true ones differ."""
+        """Its present specification: the nominal parameters, and in `errors` how the true ones differ."""
         robot: Robot = self._group.specified[self._row]
         return robot
 
@@ -152,11 +152,11 @@ class RobotHandle:
         return self._group.channels
 
     def command_for(self, forward: float = 0.0, turn: float = 0.0, left: float = 0.0) -> list[float]:
-        """The command that makes it go forward [m/s], turn [rad/s] and go left [m/s], or nearest to it.
+        """The command that makes it go forward [m/s], turn [rad/s] and go left [m/s], or as close as possible.
 
-        The robot's own software makes it, with nominal parameters and within the limits of a `manual` controller;
-        devices keep their commands. Forward is where the drive goes when it goes ahead: of a synchro drive, where its
-        wheels point.
+        The robot's own software computes it, with nominal parameters and within the limits of a `manual` controller;
+        devices keep their commands. Forward is the direction in which the drive travels: for a synchro drive, the
+        direction of its wheels.
         """
         group, row = self._group, self._row
         wanted = finite_numbers((forward, left, turn))
@@ -186,8 +186,8 @@ class RobotHandle:
         Raises
         ------
         AmorsimError
-            If its controller is not `manual` and it was not handed over, or these are not as many finite numbers as
-            there are channels.
+            If its controller is not `manual` and it was not handed over, or if these are not finite numbers, one for
+            each channel.
         """
         group = self._group
         names = group.channels
@@ -210,7 +210,7 @@ class RobotHandle:
 
 
 class ObstacleHandle:
-    """One obstacle in one replica. What it gives is of the present step; ask again after the next."""
+    """One obstacle in one replica. Its values are those of the present step; read them again after the next."""
 
     def __init__(self, group: Group | ObstacleGroup, row: int) -> None:
         self._group = group
@@ -218,7 +218,7 @@ class ObstacleHandle:
 
     @property
     def true_pose(self) -> Array:
-        """Where it is: (x [m], y [m], heading [rad]) in the world."""
+        """The true pose: (x [m], y [m], heading [rad]) in the world."""
         return _read_only(self._group.true_pose[self._row])
 
     @property
@@ -228,11 +228,11 @@ class ObstacleHandle:
 
 
 def finite_numbers(values: Any) -> list[float] | None:
-    """Some numbers as floats; None if these are no sequence, or one is no number or not finite."""
+    """Numbers as floats; None if they are not a sequence, or one is not a finite number."""
     try:
         numbers = [float(value) for value in values if isinstance(value, _NUMBER) and not isinstance(value, bool)]
         is_whole = len(numbers) == len(values)
-    except (TypeError, OverflowError):  # no sequence; a whole number of hundreds of digits
+    except (TypeError, OverflowError):  # not a sequence; an integer of hundreds of digits
         return None
     return numbers if is_whole and all(map(math.isfinite, numbers)) else None
 

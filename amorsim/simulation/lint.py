@@ -1,4 +1,4 @@
-"""What is not wrong with a scenario, but hardly meant."""
+"""Remarks on scenarios: what is valid but probably not intended."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ __all__ = ["advice"]
 
 Bools = npt.NDArray[np.bool_]
 
-_MOST = 3  # places of one body that are remarked on
+_MOST = 3  # places of one body that are reported
 _TURN = np.arange(32) * (np.pi / 16.0)
 
 
 def advice(scenario: Scenario) -> list[str]:
-    """Remarks on a scenario that runs, each with the path it is about."""
+    """Remarks on a valid scenario, each with the path that it is about."""
     remarks = []
     for robot in scenario.robots:
         for name, unit in robot.sensors.items():
@@ -64,7 +64,7 @@ def advice(scenario: Scenario) -> list[str]:
 
 
 def _factors(robot: Robot) -> list[str]:
-    """Errors whose true value is near 1 and far from the nominal one: hardly a value, but a factor."""
+    """Errors whose true value is near 1 and far from the nominal one: probably a factor, given as a value."""
     remarks = []
     for path, error in robot.errors.items():
         if not isinstance(error.value, float) or not 0.5 <= error.value <= 2.0:
@@ -81,7 +81,7 @@ def _factors(robot: Robot) -> list[str]:
 
 
 def _unreachable(scenario: Scenario) -> list[str]:
-    """Places that robots and obstacles are told to go to, and that nobody gets to; of a series, once."""
+    """Goals of robots and obstacles that are out of reach; one remark for a series."""
     remarks = []
     asked: set[int] = set()
     bodies: list[tuple[str, Controller | Motion | None, Robot | Obstacle]] = [
@@ -112,7 +112,7 @@ def _unreachable(scenario: Scenario) -> list[str]:
 
 
 def _shut_off(world: Map, body: Robot | Obstacle, points: list[tuple[float, float]], which: Bools) -> Bools:
-    """Which of some places walls shut off from where a body starts; of those marked, and where that is told."""
+    """Which of the places marked in `which` walls separate from a body's start; none if the start is not known."""
     found = np.zeros_like(which)
     pose = body.pose or (start_of(world, body) if isinstance(body, Robot) else None)
     if body.start is not None or pose is None:
@@ -125,7 +125,7 @@ def _shut_off(world: Map, body: Robot | Obstacle, points: list[tuple[float, floa
 
 
 def _alike(scenario: Scenario) -> list[str]:
-    """Landmarks with the mark of another landmark, or of a body."""
+    """Landmarks that share their id with another landmark or a body."""
     remarks = []
     bodies: list[tuple[str, Robot | Obstacle]] = [
         *(("robots", robot) for robot in scenario.robots),

@@ -1,4 +1,4 @@
-"""What went into each stage of a sensor's chain, kept in memory, so that every stage can be worked out again."""
+"""The inputs and results of each stage of a sensor's noise chain, kept in memory, so that each can be recomputed."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class Stage:
     noise
         The element, with its parameters as arrays of one row.
     tick
-        That the reading is of.
+        The tick of the reading.
     values, result
-        What it was given and what it made of that `(k,)`; of an element for one column, that column's.
+        Its input and its output `(k,)`; for an element of one column, that column's.
     side
-        What it asked of what the sensor tells beside its values, by name `(k,)`.
+        What it used of the sensor's further quantities, by name `(k,)`.
     elapsed
-        Since the sample before [s].
+        Time [s] since the previous sample.
     """
 
     element: str
@@ -49,11 +49,11 @@ class Stage:
     result: Array
     side: Mapping[str, Array]
     elapsed: float
-    _state: State = attrs.field(alias="state")  # before, of one row
-    _draws: Draws = attrs.field(alias="draws")  # where they stood, of one row
+    _state: State = attrs.field(alias="state")  # before the stage, of one row
+    _draws: Draws = attrs.field(alias="draws")  # at their position then, of one row
 
     def recompute(self) -> Array:
-        """What the element makes of the same inputs `(k,)`, worked out anew; equal to `result`, bit for bit."""
+        """The element's output `(k,)` for the same inputs, recomputed; equal to `result`, bit for bit."""
         side = {name: array[None].copy() for name, array in self.side.items()}
         elapsed = np.array([[self.elapsed]])
         state = copy_state(self.element, self._state)
@@ -91,7 +91,7 @@ class _Sample:
 
 
 class _Asked(Mapping[str, Array]):
-    """What a sensor tells beside its values, with a note of what was asked for."""
+    """A sensor's further quantities, which records those that were read."""
 
     def __init__(self, side: Mapping[str, Array]) -> None:
         self._side = side
@@ -112,7 +112,7 @@ class _Asked(Mapping[str, Array]):
 
 
 class _Watch:
-    """Calls the elements of one chain, and keeps what went in and what came out."""
+    """Calls the elements of one chain, and keeps their inputs and outputs."""
 
     def __init__(self, most: int) -> None:
         self.kept: dict[int, collections.deque[_Sample]] = {}
@@ -156,13 +156,13 @@ class KeptStages:
         for group in self._groups:
             for name, unit in group.sensors.items():
                 unit.chain.watch = self._watches[id(group), name] = _Watch(samples)
-            group.set_parameters()  # devices that are read together have no stages that could be watched
+            group.set_parameters()  # sensors that are read together have no separate stages
 
     def stages(self, robot: str, sensor: str, *, replica: int | None = None) -> list[Stage]:
         """The stages of the reading that a robot holds now, in the order of the chain.
 
-        Of elements that change values; those that bend beams or delay arrivals have none. The first is given what the
-        device saw, the last makes what the robot got.
+        Only elements that change values have a stage, not those that bend beams or delay arrivals. The input of the
+        first is what the device sensed, the output of the last is what the robot received.
 
         Raises
         ------
@@ -192,7 +192,7 @@ class KeptStages:
         return found
 
     def last_stage(self, robot: str, sensor: str, *, replica: int | None = None) -> Stage:
-        """The stage that made what the robot got; errors as for `stages`, and if no element changes values."""
+        """The stage that gave the robot its reading; raises as `stages`, and if no element changes values."""
         found = self.stages(robot, sensor, replica=replica)
         if not found:
             raise AmorsimError(
@@ -202,7 +202,7 @@ class KeptStages:
         return found[-1]
 
     def close(self) -> None:
-        """Keep no more; what was kept stays."""
+        """Stop keeping stages; those kept so far stay."""
         for group in self._groups:
             for name, unit in group.sensors.items():
                 if unit.chain.watch is self._watches[id(group), name]:
@@ -219,7 +219,7 @@ class KeptStages:
 
 
 def keep_stages(simulation: Simulation, *, samples: int = 1000) -> KeptStages:
-    """Keep in memory, from now on, what goes into every stage of every sensor's chain and what comes out.
+    """Keep in memory, from now on, the input and output of every stage of every sensor's chain.
 
     ::
 
@@ -228,12 +228,12 @@ def keep_stages(simulation: Simulation, *, samples: int = 1000) -> KeptStages:
         stage = kept.last_stage("rover", "laser")
         assert (stage.recompute() == simulation.robot("rover").readings["laser"].measured).all()
 
-    No bit of the simulation changes by it; steps take longer. A new seed (`Simulation.reset`) ends it.
+    The simulation's results stay the same, bit for bit; steps take longer. A new seed (`Simulation.reset`) ends it.
 
     Parameters
     ----------
     samples
-        How many samples of each sensor are kept, the latest.
+        The number of latest samples to keep of each sensor.
     """
     if samples < 1:
         raise AmorsimError(f"samples: expected a whole number > 0, got {samples!r}")

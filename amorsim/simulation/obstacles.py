@@ -1,4 +1,4 @@
-"""Obstacles: bodies that stand, or that move as their motions propose and as far as they are free to."""
+"""Obstacles: bodies that stand still, or move as their motions propose until they touch something."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Ints = npt.NDArray[np.int64]
 
 
 class ObstacleGroup:
-    """Obstacles whose motions are of one class and shape, as rows; a mover like a group of robots."""
+    """Obstacles whose motions are of one class and shape, as rows. They are moved like a group of robots."""
 
     def __init__(
         self, obstacles: Sequence[Obstacle], bodies: Ints, replica: Ints, world: World, seed: int, dt: float
@@ -48,7 +48,7 @@ class ObstacleGroup:
         self.start()
 
     def start(self) -> None:
-        """Put every obstacle where it starts."""
+        """Put every obstacle at its start."""
         rows = len(self.obstacles)
         self.true_pose = np.array([[o.pose.x, o.pose.y, o.pose.heading] for o in self.obstacles], dtype=np.float64)
         self.true_twist = np.zeros((rows, 3))
@@ -56,7 +56,7 @@ class ObstacleGroup:
         self.proposed = np.zeros((rows, 3))
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
-            nobody: Any = None  # an obstacle is no robot, and is told nothing
+            nobody: Any = None  # an obstacle has no robot model
             context = Context(rows=rows, dt=self.row_clock.dt, pose=self.true_pose, robot=nobody, names=self.names)
             try:
                 self.state = dict(self.motion.start(context))
@@ -64,7 +64,7 @@ class ObstacleGroup:
                 self.whose.blame("motion", self.motion, error)
 
     def actuate(self) -> None:
-        """Ask the motions where the obstacles want to go."""
+        """Get the displacements that the motions propose."""
         if self.motion is None:
             return
         self.view.tick = self.row_clock.tick
@@ -88,16 +88,16 @@ class ObstacleGroup:
         return np.stack((np.sqrt(x * x + y * y), np.abs(turn)), axis=1)
 
     def path(self) -> tuple[int, Array]:
-        """The form of the paths, and the wanted displacements `(N, 3)`: straight ahead, turning evenly."""
+        """The form of the paths, and the wanted displacements `(N, 3)`: on straight lines, turning evenly."""
         return LINE, self.proposed
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:
-        """Where some of them are at fractions of the step: straight ahead, turning evenly."""
+        """Poses of some of them at fractions of the step: on a straight line, turning evenly."""
         return compose(self.true_pose[which], self.proposed[which] * fraction[:, None])
 
     def arrive(self, poses: Array, stop: Array) -> None:
         """Take the poses after contact."""
-        # Whoever wanted nothing was denied nothing, even if somebody ran into him.
+        # An obstacle that did not want to move was not blocked, even if a body ran into it.
         wanted = (self.proposed != 0.0).any(axis=1)
         self.free = np.where(wanted, stop, 1.0)[:, None]
         self.true_twist = self.proposed * stop[:, None] / self.row_clock.dt
@@ -108,7 +108,7 @@ class ObstacleGroup:
         digest.absorb([self.true_pose], self.fingerprint)
 
     def frame(self) -> ObstacleFrame:
-        """The step as recorders get it."""
+        """The step for recorders."""
         return ObstacleFrame(
             names=self.names,
             replica=self.row_clock.replica,
@@ -122,11 +122,11 @@ class ObstacleGroup:
     _ARRAYS = ("true_pose", "true_twist", "free", "fingerprint")
 
     def arrays(self) -> dict[str, dict[str, npt.NDArray[Any]]]:
-        """All arrays that change and are the engine's own; not to be changed."""
+        """The engine's own arrays that change; do not write into them."""
         return {"body": {name: getattr(self, name) for name in self._ARRAYS}}
 
     def set_arrays(self, arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> None:
-        """Put back what `arrays` gave."""
+        """Restore what `arrays` returned."""
         for name in self._ARRAYS:
             setattr(self, name, arrays["body"][name])
 

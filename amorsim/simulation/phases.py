@@ -35,7 +35,7 @@ def step(fleet: Fleet) -> None:
 
 
 def _touch(fleet: Fleet, touching: frozenset[tuple[int, int]], before: Array) -> None:
-    """Take who touched in the step that has led all bodies from their poses `before` to where they are."""
+    """Record the pairs that touched in the step that moved all bodies from `before` to their present poses."""
     fleet.touching = touching
     if touching or fleet.contacts:
         fleet.contacts = touching | still_near(fleet.world, fleet.contacts - touching, before)
@@ -66,11 +66,11 @@ def _move(fleet: Fleet) -> None:
 
 
 def _meet(fleet: Fleet, poses: Array, contacts: Sequence[Contact]) -> None:
-    """Put all bodies where they are after a step in which there were such contacts."""
+    """Move all bodies to their poses after a step with these contacts."""
     if not is_finite(poses):
         raise _not_finite(fleet, poses)
     for contact in contacts:
-        # A contact that goes on is no further collision.
+        # A contact that continues is not a new collision.
         if (contact.body, contact.other) not in fleet.contacts:
             _log_contact(fleet, contact)
     before, fleet.world.poses = fleet.world.poses, poses
@@ -119,14 +119,14 @@ _DOES: Mapping[str, Callable[[Fleet], None]] = {
 
 
 def _speed(fleet: Fleet, group: Group | ObstacleGroup, row: int, body: int, contact: Contact) -> float:
-    """How fast [m/s] a body goes as it meets something: its base point, or the point of a part that meets it."""
+    """Speed [m/s] of a body at contact: of its base point, or of a part's point of contact."""
     if isinstance(group, Group) and group.parts is not None and body not in group.bodies:
         return group.parts.speed_at(body, contact.point, contact.fraction)
     return float(group.travel()[row, 0] / fleet.dt)
 
 
 def _log_contact(fleet: Fleet, contact: Contact) -> None:
-    """An event for each body that met something, and one for each controller that ends by it."""
+    """Log an event for each body in the contact, and one for each controller that ends by it."""
     world = fleet.world
     for body, other in ((contact.body, contact.other), (contact.other, contact.body)):
         if body == WALL:

@@ -25,12 +25,12 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 TRIES = 1000
-_LOOKS = (64, 96, 128, 192, 256, 384, 512)  # tries after which it is asked whether there is any hope
-_FAR = 1e7  # [m] where those wait who have no place yet; nobody meets anybody there
+_LOOKS = (64, 96, 128, 192, 256, 384, 512)  # tries after which `_is_hopeless` is checked
+_FAR = 1e7  # [m] where bodies without a place wait; none overlap there
 
 
 def with_start(body: Robot | Obstacle, pose: Array) -> Robot | Obstacle:
-    """A robot or obstacle whose start was drawn: it has a pose."""
+    """A robot or obstacle with the pose that was drawn for it."""
     x, y, heading = pose.tolist()
     return attrs.evolve(body, pose=Pose(x=x, y=y, heading=heading), start=None)
 
@@ -38,16 +38,16 @@ def with_start(body: Robot | Obstacle, pose: Array) -> Robot | Obstacle:
 def draw_starts(
     world: World, bodies: Sequence[Robot | Obstacle], seed: int, replicas: Sequence[int], source: str
 ) -> Array:
-    """Poses `(T, 3)` of all bodies in all replicas, those that start at random drawn; empty if nobody does.
+    """Poses `(T, 3)` of all bodies in all replicas, with random starts drawn; empty if no body starts at random.
 
-    Each try of a body is a pure function of seed, name, replica and the try's number. All try at once; who overlaps a
-    wall or a body that has its place tries again, of two that overlap one another the later by name. So what happens
-    in a replica hangs on nothing but its own bodies. Those drawn once for the study come first.
+    Each try of a body is a pure function of seed, name, replica and the try's number. All bodies try at once. A body
+    that overlaps a wall or a placed body tries again; of two that overlap each other, the later by name does. So a
+    replica depends only on its own bodies. Starts drawn once for the study come first.
 
     Raises
     ------
     ScenarioError
-        If some find no place in `TRIES` tries, or can be seen before not to find any.
+        If some find no place in `TRIES` tries, or cannot be expected to.
     """
     starts = [body.start for body in bodies]
     if not any(starts):
@@ -60,7 +60,7 @@ def draw_starts(
         if body.pose is not None:
             given[i] = body.pose.x, body.pose.y, body.pose.heading
     poses: Array = np.tile(given, (len(replicas), 1))
-    own = np.zeros(world.count - world.named, dtype=bool)  # parts have no starts of their own
+    own = np.zeros(world.count - world.named, dtype=bool)  # parts have no start of their own
     placed = np.tile(np.concatenate(([start is None for start in starts], own)), len(replicas))[world.owner]
     inside = with_parts(world, bodies, replicas, seed)
     _put_parts(world, poses, inside)
@@ -87,9 +87,9 @@ def _draw(
     placed: npt.NDArray[np.bool_],
     inside: Array,
 ) -> int:
-    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`; after how many tries it ended.
+    """Find places for the chosen bodies `(T,)`, into `poses` and `placed`; returns the number of tries.
 
-    `inside` are the poses of parts in robots.
+    `inside` are the poses of parts in their robots' frames.
     """
     count, total, owner = world.count, len(placed), world.owner
     keys = np.array([stream_key(seed, body.name, "start") for body in bodies], dtype=np.uint64)
@@ -97,7 +97,7 @@ def _draw(
     clearance[:, : world.named] = [0.0 if body.start is None else body.start.clearance for body in bodies]
     clearance = clearance.reshape(-1)[owner]
     areas = _Areas(world, [body.start for body in bodies])
-    left: list[Ints] = []  # in each replica, before each try
+    left: list[Ints] = []  # bodies without a place in each replica, before each try
     for attempt in range(TRIES):
         todo = np.flatnonzero(chosen & ~placed)
         left.append(np.bincount(todo // count, minlength=len(numbers)))
@@ -131,10 +131,10 @@ def _draw(
 
 
 def _is_hopeless(left: Sequence[Ints]) -> bool:
-    """Whether, of so many in each replica `(R,)` without a place before each try, some cannot find one in the end.
+    """Whether some bodies will not find a place; `left` are those without one in each replica `(R,)` before each try.
 
-    Places grow fewer, so no more can be found in a try than were found of late: in half of the tries so far, and at
-    best four deviations of a count and ten more. Each replica is judged by itself.
+    Free places get fewer, so a future try places at most as many as the tries of the latter half so far did on average,
+    with four standard deviations of their count and ten added. Each replica is judged by itself.
     """
     made = len(left) - 1
     late = made // 2
@@ -144,7 +144,7 @@ def _is_hopeless(left: Sequence[Ints]) -> bool:
 
 
 def _too_many(world: World, bodies: Sequence[Robot | Obstacle], source: str) -> list[Fault]:
-    """A fault for each kind of start whose bodies are larger together than where they are to stand."""
+    """A fault for each kind of start whose bodies together are larger than the area given to them."""
     alike: dict[RandomStart, list[int]] = {}
     for i, body in enumerate(bodies):
         if body.start is not None:
@@ -180,13 +180,13 @@ def _fault(first: Robot | Obstacle, source: str, message: str) -> Fault:
 
 
 def _put_parts(world: World, poses: Array, inside: Array) -> None:
-    """Put the parts, in place, where they are `inside` the frames of their robots."""
+    """Set the poses of the parts, in place, from their poses `inside` the frames of their robots."""
     if world.has_parts:
         poses[world.parts] = compose(poses[world.owner[world.parts]], inside[world.parts])
 
 
 class _Areas:
-    """Where each body may start: in its box, or in any free cell of a coarse look at the map."""
+    """The area where each body may start: its box, or any free cell of a coarse view of the map."""
 
     def __init__(self, world: World, starts: Sequence[RandomStart | None]) -> None:
         self._map = world.map
@@ -206,7 +206,7 @@ class _Areas:
                 raise ScenarioError([Fault(file="", path="world.map", message=str(error))]) from None
 
     def poses(self, which: Ints, uniform: Array) -> Array:
-        """Poses `(Q, 3)` for bodies number `which` `(Q,)`, of four uniform numbers each."""
+        """Poses `(Q, 3)` for bodies number `which` `(Q,)`, from four uniform numbers each."""
         box = self._boxes[which]
         x = box[:, 0] + uniform[:, 0] * (box[:, 2] - box[:, 0])
         y = box[:, 1] + uniform[:, 1] * (box[:, 3] - box[:, 1])
@@ -223,7 +223,7 @@ class _Areas:
 
 
 def _no_room(world: World, bodies: Sequence[Robot | Obstacle], lost: Ints, tries: int, source: str) -> list[Fault]:
-    """A fault for each kind of start that some found no place for, in the first replica where that was so."""
+    """A fault for each kind of start for which some body found no place, in the first replica where that happened."""
     first = lost[lost // world.count == lost[0] // world.count] % world.count
     early = "" if tries == TRIES else ", and too few in the last of them for any hope"
     faults = []

@@ -35,7 +35,7 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
-MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter, and one number kept for studies
+MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter; one number is reserved for studies
 
 
 class Simulation:
@@ -44,21 +44,21 @@ class Simulation:
     Parameters
     ----------
     scenario
-        What is simulated.
+        The scenario to simulate.
     seed
-        In place of the scenario's.
+        Replaces the scenario's seed.
     replicas
-        How many replicas, or their numbers. Replica 37 of many has the same bits as replica 37 alone.
+        The number of replicas, or their numbers. Replica 37 of many gives the same bits as replica 37 alone.
     threads
-        How many threads share the rows of long work, from about a hundred robots up; the bits are the same with any.
+        The number of threads that share long work, useful from about a hundred robots; it does not change the bits.
 
     Raises
     ------
     ParameterError
-        If something else than a scenario is given; `am.load` makes one from a file or the name of a bundled one.
+        If it is given anything but a scenario; `am.load` makes one from a file or the name of a bundled one.
     ScenarioError
-        With every fault that shows only now: a start in a wall or in another body, an error whose path leads
-        nowhere or whose true value its field does not take.
+        With every fault that only shows now: a start in a wall or in another body, an error whose path leads
+        nowhere or whose true value its field does not accept.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Simulation:
 
     @property
     def events(self) -> list[Event]:
-        """What happened so far, in order."""
+        """The events so far, in order."""
         return self._fleet.events
 
     # ---------------------------------------------------------------------------------------------------- stepping
@@ -118,12 +118,12 @@ class Simulation:
         phases.step(self._fleet)
 
     def run(self, duration: float | None = None) -> None:
-        """Step until `duration` [s] more have passed; without it, the scenario's duration.
+        """Step for `duration` [s]; without it, for the scenario's duration.
 
         Raises
         ------
         AmorsimError
-            If the duration is no number, below 0, or longer than 2^32 - 1 steps.
+            If the duration is not a number, below 0, or longer than 2^32 - 1 steps.
         """
         duration = self.scenario.duration if duration is None else duration
         most = MOST_STEPS * self.dt
@@ -137,19 +137,19 @@ class Simulation:
             self.step()
 
     def steps_of(self, duration: float) -> int:
-        """How many steps a duration [s] takes, the last one whole."""
+        """The number of steps in a duration [s], rounded up."""
         return max(0, int(np.ceil(duration / self.dt - 1e-9)))
 
     # ------------------------------------------------------------------------------------------------ what there is
 
     @property
     def ticks(self) -> Ints:
-        """How many steps each replica has made since its episode began, `(R,)`."""
+        """The number of steps of each replica since its episode began, `(R,)`."""
         return self._fleet.ticks.copy()
 
     @property
     def tick(self) -> int:
-        """How many steps have been made since the episode began, where all replicas agree; else see `ticks`."""
+        """The number of steps since the episode began, if all replicas agree; otherwise see `ticks`."""
         first = int(self._fleet.ticks[0])
         if (self._fleet.ticks != first).any():
             raise AmorsimError("the replicas are at different ticks; see `ticks`")
@@ -157,7 +157,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Simulated time [s] since the episode began, where all replicas agree."""
+        """Simulated time [s] since the episode began, if all replicas agree."""
         return self.tick * self.dt
 
     @property
@@ -172,12 +172,12 @@ class Simulation:
 
     @property
     def estimated_pose(self) -> Array:
-        """Estimated poses `(N, 3)` in the world: what each robot's controller is told."""
+        """Estimated poses `(N, 3)` in the world, as each robot's controller receives them."""
         return self._gather(lambda group: group.estimate.pose)
 
     @property
     def covariance(self) -> Array:
-        """Covariances `(N, 3, 3)` of the estimated poses, as the robots believe."""
+        """Covariances `(N, 3, 3)` of the estimated poses, by the robots' own estimators."""
         return self._gather(lambda group: group.estimate.covariance)
 
     @property
@@ -192,7 +192,7 @@ class Simulation:
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
-        """Whether each robot touched something in the last step and wanted to go on, `(N,)`."""
+        """Whether each robot touched something in the last step while still moving towards it, `(N,)`."""
         world = self._fleet.world
         found = np.zeros((len(self.replicas), world.count), dtype=bool)
         for pair in self._fleet.touching:
@@ -211,7 +211,7 @@ class Simulation:
 
     @property
     def readings(self) -> Mapping[str, Reading]:
-        """Readings `(N, k)` by sensor, true and measured, of all rows; robots of several models: see `robot`."""
+        """Readings `(N, k)` by sensor, true and measured, of all rows; for robots of several models, use `robot`."""
         if len(self._fleet.groups) > 1:
             raise AmorsimError(
                 "the robots are of several kinds, whose readings differ in shape; take robot(name).readings"
@@ -231,7 +231,7 @@ class Simulation:
         return whole
 
     def robot(self, name: str, replica: int | None = None) -> RobotHandle:
-        """One robot; `replica` is its replica's number, which one replica alone needs not be told."""
+        """One robot; `replica` is its replica's number, not needed if there is only one."""
         if name not in self.names:
             known = ", ".join(self.names)
             raise AmorsimError(f"there is no robot {name!r}, but: {known}.{did_you_mean(name, self.names)}")
@@ -256,15 +256,15 @@ class Simulation:
         return self.replicas.index(replica)
 
     def frames(self) -> list[Frame]:
-        """The present step as recorders get it: everything, a frame for each group."""
+        """The present step for recorders: all values, a frame for each group."""
         return [group.frame() for group in self._fleet.groups]
 
     def obstacle_frames(self) -> list[ObstacleFrame]:
-        """Where the obstacles are at the present step, as recorders get it: a frame for each group."""
+        """The obstacles at the present step for recorders: a frame for each group."""
         return [group.frame() for group in self._fleet.obstacles]
 
     def digest(self, replica: int | None = None) -> str:
-        """A fingerprint of all exact results since the start: equal for equal bits. Of one replica, or of all."""
+        """A fingerprint of all exact results since the start: equal for equal bits. For one replica or for all."""
         wanted = self.replicas if replica is None else (self.replicas[self._replica_index(replica)],)
         whole = hashlib.blake2b(digest_size=16)
         for number in wanted:
@@ -278,9 +278,9 @@ class Simulation:
     # ------------------------------------------------------------------------------------------- changes from outside
 
     def set_pose(self, name: str, pose: Sequence[float], *, replica: int | None = None) -> None:
-        """Put a robot elsewhere, standing: (x [m], y [m], heading [rad]). Its own estimate is not told.
+        """Move a robot to a pose (x [m], y [m], heading [rad]), at rest. Its own estimate does not change.
 
-        Its parts go with it, and stand to it as they stood.
+        Its parts move with it; their poses relative to the robot stay the same.
         """
         handle = self.robot(name, replica)
         group, row = handle._group, handle._row
@@ -305,9 +305,9 @@ class Simulation:
         self._log_change(handle, "pose_set", "pose", tuple(numbers))
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
-        """Change a parameter of a robot from the next step on; in one replica, or in all if none is named.
+        """Change a parameter of a robot from the next step on; in one replica, or in all if none is given.
 
-        ``"drive.track"`` and its like are the nominal value (the true one follows, by its error),
+        A path such as ``"drive.track"`` sets the nominal value (the true one follows, by its error),
         ``"errors.drive.track.scale"`` the error, ``"sensors.laser.noise.gaussian.std"`` an element of a chain.
         """
         numbers = self.replicas if replica is None else (replica,)
@@ -330,14 +330,14 @@ class Simulation:
                 group.specified = before
                 group.set_parameters()
                 reason = error.problem if isinstance(error, ParameterError) else str(error.args[0])
-                if isinstance(error, ScenarioError):  # it tells of what follows from the value
+                if isinstance(error, ScenarioError):  # it is about what follows from the value
                     reason = f"{in_words(value)} would be out of bounds, for by it {reason}"
                 raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
         for handle in handles:
             self._log_change(handle, "parameter_set", path, value)
 
     def _move_parts(self, group: Group, rows: Sequence[int]) -> None:
-        """Put the parts of some robots where their drives have them now; a `LookupError` says what is in the way."""
+        """Move the parts of some robots to where their drives place them; a `LookupError` names an obstruction."""
         if group.parts is None:
             return
         moved = [group.parts.of_row(row, group.true_pose[row]) for row in rows]
@@ -350,21 +350,21 @@ class Simulation:
         self._fleet.place()
 
     def hand_over(self, name: str, to: str = "hand", *, replica: int | None = None) -> None:
-        """Let a robot be driven from outside from the next step on, or by its controller again.
+        """Drive a robot from outside from the next step on, or by its controller again.
 
-        By hand it stands until ``robot(name).drive(...)`` or ``.command(...)`` says otherwise, no collision ends it,
-        and its controller is not asked and keeps its state. Given back, the controller goes on from that state, also
-        where a collision had ended it.
+        By hand, it stands until ``robot(name).drive(...)`` or ``.command(...)`` is called, no collision ends it, and
+        its controller is not called and keeps its state. When it is handed back, the controller continues from that
+        state, even if a collision had ended it.
 
         Parameters
         ----------
         to
-            ``"hand"`` or ``"controller"``. Nothing happens where it is so already.
+            ``"hand"`` or ``"controller"``. Nothing happens if the robot is already driven that way.
 
         Raises
         ------
         AmorsimError
-            If the robot has no controller to be given to.
+            If the robot has no controller to hand back to.
         """
         handle = self.robot(name, replica)
         if to not in ("hand", "controller"):
@@ -392,10 +392,10 @@ class Simulation:
         )
 
     def reset(self, seed: int | None = None, replicas: Sequence[int] | None = None) -> None:
-        """Begin anew, all or the numbered replicas.
+        """Start all replicas again, or those with the given numbers.
 
-        With a `seed` everything starts from it, as a new simulation would; without one, a new episode begins, whose
-        draws differ from those of the episodes before. Parameters that were set stay set.
+        With a `seed`, everything starts from it, as in a new simulation. Without one, a new episode begins, whose
+        draws differ from those of earlier episodes. Parameters that were set stay set.
         """
         if seed is not None:
             if replicas is not None:
@@ -430,15 +430,15 @@ class Simulation:
         return take_snapshot(self._fleet)
 
     def restore(self, snapshot: Snapshot | bytes) -> None:
-        """Go back to what `snapshot` gave, to the bit; it may be restored any number of times.
+        """Return to the state of a `snapshot`, to the bit; it may be restored any number of times.
 
-        Bytes are what `Snapshot.to_bytes` gave, maybe in another process. They are unpickled, so restore none that
-        somebody else may have made.
+        Bytes come from `Snapshot.to_bytes`, possibly in another process. They are unpickled, so only restore bytes
+        from a source that you trust.
 
         Raises
         ------
         SnapshotError
-            If it is of another simulation: other replicas, robots, obstacles or components. Nothing has changed then.
+            If it belongs to another simulation: other replicas, robots, obstacles or components. Nothing changes then.
         """
         if isinstance(snapshot, bytes):
             snapshot = from_bytes(self._fleet, snapshot)
@@ -462,12 +462,12 @@ class Simulation:
 
 
 def _plain(number: Any) -> Any:
-    """A whole number of NumPy's as one of Python's; anything else as it is."""
+    """A NumPy integer as a Python int; anything else unchanged."""
     return int(number) if isinstance(number, np.integer) else number
 
 
 def _check_memory(scenario: Scenario, replicas: int) -> None:
-    """Complain of more than fits, before any of it is made."""
+    """Raise if the arrays would not fit into memory, before any is made."""
     bodies: list[Robot | Obstacle] = [*scenario.robots, *scenario.obstacles]
     each = sum(least_bytes(body, scenario.dt) for body in bodies)
     if problem := too_large(replicas, each):
@@ -481,7 +481,7 @@ def _check_memory(scenario: Scenario, replicas: int) -> None:
 def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
     try:
         numbers = tuple(range(replicas)) if isinstance(replicas, int) else tuple(operator.index(n) for n in replicas)
-    except TypeError:  # one is no whole number
+    except TypeError:  # one is not an integer
         raise _no_replicas(replicas) from None
     if not numbers or len(set(numbers)) < len(numbers) or min(numbers) < 0 or max(numbers) > MAX_REPLICA:
         raise _no_replicas(replicas)

@@ -1,4 +1,4 @@
-"""Copies of all that changes in a simulation, to go back to."""
+"""Snapshots: copies of all that changes in a simulation."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class GroupSnapshot:
 
 @attrs.frozen(kw_only=True)
 class Snapshot:
-    """All that changes of a simulation; made by `Simulation.snapshot`, taken by `Simulation.restore`."""
+    """All that changes of a simulation; made by `Simulation.snapshot`, restored by `Simulation.restore`."""
 
     seed: int
     replicas: tuple[int, ...]
@@ -45,9 +45,9 @@ class Snapshot:
     events: tuple[Any, ...]
 
     def to_bytes(self) -> bytes:
-        """The same for another process that simulates the same scenario: `Simulation.restore` takes it there.
+        """The snapshot as bytes, for `Simulation.restore` in another process that simulates the same scenario.
 
-        Parameters that were set are not in it: they are to be set there again before.
+        It does not hold parameters that were set: set them there before restoring.
 
         Raises
         ------
@@ -57,17 +57,17 @@ class Snapshot:
         bare = attrs.evolve(self, groups=tuple(attrs.evolve(group, specified=()) for group in self.groups))
         try:
             return pickle.dumps(bare, pickle.HIGHEST_PROTOCOL)
-        except Exception as error:  # whatever a user's object raises
+        except Exception as error:  # a user's object may raise anything
             raise SnapshotError(f"a controller cannot be carried to another process: {error}") from error
 
 
 def from_bytes(fleet: Fleet, data: bytes) -> Snapshot:
-    """What `Snapshot.to_bytes` gave, with the parameters that a fleet has.
+    """The snapshot in bytes from `Snapshot.to_bytes`, with the parameters of a fleet.
 
     Raises
     ------
     SnapshotError
-        If these are no such bytes, or what they hold cannot be made here.
+        If these are not such bytes, or their objects cannot be made here.
     """
     try:
         bare = pickle.loads(data)
@@ -108,7 +108,7 @@ def take_snapshot(fleet: Fleet) -> Snapshot:
 
 
 def fits(fleet: Fleet, snapshot: Snapshot) -> bool:
-    """Whether a snapshot is of such a fleet: the same replicas, bodies in the same groups, and the same state."""
+    """Whether a snapshot fits a fleet: the same replicas, bodies in the same groups, and the same form of state."""
     return (
         fleet.replicas == snapshot.replicas
         and len(fleet.everything) == len(snapshot.groups)
@@ -126,7 +126,7 @@ def _form(tables: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, dic
 
 
 def put_back(fleet: Fleet, snapshot: Snapshot, which: Bools) -> None:
-    """Put the replicas marked in `which` `(R,)` back to the snapshot, events apart, and leave the others."""
+    """Restore the replicas marked in `which` `(R,)`, without the events; the others stay as they are."""
     fleet.ticks = np.where(which, snapshot.ticks, fleet.ticks)
     fleet.episodes = np.where(which, snapshot.episodes, fleet.episodes)
     of = fleet.world.replica_index
@@ -169,7 +169,7 @@ def _copy_arrays(arrays: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[s
 
 
 def copy_state(where: str, state: Mapping[str, npt.NDArray[Any]]) -> Arrays:
-    """A copy of a component's state; objects in it (a user's controllers) are copied each.
+    """A copy of a component's state; each object in it (a user's controllers) is copied.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def _copy_object(where: str, thing: Any) -> Any:
         return pickle.loads(pickle.dumps(thing))
     except Exception as error:
         try:
-            # Classes of a file that was loaded by path cannot be pickled by name, but can be copied.
+            # Classes from a file that was loaded by path can be copied, but not pickled by name.
             return copy.deepcopy(thing)
         except Exception:
             raise SnapshotError(

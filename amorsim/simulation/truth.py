@@ -23,7 +23,7 @@ _ROOTS = ("drive", "sensors", "pose")
 
 
 def has_draws(robot: Robot) -> bool:
-    """Whether replicas of this robot differ: some deviation is drawn by each of them."""
+    """Whether replicas of this robot differ: some deviation is drawn for each replica."""
     return any(deviation.per == "replica" and _is_drawn(deviation) for deviation in robot.errors.values())
 
 
@@ -32,12 +32,12 @@ def _is_drawn(deviation: Deviation) -> bool:
 
 
 def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
-    """The robot as it really is in one replica: every parameter that `errors` names, changed.
+    """The robot with its true parameters in one replica: every parameter that `errors` names is changed.
 
     Raises
     ------
     ScenarioError
-        With a fault for each path that leads nowhere, and each true value that its field does not take.
+        With a fault for each path that leads nowhere, and each true value that its field does not accept.
     """
     faults = []
     true = robot
@@ -58,7 +58,7 @@ def true_robot(robot: Robot, seed: int, replica: int) -> Robot:
 
 
 def true_robots(robots: Sequence[Robot], replicas: npt.NDArray[np.integer], seed: int) -> list[Robot]:
-    """Each robot as it really is in its replica; one for all replicas where nothing of it is theirs to draw."""
+    """Each robot with its true parameters in its replica; one object for all replicas if none draws any of them."""
     resolved: dict[tuple[int, int], Robot] = {}
     true = []
     for robot, replica in zip(robots, replicas.tolist(), strict=True):
@@ -71,7 +71,7 @@ def true_robots(robots: Sequence[Robot], replicas: npt.NDArray[np.integer], seed
 
 
 def _check_root(path: list[str]) -> None:
-    # One way each: errors touch geometry and constants, which the software holds too; the rest is the noise chain's.
+    # One way for each: errors change geometry and constants, which the software knows too; noise chains do the rest.
     if path[0] not in _ROOTS:
         raise LookupError(f"expected drive, sensors or pose, got {path[0]!r}.{did_you_mean(path[0], _ROOTS)}")
     if path[0] == "sensors" and path[2:3] and path[2] in ("noise", "rate", "latency"):

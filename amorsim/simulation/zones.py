@@ -1,4 +1,4 @@
-"""Zones of the floor, as the wheels of a group of robots feel them."""
+"""Zones of the floor, as they act on the wheels of a group of robots."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = npt.NDArray[np.float64]
 
 
 def zone_streams(zones: Sequence[Zone]) -> list[tuple[str, ...]]:
-    """The names of the streams that a robot draws from where it rolls over zones."""
+    """The names of the random streams that a robot uses in zones."""
     return [("zone", zone.name, "noise", element.name) for zone in zones for element in zone.ground]
 
 
@@ -39,7 +39,7 @@ class Zones:
         return bool(self._zones)
 
     def start(self, context: Context) -> None:
-        """Begin an episode; `context` has as its size the number of joints that roll."""
+        """Begin an episode; the size in `context` is the number of joints that roll."""
         for chain in self._chains:
             chain.states = chain.start(context)
 
@@ -53,13 +53,13 @@ class Zones:
         pose: Array,
         elapsed: Array,
     ) -> tuple[Array, Array | None]:
-        """The joints `(N, j)` as the ground takes them, of drives at `pose` whose joints go from `before` to `after`.
+        """The joints `(N, j)` that match the travel over the ground, at `pose`, for joints from `before` to `after`.
 
-        With them, how far the bodies slide `(N, 3)`, where any zone lets them. `rolling` are the joints that roll,
-        `radius` `(N, r)` [m] their way over the ground per radian. Each zone acts on the part of a joint's travel that
-        it rolls within it, on the straight line between where it touches the ground first and last. A step is cut
-        where a joint crosses the border, so that what comes of a way over the floor depends on the step only by how
-        bent the way is within one.
+        Also returns the bodies' slide `(N, 3)`, if a zone makes one. `rolling` are the joints that roll, `radius`
+        `(N, r)` [m/rad] their travel over the ground per turn. Each zone acts on the part of a joint's travel that is
+        within it, on the straight line between its first and last point of contact. A step is cut where a joint
+        crosses the border, so the result depends on the step size only through the curvature of the path within one
+        step.
         """
         begin = contact_points(drive, before, pose)
         end = contact_points(drive, after, compose(pose, drive.displacement(before, after, np.ones((len(pose), 1)))))
@@ -67,7 +67,7 @@ class Zones:
         motion = drive.twist(before, after) if any(chain.slides for chain in self._chains) else None
         slipped, slide = self._corrupt(travel, begin, end, elapsed, motion)
         found = after.copy()
-        # Robots outside all zones keep their bits.
+        # Robots outside all zones are unaffected, to the bit.
         found[:, rolling] = np.where(slipped == travel, after[:, rolling], before[:, rolling] + slipped / radius)
         return found, slide
 
@@ -80,7 +80,7 @@ class Zones:
         for zone, chain, (x, y, reach) in zip(self._zones, self._chains, self._discs, strict=True):
             apart = (start[:, 0] - x) ** 2 + (start[:, 1] - y) ** 2
             if (apart > (way + reach) ** 2).all():
-                # The elements are called all the same: a robot's state must not depend on where others are.
+                # Call the elements anyway: a robot's state must not depend on where others are.
                 nothing = np.zeros_like(travel)
                 chain.corrupt(nothing, {"entered": nothing}, elapsed)
                 if chain.slides and motion is not None:
@@ -90,7 +90,7 @@ class Zones:
             share = share_within(zone.shape, a, b).reshape(travel.shape)
             entered = (share > 0.0) & ~contains(zone.shape, a).reshape(travel.shape)
             side = {"entered": entered.astype(np.float64)}
-            # Of what lies outside nothing, not even a zero with a sign.
+            # Outside the zone nothing changes, not even the sign of a zero.
             within = np.where(share > 0.0, travel * share, 0.0)
             share = _cut(zone, a, b, share, within, chain.median(within, side, elapsed))
             within = np.where(share > 0.0, travel * share, 0.0)
@@ -98,14 +98,14 @@ class Zones:
             slipped = np.where(share > 0.0, (travel - within) + passed, travel)
             if chain.slides and motion is not None and slide is not None:
                 slide = slide + chain.slide(motion * _mean(share), elapsed)
-            # The next zone sees the way that this one leaves.
+            # The next zone acts on the path that this one leaves.
             over = np.where(travel != 0.0, travel, 1.0)
             stop = start + (stop - start) * np.where(travel != 0.0, slipped / over, 1.0).reshape(-1, 1)
             travel = slipped
         return travel, slide
 
     def states(self) -> dict[str, State]:
-        """The states of all elements, by where they are; the dicts themselves."""
+        """The states of all elements, by their place; the dicts themselves."""
         return {
             f"zone {zone.name} {name}": state
             for zone, chain in zip(self._zones, self._chains, strict=True)
@@ -114,9 +114,9 @@ class Zones:
 
 
 def _cut(zone: Zone, a: Array, b: Array, share: Array, within: Array, passed: Array) -> Array:
-    """The share `(N, r)` of what wheels roll that they roll within a zone, which lets them go `passed` for `within`.
+    """The share `(N, r)` of the wheels' rolling that is within a zone, where `within` of rolling moves them `passed`.
 
-    `share` is that of wheels that go all that they roll, on the lines from `a` to `b` in the zone's frame.
+    `share` is that of wheels without slip, on the lines from `a` to `b` in the zone's frame.
     """
     slips = (share > 0.0) & (passed != within) & (within != 0.0)
     if not slips.any():
@@ -142,10 +142,10 @@ def contact_points(drive: Drive, joints: Array, pose: Array) -> Array:
 
 
 def _disc(zone: Zone) -> tuple[float, float, float]:
-    """A disc in the world that the zone lies in: x, y and radius [m], a little wider."""
+    """A disc in the world that contains the zone, with a small margin: x, y and radius [m]."""
     corners = zone.outline
     x, y = (float(value) for value in corners.mean(axis=0))
-    # The border of a circle is drawn by chords; the circle is less than a hundredth wider than these.
+    # A circle's border is drawn by chords; the circle is less than one percent wider than these.
     reach = float(np.sqrt((corners[:, 0] - x) ** 2 + (corners[:, 1] - y) ** 2).max())
     return x, y, 1.01 * reach
 

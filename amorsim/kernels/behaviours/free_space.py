@@ -1,4 +1,4 @@
-"""What a wandering robot sees of free space, and where it turns next.
+"""The free space that a wandering robot sees, and its choice of direction.
 
 The robot is taken as a disc about its base point, as wide as it sweeps when it turns in place. The disc that
 it stands on is free (it came there along a checked corridor), so turning is always safe; driving is checked
@@ -42,7 +42,7 @@ _ABEAM_COUNT = 8  # directions about abeam, twice that far between
 
 
 class Sight(NamedTuple):
-    """What the range finders of N robots see, and how they look."""
+    """The readings and the beams of the range finders of N robots."""
 
     ranges: Floats
     """(N, k) [m]"""
@@ -52,14 +52,14 @@ class Sight(NamedTuple):
     half_angle: Floats
     """(N, 1) half the angle of the cone about that [rad]."""
     samples: int
-    """How many points stand for a return: 1 of a beam, more on the arc of a cone."""
+    """The number of points for a return: 1 for a beam, more on the arc of a cone."""
 
 
 @part
 def see_points(ranges: Floats, beams: Floats, half_angle: float, points: Floats) -> None:
-    """Where something was seen, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
+    """Points of returns, x and y [m] in the robot's frame, into `points` (3, p); inf for no return.
 
-    Its last row is room to work in, for what is worked out of the points.
+    Its last row is scratch space, for values computed from the points.
 
     `ranges` (k,) [m] are seen from `beams` (5, k): x, y and headings in the robot's frame, cosine and sine of these.
     With a `half_angle` [rad] a return may come from anywhere on an arc: there are `p // k` points on each, less those
@@ -145,7 +145,7 @@ def free_way(points: Floats, bearing: float, half_width: float, spread: float) -
 
 @part
 def nearest_distance(points: Floats) -> float:
-    """How far [m] the nearest point is from the base point."""
+    """Distance [m] from the base point to the nearest point."""
     squares = points[2]
     for n in range(points.shape[1]):
         squares[n] = points[0, n] * points[0, n] + points[1, n] * points[1, n]
@@ -167,7 +167,7 @@ def nearest_side(points: Floats) -> float:
 
 @part
 def _worth(pose: Floats, trail: Floats, visits: int, bearing: float, free: float) -> float:
-    """What a direction promises: places along the free way, those near the robot's trail counting little."""
+    """The score of a direction: places along the free path; those near the robot's trail count little."""
     heading = pose[2] + bearing
     c = math.cos(heading)
     s = math.sin(heading)
@@ -204,7 +204,7 @@ def find_opening(points: Floats, view: Floats, half_width: float, side: float) -
 
 @part
 def directions_within(view: Floats) -> int:
-    """How many bearings `choose_direction` weighs in a view (least, greatest bearing [rad])."""
+    """The number of bearings that `choose_direction` weighs in a view (least, greatest bearing [rad])."""
     return int((view[1] - view[0]) / _SPREAD) + 1
 
 
@@ -222,10 +222,10 @@ def choose_direction(
 ) -> float:
     """A bearing [rad] with room ahead, or nan if there is none.
 
-    Drawn among all directions within `view` (least, greatest bearing) by the cube of what they promise: room,
-    and places that are not on the `trail` (places, 2) [m] of the last `visits`. With a `bar` above 0 none is
-    taken that promises less than so many times what straight ahead does. `weights` is room to work in, a number for
-    each of `directions_within` the view.
+    Drawn among all directions within `view` (least, greatest bearing) by the cube of their scores: room, and places
+    that are not on the `trail` (places, 2) [m] of the last `visits`. With a `bar` above 0, no direction is taken whose
+    score is less than `bar` times that of straight ahead. `weights` is scratch space, a number for each of
+    `directions_within` the view.
     """
     least = view[0]
     count = directions_within(view)

@@ -28,7 +28,7 @@ class Course(NamedTuple):
     path: Floats
     """Points of each, (N, p, 2) [m]; no two in turn are the same."""
     along: Floats
-    """How far along it they lie, (N, p) [m]."""
+    """Their distances along the path, (N, p) [m]."""
     stops: Ints
     """The point at which a robot on each leg stops next, (N, p - 1): it turns about there, or the path ends; -1 for
     none."""
@@ -111,7 +111,7 @@ def _leg(along: Floats, s: float, loops: bool) -> int:
 
 @kernel
 def _until(along: Floats, stop: int, s: float) -> float:
-    """How far it is from `s` to where the path stops next, inf if it never does."""
+    """Distance from `s` to the next stop of the path, inf if there is none."""
     if stop < 0:
         return math.inf
     where: float = along[stop]
@@ -147,8 +147,8 @@ def _steer(
 ) -> None:
     """A twist towards a place, with `left` metres to drive: along the circle that leads there.
 
-    `way` is 1, or -1 for one who drives backwards, and so has ahead of him what is behind. `moving` is the speed by the
-    robot's own reckoning, and whether it is turning in place.
+    `way` is 1, or -1 for driving backwards, where ahead and behind are exchanged. `moving` is the speed by the robot's
+    own reckoning, and whether it is turning in place.
     """
     c = math.cos(pose[2])
     s = math.sin(pose[2])

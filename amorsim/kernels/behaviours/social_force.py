@@ -1,4 +1,4 @@
-"""What pushes pedestrians away from others and from walls: the forces of D. Helbing and P. Molnár (1995)."""
+"""The forces that push pedestrians away from others and from walls, by D. Helbing and P. Molnár (1995)."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ SLACK = 1e-6  # [m] more than any rounding of a distance
 
 
 def range_of(strength: Floats, width: Floats, ahead: Floats, relative: Floats, later: Floats, pace: Floats) -> Floats:
-    """How far [m] pedestrians must look, so that all whose forces are not negligible are seen; elementwise.
+    """The distance [m] within which others have forces on a pedestrian that are not negligible; elementwise.
 
-    With `ahead` + `later` [s] as the time in which others come nearer: `social_forces` leaves out who is farther away.
-    `pace` [m/s] is how fast he goes; the rest are columns of `social_forces`' `numbers`.
+    Others come nearer for `ahead` + `later` [s]; `social_forces` leaves out bodies that are farther away. `pace` is the
+    pedestrian's speed [m/s]; the rest are columns of `social_forces`' `numbers`.
     """
     push = width * np.log(np.maximum(strength / width / NEGLIGIBLE, 1.0))
     return np.asarray(push + pace * (later + ahead * relative) + SLACK)
@@ -69,7 +69,7 @@ def social_forces(
 ) -> None:
     """Accelerations [m/s^2] by which others and walls repel pedestrians, some time ahead, as all go on as they do.
 
-    At a distance d from another whose step has the length s, b is at least sqrt(d (d - s)): where that makes a force
+    At a distance d from another whose step has the length s, b is at least sqrt(d (d - s)): if that makes a force
     negligible, it is left out.
 
     Parameters
@@ -79,18 +79,18 @@ def social_forces(
     own
         (N,) which of the bodies is the pedestrian.
     first, body
-        The bodies that pedestrian n looks at are ``body[first[n]:first[n + 1]]``. It must be in order, without his own,
-        and with all that are within `range_of` of him and its time ahead.
+        The bodies that pedestrian n looks at are ``body[first[n]:first[n + 1]]``. They must be in order, without
+        the pedestrian's own, and include all that are within `range_of` of the pedestrian in its time ahead.
     velocity
         (N, 2) of the pedestrians over the ground [m/s].
     wanted
-        (N, 2) unit vector to where he wants to go.
+        (N, 2) unit vector towards the pedestrian's goal.
     walls
         The walls around.
     numbers
         (N, 10) strength [m^2/s^2] and range [m] of the repulsion by others, how far ahead [s] their steps are seen,
         strength and range of that by walls, cosine of half the angle of sight, weight of what is out of it, how
-        much of his own step is taken from theirs (0 or 1), how far ahead [s] the forces are asked for, and whether
+        much of the own step is subtracted from theirs (0 or 1), how far ahead [s] the forces are asked for, and whether
         robots count (0 or 1).
     begin, end
         The pedestrians that are worked on.
@@ -100,7 +100,7 @@ def social_forces(
     poses, twists, reach = passers.poses, passers.twists, passers.reach
     bearings = walls.bearings
     rays = bearings.shape[0]
-    # Velocities over the ground and speeds, each worked out when it is first needed.
+    # Velocities over the ground and speeds, each computed when it is first needed.
     over_ground = np.empty((reach.shape[0], 3))
     known = np.zeros(reach.shape[0], dtype=np.bool_)
     for n in range(begin, end):
@@ -136,14 +136,14 @@ def social_forces(
             rx, ry = x - (poses[b, 0] + its_x * later), y - (poses[b, 1] + its_y * later)
             distance = math.sqrt(rx * rx + ry * ry)
             gap = distance - reach[b]
-            # From his middle to the other's outline.
+            # From the pedestrian's centre to the other's outline.
             share = max(gap, LEAST) / max(distance, LEAST)
             rx, ry = rx * share, ry * share
             qx, qy = rx - step_x, ry - step_y
             near = max(math.sqrt(rx * rx + ry * ry), LEAST)
             far = max(math.sqrt(qx * qx + qy * qy), LEAST)
             both = near + far
-            # The semi-minor axis of the ellipse about the other's step that goes through him.
+            # The semi-minor axis of the ellipse around the other's step through the pedestrian.
             axis = max(0.5 * math.sqrt(max(both * both - step_x * step_x - step_y * step_y, 0.0)), LEAST)
             size = strength / width * math.exp(-axis / width) * both / (4.0 * axis)
             fx, fy = size * (rx / near + qx / far), size * (ry / near + qy / far)

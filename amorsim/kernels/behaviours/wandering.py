@@ -64,7 +64,7 @@ BODY_COLUMNS = 9
 _GO = 0.2  # [m] a way ahead as long as this is driven
 _STOP = 0.08  # [m] a way ahead no longer than this is not driven on
 _WEIGH = 0.15  # [m] after which it looks aside again
-_SHUT = 1.2  # [m] where there was less room beside it ...
+_SHUT = 1.2  # [m] where there was less room at its side ...
 _OPEN = 2.2  # [m] ... and now there is more, a door may have come abeam,
 _CURIOUS = 0.7  # which it takes with this probability
 _RESTLESS = 0.3  # probability that it weighs all other directions when it looks aside
@@ -140,7 +140,7 @@ def _decide(
     draws: Floats,
     memory: Floats,
 ) -> int:
-    """What to do in this step, by what the robot was doing and what it sees."""
+    """The action of this step, from the robot's last action and what it sees."""
     mode = int(memory[_MODE])
     if mode == _TURN:
         done = abs(memory[_ANGLE]) < 0.005
@@ -253,18 +253,18 @@ def _wander_row(
 
 
 class Wish(NamedTuple):
-    """How N robots are asked to drive, each (N, 1)."""
+    """The driving parameters of N robots, each (N, 1)."""
 
     speed: Column
     """[m/s]"""
     turn_rate: Column
     """[rad/s]"""
     clearance: Column
-    """What they keep free around them [m]."""
+    """The distance that they keep free around them [m]."""
 
 
 class Chance(NamedTuple):
-    """What random numbers are drawn by, as `philox.pairs` takes it: (N,), (N, 3), and the block."""
+    """Keys (N,), counter (N, 3) and block of the random numbers, for `philox.pairs`."""
 
     keys: npt.NDArray[np.uint64]
     counter: npt.NDArray[np.uint32]

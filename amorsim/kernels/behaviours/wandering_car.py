@@ -39,7 +39,7 @@ _RESTLESS = 4.0  # times its length after which it likes another curve
 
 
 class CarBody(NamedTuple):
-    """What N cars know of themselves."""
+    """The knowledge of N cars about themselves."""
 
     front: float
     """The footprint reaches so far ahead of the base point [m],"""

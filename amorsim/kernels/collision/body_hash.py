@@ -31,7 +31,7 @@ class BodyHash(NamedTuple):
     """The bodies of all replicas, sorted by bucket; made by `hash_bodies`."""
 
     side: float
-    """Of a cell [m]; at least the diameter of the largest body."""
+    """Side of a cell [m]; at least the diameter of the largest body."""
     rows: int
     cols: int
     first: Ints
@@ -114,7 +114,7 @@ def hash_bodies(poses: Floats, reach: Floats, owner: Ints, replica_first: Ints, 
 def pairs_within(
     table: BodyHash, replica: Ints, looks: NDArray[np.bool_], poses: Floats, radius: Floats, out: Ints
 ) -> int:
-    """Number of pairs of bodies of one replica whose circles meet, at least one of which looks; in no particular order.
+    """Number of pairs of bodies of one replica whose circles meet, at least one of them in `looks`; in no fixed order.
 
     If both look, the wider one finds the other, or the first of two that are equally wide. So a body that moves far
     does not make the others look far.

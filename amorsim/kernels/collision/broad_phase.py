@@ -31,7 +31,7 @@ AHEAD = 32.0
 
 
 class Clearance(NamedTuple):
-    """What is known of the room around each body; kept from step to step."""
+    """The known clearance of each body; kept from step to step."""
 
     at: Floats
     """The poses for which it holds, (T, 3). If a body is elsewhere, its whole replica is looked at again."""
@@ -56,7 +56,7 @@ def set_out(
     replica_first
         Bodies of replica r are ``replica_first[r]:replica_first[r + 1]``, (R + 1,).
     clearance
-        Of the bodies whose clearance lasts, what is left of it after the step is written.
+        For bodies whose clearance lasts, it becomes the rest after the step.
     end
         Gets the poses at the end of the step, (T, 3).
     fastest
@@ -149,14 +149,14 @@ def look_around(
     clearance: Clearance,
     near: NDArray[np.uint8],
 ) -> None:
-    """Renew the clearance of bodies that have set out, and tell which of them have something near.
+    """Renew the clearance of bodies that have set out, and find which of them have something near.
 
-    Each looks two steps ahead, and four times as far while nothing is found: so a look in a crowd is cheap.
+    Each looks two steps ahead, and four times as far while it finds nothing, so the test is cheap in a crowd.
 
     Parameters
     ----------
     first, last
-        Entries of `looking` that are worked on: each writes only what is its own, so threads may share them.
+        Entries of `looking` to process: each writes only its own results, so threads may share them.
     looking
         Bodies that move, (L,).
     scene

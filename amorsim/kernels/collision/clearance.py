@@ -25,7 +25,7 @@ Ints = NDArray[np.int64]
 Box = tuple[float, float, float, float]
 
 FIRST_LOOK = 64.0
-"""How far around a body [cells] the first search goes; each later one goes four times as far."""
+"""Radius [cells] of the first search around a body; each later one goes four times as far."""
 
 
 @kernel
@@ -388,7 +388,7 @@ def map_gaps(
     poses
         Its pose: x [m], y [m], heading [rad] in the world, (Q, 3).
     cap
-        Larger gaps are not told apart [m], 0 or more, may be inf, (Q,).
+        Larger gaps are not distinguished [m], 0 or more, may be inf, (Q,).
     out
         The gaps [m], (Q,).
     where

@@ -39,7 +39,7 @@ class Bodies(NamedTuple):
 
 @kernel
 def rounding_slack(extent: float) -> float:
-    """What rounding may add to a distance [m] worked out from coordinates that add up to `extent` [m]."""
+    """Bound of the rounding error of a distance [m] computed from coordinates that add up to `extent` [m]."""
     return 1.8e-15 * extent
 
 
@@ -199,7 +199,7 @@ def body_gaps(bodies: Bodies, a: Ints, poses_a: Floats, b: Ints, poses_b: Floats
     poses_a, poses_b
         Their poses: x [m], y [m], heading [rad], (Q, 3), both in one frame.
     cap
-        Larger gaps are not told apart [m], 0 or more, (Q,).
+        Larger gaps are not distinguished [m], 0 or more, (Q,).
     out
         The gaps [m], (Q,).
     """

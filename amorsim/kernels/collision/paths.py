@@ -55,7 +55,7 @@ class Paths(NamedTuple):
     start: Floats
     """Poses at the start, (T, 3)."""
     motion: Floats
-    """Of an arc the twist over the whole step, of others the displacement, in the body's frame, (T, 3)."""
+    """For an arc, the twist over the whole step; for others, the displacement, in the body's frame, (T, 3)."""
     form: NDArray[np.uint8]
     """`STANDS`, `ARC`, `LINE` or `OTHER`, (T,)."""
     bound: Floats

@@ -1,11 +1,11 @@
-"""The narrow phase: when bodies on their paths first meet walls and one another, and where each stops.
+"""The narrow phase: when bodies on their paths first touch walls and each other, and where each stops.
 
 A contact is found by conservative advancement (B. Mirtich, "Impulse-based dynamic simulation", 1996): a part of the
 step takes no point of a body farther than that part of its path's bound, so a gap cannot close sooner. The search of a
 pair is a state machine: `_look` finds the gap at a fraction of the step, `_next` takes it in and chooses the fraction
 to look at next.
 
-Poses on arcs and lines are worked out here. Only its mover knows a path of form `OTHER`: the search of such a pair
+Poses on arcs and lines are computed here. Only its mover knows a path of form `OTHER`: the search of such a pair
 waits until the caller has written its poses, and goes on when `resolve` is called again.
 """
 

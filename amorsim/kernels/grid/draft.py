@@ -45,7 +45,7 @@ def grow(draft: Draft) -> None:
     """Give a draft space for half as much again of whatever is used up, in place."""
     tables, pages = len(draft.tables), len(draft.pages)
     if draft.used[0] >= tables:
-        # In place, so that a large map never lies in memory twice; nobody else holds these arrays.
+        # In place, so that a large map is never in memory twice; no other reference to these arrays exists.
         draft.tables.resize((tables + tables // 2 + 4, 4096), refcheck=False)
         draft.tables[tables:] = FREE
     if draft.used[1] >= pages:
@@ -54,7 +54,7 @@ def grow(draft: Draft) -> None:
 
 @kernel
 def page_slot(draft: Draft, page_row: int, page_col: int) -> int:
-    """Where the draft holds a page, taking a new one if it was free; -1 when there is no space for one."""
+    """The index of a page in the draft, a new one if the page was free; -1 if there is no space for it."""
     top = (page_row >> 6) * draft.super_cols + (page_col >> 6)
     table = int(draft.supers[top])
     if table < 0:
@@ -292,8 +292,8 @@ def finish(draft: Draft, resolution: float) -> Grid:
         grow(draft)
     draft.tables.resize((int(draft.used[0]), 4096), refcheck=False)
     draft.pages.resize((int(draft.used[1]), 64), refcheck=False)
-    # The arrays stay writable though nobody writes to them: numba compiles every kernel a second time for
-    # read-only # ones, and a grid out of a pickle has none.
+    # The arrays stay writable although nothing writes to them: numba compiles every kernel a second time for
+    # read-only ones, and a grid from a pickle has none.
     grid = Grid(
         resolution=float(resolution),
         rows=draft.rows,

@@ -1,4 +1,4 @@
-"""Occupied cells as bits, held sparsely, with the room around every free place kept beside them.
+"""Occupied cells as bits, held sparsely, with the room around every free place stored with them.
 
 Three levels, each eight or sixty-four times as wide as the one below::
 

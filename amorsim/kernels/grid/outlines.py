@@ -26,7 +26,7 @@ __all__ = ["outline_lines", "strips_of", "trace"]
 Floats = NDArray[np.float64]
 Cells = NDArray[np.uint8]
 
-_TOLERANCE = 1.6  # [cells] a corner may lie beside the line; more than 1, so that a thin wall is one strip
+_TOLERANCE = 1.6  # [cells] a corner may be off the line; more than 1, so that a thin wall is one strip
 _MOST_CORNERS = 1024  # of one strip
 _MARGIN = 1e-3  # [cells] by which a strip is wider than the sides in it, for roundings
 _EXACT = 0.02  # [cells] by which one along an axis may be wider than another, and is still to be preferred

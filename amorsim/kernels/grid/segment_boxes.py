@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 
 _SLACK = 1e-3  # [cells] by which rectangles are larger than need be, for end points snapped to grid lines and roundings
 _THIN_SLACK = 1e-6  # [cells] the same for those made of whole cells, in which only roundings count
-_BLOCK = 16  # segments whose distance is asked for at once
+_BLOCK = 16  # segments whose distance is computed at once
 
 
 def no_segments() -> SegmentIndex:

@@ -42,12 +42,12 @@ _MOST = 6  # segments seen by a scan, for each of its beams, from which on bound
 _EDGE = 1e-12  # [of a quarter turn] by which a rectangle covers more than it does
 
 AT_ONCE = 16
-"""Segments of which is told at once what is to be seen of them."""
-# Where what is told of them starts in one array: what, a and b as `side_of` gives them, and the places of its ends.
+"""The number of segments whose visible sides are found at once."""
+# The offsets of the results in one array: what, a and b as from `side_of`, and the places of the ends.
 _WHAT, _A, _B, _LOW, _HIGH = (i * AT_ONCE for i in range(5))
 
 RINGS = 48
-"""By which walls are put in order of their distance."""
+"""The number of rings that sort walls by distance."""
 
 # What a segment shows: nothing within reach, its side, its end, or it is all around.
 PASSED, FACE, END, INSIDE = range(4)
@@ -92,7 +92,7 @@ def bucket_of(x: float, y: float, beyond: float, scale: float) -> int:
 
 @inlined
 def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
-    """How far [m] from a point all is at least that a block's segments occupy."""
+    """Lower bound of the distance [m] from a point to anything that a block's segments occupy."""
     away_x = max(max(boxes[0, block] - x, x - boxes[2, block]), 0.0)
     away_y = max(max(boxes[1, block] - y, y - boxes[3, block]), 0.0)
     return math.sqrt(away_x * away_x + away_y * away_y)
@@ -102,7 +102,7 @@ def _distance(boxes: Floats, block: int, x: float, y: float) -> float:
 def _near_blocks(
     lines: SegmentIndex, x: float, y: float, reach: float, found: Integers, away: Floats, ends: Integers
 ) -> int:
-    """How many blocks may occupy something within reach; into `found` which, by rings, the nearest first.
+    """The number of blocks that may occupy something within reach; `found` gets them by rings, the nearest first.
 
     `away` gets how far [m] each block is; both are as long as there are blocks. `ends` (RINGS + 2,) is room to work in.
     """
@@ -193,7 +193,7 @@ def walls_about(
 def _block_span(lines: SegmentIndex, block: int, x: float, y: float) -> tuple[bool, float, float, float, float]:
     """Whether a point is outside a block's box, and then the corners of the box that are farthest right and left of it.
 
-    They are told from the point, x and y of the right one first.
+    They are relative to the point, x and y of the right one first.
     """
     x0 = lines.boxes[0, block] - x
     y0 = lines.boxes[1, block] - y
@@ -241,7 +241,7 @@ def side_of(
     stop = along + length + margin
     far = across + margin
     passed = (near > reach) | (start > reach) | (stop < -reach)
-    # Seen from beside it well off, from before its start or beyond its end, or from beside it close by; or from within.
+    # Seen from its side far off, from before its start or beyond its end, or from its side close by; or from within.
     beside = near > margin
     before = (start > 0.0) & (not beside)
     beyond = (stop < 0.0) & (start <= 0.0) & (not beside)
@@ -345,9 +345,9 @@ def bound_scan(
 ) -> bool:
     """Raise `nearness` (k,) [1/m] to 1/t, where no beam meets an occupied cell before t.
 
-    Blocks are looked at from near to far, and those passed over that are hidden: wholly behind what bounds all beams
-    that could meet them. Returns False, and `nearness` says nothing, from where no wall can be told from its start, and
-    where too many are seen for this to pay.
+    Blocks are visited from near to far. Hidden ones are skipped: they lie wholly behind the bounds of all beams that
+    could hit them. Returns False, with `nearness` undefined, if a wall cannot be told from its start, or if too many
+    walls are in sight for this to be faster.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How a motor follows what it is told: a lag of first order and a limit on change, exact for any length of step."""
+"""A motor that follows commands: a first-order lag and a limit on change, exact for any length of step."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def wheel_rates(twists: Floats, radius_left: Column, radius_right: Column, track
 
 @kernel
 def _along_arc(forward: float, left: float, turn: float) -> tuple[float, float]:
-    """Where a constant twist leads (x, y) [m], in the frame that it began in."""
+    """The displacement (x, y) [m] by a constant twist, in the frame at its start."""
     if abs(turn) < _SMALL:
         square = turn * turn
         along = 1.0 - square / 6.0 * (1.0 - square / 20.0)
@@ -115,7 +115,7 @@ def _grow_row(
     variance: float,
     out: Floats,
 ) -> None:
-    """What `grow_covariance` does, for a row."""
+    """`grow_covariance` for one row."""
     end_x, end_y = _along_arc(forward, left, turn)
     xx = 0.0
     xy = 0.0

@@ -157,7 +157,7 @@ def _wheel_ways(start: float, end: float, skew: float, place: int) -> tuple[floa
 
 @kernel
 def _way(before: Floats, after: Floats, skew: float, place: int) -> float:
-    """How far [rad of a wheel] the rear axle's middle rolls as a row's joints go from `before` to `after`."""
+    """The roll [rad of a wheel] of the rear axle's middle as a row's joints go from `before` to `after`."""
     left = float(after[1] - before[1])
     if place == CENTRE:
         return left
@@ -172,7 +172,7 @@ def _way(before: Floats, after: Floats, skew: float, place: int) -> float:
 def _steer(
     start: float, told: float, most: float, rate: float, lag: float, dt: float, out: Floats
 ) -> tuple[float, float]:
-    """Where a steering is to go, and where it comes to in a step; its angle and its mean rate go into `out` (2,)."""
+    """A steering's target and its angle after a step; that angle and the mean rate go into `out` (2,)."""
     target = min(max(told, -most), most)
     end, _ = respond(start, target, rate, lag, dt)
     out[0] = end

@@ -49,7 +49,7 @@ def synchro_advance(
 ) -> None:
     """Joints and rates a step later, into `out` (2, N, j): of steering, wheels and perhaps a turret.
 
-    Where steering or wheels are told to be too fast, both are scaled down, which keeps the curvature of the path.
+    If the command of steering or wheels is too fast, both are scaled down, which keeps the curvature of the path.
     `spin` limits how fast the rates of steering and turret change, `acceleration` that of the wheels.
     """
     for i in range(joints.shape[0]):

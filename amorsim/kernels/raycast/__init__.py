@@ -1,1 +1,1 @@
-"""What rays and cones meet first: cells, walls and bodies."""
+"""The first hits of rays and cones: cells, walls and bodies."""

@@ -3,8 +3,8 @@
 Every body is first turned and moved so that the ray starts at the origin. Circles around bodies, and a scan's
 order by angle, only ever leave out what cannot be hit, so neither changes a bit of the result.
 
-What is done for many bodies or many beams is done in loops without a branch, which compilers make several wide: the
-bodies near a scan are gathered, which beams might meet each is told for all of them, and then the beams of one body go
+Work on many bodies or beams is done in loops without a branch, which compilers vectorise: the bodies near a scan are
+gathered, then the beams that might hit each are found for all of them, and then the beams of one body are processed
 together.
 """
 
@@ -27,7 +27,7 @@ Ints = NDArray[np.int64]
 
 _SECTORS = 256  # of a turn, by which beams are found
 _PER_TURN = _SECTORS / 4.0  # `_turn` counts quarters
-_TOGETHER = 64  # bodies of which is told at once which beams might meet them
+_TOGETHER = 64  # bodies whose possible beams are found at once
 _WIDE = 8  # beams
 
 # Rows of the room to work in for the bodies near a scan: where each is as seen from there, its circle [m], how far off
@@ -201,7 +201,7 @@ def _cast_rows(
     out: Floats,
     hit: Ints,
 ) -> None:
-    """What `cast_bodies` does, with room to work in."""
+    """`cast_bodies` with scratch arrays."""
     in_order = False
     for i in range(out.shape[0]):
         beam_row = min(i, cos_b.shape[0] - 1)
@@ -215,7 +215,7 @@ def _cast_rows(
         for b in range(beams.shape[1]):
             beams[DX, b] = cos_h * cos_b[beam_row, b] - sin_h * sin_b[beam_row, b]
             beams[DY, b] = sin_h * cos_b[beam_row, b] + cos_h * sin_b[beam_row, b]
-        # Nobody counts who is out of the box that holds all beams, as far as they are free already.
+        # Skips bodies outside the box around all beams, up to the ranges found so far.
         _bounds(beams, out[i], limit, box)
         slack = rounding_slack(abs(origin_x) + abs(origin_y))
         around = widest * (1.0 + 1e-9) + slack
@@ -307,7 +307,7 @@ def cast_bodies(
     out
         In: ranges so far [m], inf for none; out: the lower ones, (N, k), or the least of each row's, (N, 1).
     hit
-        In: -1; gets the body's index where it lowered a range, int64, as `out`. Nobody asks if it has no columns.
+        In: -1; gets the body's index where it lowered a range, int64, as `out`. Not written if it has no columns.
     """
     beams = cos_b.shape[1]
     if beams == 0:

@@ -1,7 +1,7 @@
 """Ranges the way of the original AMORsim: along the cells of Bresenham's line.
 
 Source of the line: J. E. Bresenham, "Algorithm for computer control of a digital plotter", IBM Systems Journal 4(1),
-1965. It may slip through a wall's diagonal crack and tells distances between the centres of cells; the exact way is
+1965. It may slip through a wall's diagonal crack and gives distances between the centres of cells; the exact method is
 `amorsim.kernels.raycast.rays`.
 """
 

@@ -1,8 +1,8 @@
-"""What a cone hears of a wall that is a box of cells, all occupied: told by quotients, with no ray cast.
+"""A cone's nearest return from a wall that is a box of occupied cells: from quotients, with no ray cast.
 
 A ray enters such a box by a side that it meets, at the quotient that defines a distance
-(`amorsim.kernels.raycast.rays`). Along a side the distance grows to either hand of where it is nearest, so the rays
-about that place are asked.
+(`amorsim.kernels.raycast.rays`). Along a side the distance grows to both sides of its nearest point, so only the
+rays around that point are tested.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["NEXT", "bearing_of", "enter_box"]
 
 Floats = NDArray[np.float64]
 
-NEXT = 0.05  # [rays] within which what is beside a ray counts as met; so rough are bearings
+NEXT = 0.05  # [rays] within which things next to a ray count as hit, because bearings are that rough
 
 
 @part
@@ -46,7 +46,7 @@ def bearing_of(x: float, y: float) -> float:
 def _between(
     low: float, high: float, cell: int, resolution: float, start: float, component: float
 ) -> tuple[float, float]:
-    """Where a ray from a cell of an axis comes between two grid lines, and where it leaves for good.
+    """The distances at which a ray from a cell of an axis comes between two grid lines, and leaves for good.
 
     -inf where it is there, and inf where it never gets there.
     """

@@ -1,10 +1,10 @@
-"""A cone's nearest return, told by cells rather than rays.
+"""A cone's nearest return, from cells rather than rays.
 
 The least distance over all rays is the least over all pairs of a ray and an occupied cell it enters, so the cells can
-be asked instead of the rays. A few rays say how far away the nearest wall is at most; then only occupied cells nearer
-than that count, and few are, for a wall that is met squarely leaves a sliver of them, and one that is met at a slant
-is nearest at an edge of the cone, which is among the few. Whether a ray enters a cell, and at what distance, is told by
-the same quotients that walking along it compares, so the result has the same bits.
+be tested instead of the rays. A few rays bound the distance of the nearest wall; then only occupied cells nearer than
+that count. There are few: a wall hit at a right angle leaves a sliver of them, and an oblique wall is nearest at an
+edge of the cone, whose ray is among the few. The test of a ray and a cell, and the distance, use the same quotients as
+walking along the ray, so the result has the same bits.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ Floats = NDArray[np.float64]
 
 WIDEST = 1.5  # [rad] half a cone's angle; wider ones are cast ray by ray
 SAFETY = 1e-9  # relative, on every bound that leaves something out
-_COARSE = 100  # every so many rays one is cast
+_COARSE = 100  # one ray in this many is cast
 
 
 @part
 def _entry(cell: int, own: int, resolution: float, start: float, component: float) -> float:
-    """Where a ray from cell `own` of an axis comes into `cell`: -inf if it is there, inf if it never gets there."""
+    """Distance at which a ray from cell `own` of an axis enters `cell`: -inf if it is there, inf if it never does."""
     if cell == own:
         return -np.inf
     if (component > 0.0) != (cell > own) or component == 0.0:
@@ -41,7 +41,7 @@ def _entry(cell: int, own: int, resolution: float, start: float, component: floa
 
 @part
 def _exit(cell: int, resolution: float, start: float, component: float) -> float:
-    """Where a ray leaves `cell` of an axis for good."""
+    """Distance at which a ray leaves `cell` of an axis for good."""
     if component == 0.0:
         return np.inf
     line = cell + 1 if component > 0.0 else cell

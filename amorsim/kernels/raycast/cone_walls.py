@@ -1,8 +1,8 @@
-"""A cone's nearest return, told by the walls about it.
+"""A cone's nearest return, from the walls around it.
 
-Where the map has line features, they bound every ray from below (`amorsim.kernels.grid.segments`): the few rays that
-could be the nearest by these bounds are cast, from where all are free, and mostly that is one, square to a wall or at
-its end. Walls that are boxes of occupied cells need no ray at all (`amorsim.kernels.raycast.cone_boxes`).
+The map's line features bound every ray from below (`amorsim.kernels.grid.segments`): only rays that could be nearest
+by these bounds are cast, from the distance up to which all are free. Mostly that is one ray, perpendicular to a wall or
+at its end. Walls that are boxes of occupied cells need no ray at all (`amorsim.kernels.raycast.cone_boxes`).
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ __all__ = ["AT_ONCE", "ROOM", "hear_walls"]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-AT_ONCE = 32  # walls that are looked at together
-# Where what is told of them starts in one array, first of their sides, then of their ends: the squares of distances,
-# and the places that are so near, from the cone's point.
+AT_ONCE = 32  # walls that are tested together
+# The offsets of the results in one array, first for sides, then for ends: squared distances, and the nearest places
+# relative to the cone's point.
 _SQUARE, _X, _Y = (i * 2 * AT_ONCE for i in range(3))
 ROOM = 6 * AT_ONCE
 _NOWHERE, _FARTHEST = 0x7FF0000000000000, 0x7FFFFFFFFFFFFFFF  # the bits of inf, and the greatest of all
@@ -287,10 +287,10 @@ def hear_walls(
     f: Floats,
     bits: Integers,
 ) -> tuple[bool, float]:
-    """The least over all rays, from a free cell, by the walls about it; or False where they cannot tell.
+    """The least over all rays, from a free cell, by the walls around it; or False if they do not decide it.
 
-    The first `count` of `found`, `about` and `away` are of `lines.walls_about`, told from `aside` [m] of here; `about`
-    has `AT_ONCE` columns more. Where rays are needed and none `casts`, they cannot tell, either. `f` (`ROOM`,) is room
+    The first `count` of `found`, `about` and `away` are of `lines.walls_about`, found at a place `aside` [m] from here;
+    `about` has `AT_ONCE` columns more. False also if rays are needed and `casts` is not set. `f` (`ROOM`,) is room
     to work in, and `bits` the same.
     """
     walls = lines.walls

@@ -25,8 +25,8 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _FEW = 8  # rays of a cone up to which all are cast
-_NEARBY = 1.0  # [m] from one place walls are looked for so much farther out than need be, to serve cones beside it
-_FINE = 400  # cells in the range, from which on looking up walls is sooner done than asking cells, come what may
+_NEARBY = 1.0  # [m] added to the search for walls around one place, to serve the cones near it
+_FINE = 400  # cells in the range; from here on, looking up walls is always faster than testing cells
 
 
 @part

@@ -1,4 +1,4 @@
-"""Where rays from one place meet one body: a disc, a convex polygon, a rounded one, or several of them.
+"""Hits of rays from one place on one body: a disc, a convex polygon, a rounded one, or several of them.
 
 The rays start at the origin, and a scan's beams go together, in loops without a branch, which compilers make several
 beams wide.

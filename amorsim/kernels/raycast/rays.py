@@ -58,7 +58,7 @@ def cell_of(start: float, resolution: float) -> int:
 
 @kernel
 def _meets(line: int, resolution: float, start: float, component: float) -> float:
-    """Where a ray meets a grid line, by definition."""
+    """Distance at which a ray meets a grid line, by definition."""
     if component == 0.0:
         return np.inf
     return (line * resolution - start) / component

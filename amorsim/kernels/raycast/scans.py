@@ -210,8 +210,8 @@ def _measure(
 ) -> bool:
     """Write the distances of the beams that have entered an occupied cell: those of the lines by which they did.
 
-    And inf for those that are bounded by no wall in reach. Tells whether any of the first `count` is left, to go on by
-    itself.
+    And inf for those that are bounded by no wall in reach. Returns whether any of the first `count` is left, to
+    continue on its own.
     """
     left = np.int64(0)
     for i in range(LANES):

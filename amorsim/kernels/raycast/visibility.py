@@ -1,4 +1,4 @@
-"""Marks within reach of those who look for them, the nearest first; and discs that rays meet."""
+"""Marks within reach of sensors, the nearest first; and discs that rays hit."""
 
 from __future__ import annotations
 
@@ -68,12 +68,12 @@ def marks_near(
     distance: Floats,
     bearing: Floats,
 ) -> int:
-    """How many pairs there are of one who looks and a mark within his reach.
+    """The number of pairs of a row and a mark within its reach.
 
     Parameters
     ----------
     poses
-        From where each row looks, (N, 3) x [m], y [m], heading [rad] in the world.
+        The pose that each row looks from, (N, 3) x [m], y [m], heading [rad] in the world.
     range_max, half_angle
         How far [m], and how far to either side [rad], (N,).
     replica, own

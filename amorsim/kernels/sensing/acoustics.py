@@ -70,20 +70,20 @@ class Emitters(NamedTuple):
 
 
 class Facing(NamedTuple):
-    """Who can hear whom, and by which rays: what `amorsim.kernels.sensing.earshot.face` finds."""
+    """Which emitters each listener can hear, and by which rays; from `amorsim.kernels.sensing.earshot.face`."""
 
     axes: Floats
-    """(M, 3): cosine and sine of where a listener looks, and the cosine of half its cone's angle."""
+    """(M, 3): cosine and sine of a listener's heading, and the cosine of half its cone's angle."""
     emitter_axes: Floats
     """(N, e, 4): the same of the emitters, and the sine of half the angle."""
     hears: Bools
     """(M, e): which emitters a listener may hear."""
     limit: Floats
-    """(N, 1): how far [m] surfaces can be that a row hears anything from."""
+    """(N, 1): the largest distance [m] of a surface from which a row can hear anything."""
     rays: Ints
-    """(M, f): the rays of a listener's fan that may carry a sound, in order, and then -1."""
+    """(M, f): the rays of a listener's fan that may carry a sound, in order, then -1."""
     is_done: Bools
-    """(M,): whether a listener has heard what there is."""
+    """(M,): whether a listener has heard all there is to hear."""
 
 
 class Surfaces(NamedTuple):
@@ -96,7 +96,7 @@ class Surfaces(NamedTuple):
     ranges: Floats
     """(N * l, c) [m]; inf for nowhere."""
     owner: Ints
-    """(N * l, c): on whose surface, the body that a robot's parts belong to; -1 for a wall or nothing."""
+    """(N * l, c): the body hit, for a robot's part the body of its robot; -1 for a wall or nothing."""
 
 
 class Sounds(NamedTuple):
@@ -123,7 +123,7 @@ class Lines(NamedTuple):
 
 @part
 def looks_of(rays: Ints, together: int) -> int:
-    """How many looks of so many rays a listener takes."""
+    """The number of looks of `together` rays that a listener takes."""
     count = 0
     while count < rays.shape[0] and rays[count] >= 0:
         count += together
@@ -302,12 +302,12 @@ def take_free(
     after: Floats,
     after_number: Ints,
 ) -> bool:
-    """Let each listener hear the first of its sounds whose line is free; whether any may have more to come.
+    """Let each listener hear the first of its sounds whose line is free; returns whether any may have more to come.
 
-    `reach` (N * p, 1) and `met` (N * p, 1) are how far [m] the lines are free, and whose body is there, -1 for none. A
-    line is free where it meets nothing, or what carries the emitter: who is met is told by number, not by place, for an
-    emitter at the rim of its carrier is as far off as the rim, up to rounding. `heard` (N, k) [m] gets the reading, and
-    those that heard one are done, as are those to whom no more come; the others are told after which to go on.
+    `reach` (N * p, 1) is how far [m] the lines are free, `met` (N * p, 1) the body that ends them, -1 for none. A line
+    is free if it hits nothing, or the emitter's carrier. Bodies are compared by number, not by place: an emitter at the
+    rim of its carrier is as far away as the rim, up to rounding. `heard` (N, k) [m] gets the reading. Listeners that
+    heard a sound, or have none left, are done; for the others, `after` and `after_number` say where to continue.
     """
     rows, k = heard.shape
     each = lines.poses.shape[0] // rows

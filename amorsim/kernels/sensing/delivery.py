@@ -23,7 +23,7 @@ TOLERANCE = 1e-9
 
 
 class Reading(NamedTuple):
-    """What a robot holds of a sensor with k values."""
+    """A robot's current reading of a sensor with k values."""
 
     true: Floats
     """(N, k)"""
@@ -71,7 +71,7 @@ def due_rows(tick: Ticks, rate: Column, dt: float, out: Flags) -> int:
 
 @kernel
 def take_due(due: Flags, tick: Ticks, dt: float, true: Floats, measured: Floats, held: Reading, out: Reading) -> None:
-    """Write what robots hold after this tick's samples of the rows that are `due` (N, 1), where none is ever late."""
+    """Update the robots' readings after this tick's samples of the rows `due` (N, 1), for sensors without delay."""
     for i in range(tick.shape[0]):
         source_true = true if due[i, 0] else held.true
         source_measured = measured if due[i, 0] else held.measured

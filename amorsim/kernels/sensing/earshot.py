@@ -61,7 +61,7 @@ def _set_edges(cos: float, sin: float, cos_half: float, sin_half: float, edges: 
 
 @part
 def _set_candidate(x: float, y: float, shortest: float, longest: float, limit: float, axis: Floats, to: Floats) -> None:
-    """Write what `_crosses` asks of an emitter (x, y) from a listener, whose way must be from `shortest` to `longest`.
+    """Write the input of `_crosses` for an emitter (x, y) from a listener, with a path from `shortest` to `longest`.
 
     `limit` [m] is how far the listener's rays go, `axis` of `Facing.emitter_axes`.
     """
@@ -113,10 +113,10 @@ def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
 
 @kernel
 def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, together: int, facing: Facing) -> int:
-    """Say whom listeners may hear, which of their rays may carry a sound to them, and to whom none can come.
+    """Find the emitters that listeners may hear, the rays that may carry a sound, and the listeners that hear none.
 
-    A ray is left out only where no sound by way of its end could count. `fan` (f,) tells a cone's rays by parts of half
-    its angle, `speed` is that of sound [m/s]. Returns how many looks of so many rays `together` any row takes at most.
+    A ray is left out only if no sound via its end could count. `fan` (f,) gives a cone's rays in fractions of half
+    its angle, `speed` is that of sound [m/s]. Returns the largest number of looks of `together` rays of any row.
     """
     rows, k = listeners.listens.shape
     count = emitters.poses.shape[1]

@@ -1,4 +1,4 @@
-"""What elements of noise chains do to values: to each by itself, in one pass.
+"""The effect of noise elements on values: on each value independently, in one pass.
 
 Values are (N, k), of N rows. A component's parameters over rows are (N, 1). To add an error, +0.0 less the error is
 taken away: that keeps even the sign of a zero.

@@ -34,7 +34,7 @@ MEDIANS = -1  # in the place of a block's number: not draws, but the medians of 
 
 
 class Program(NamedTuple):
-    """What is done to the values of D devices in N rows: S steps in all, those of a device one after another."""
+    """The steps for the values of D devices in N rows: S steps in all, those of a device one after another."""
 
     sizes: Ints
     """(D,): how many values each device has."""

@@ -1,4 +1,4 @@
-"""What sensors and their noise share: the poses of a ring's elements, and values with noise on them."""
+"""Shared by sensors and their noise: the poses of a ring's elements, and values with noise on them."""
 
 from __future__ import annotations
 

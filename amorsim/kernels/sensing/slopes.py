@@ -1,4 +1,4 @@
-"""At what angle beams meet walls: from where beams close beside them end."""
+"""The angle at which beams hit walls, from the ends of beams close to them."""
 
 from __future__ import annotations
 

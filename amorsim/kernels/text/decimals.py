@@ -4,8 +4,8 @@ A number with d decimals is its product with 10^d, rounded to whole, halves to e
 what the rounded product says. The product's rounding error is a number too (Dekker 1971), and decides where the product
 lies just between two whole numbers.
 
-Most cells are numbers of six decimals, many in a row. Their digits are worked out side by side, several numbers at
-once, and then only put one after the other: in a third of the time that it takes number by number.
+Most cells are numbers of six decimals, many in a row. Their digits are computed for several numbers at
+once, and then only written one after another, in a third of the time.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from amorsim.kernels.text.shortest import put_not_finite, put_shortest
 __all__ = ["EMPTY", "EXACT", "MISSING", "NAME", "SPAN", "WIDEST", "write_lines"]
 
 NAME, EXACT, EMPTY, MISSING = -1, -2, -3, -4
-"""What a column holds besides fixed decimals: one of the names; a number's shortest decimals; nothing; nan."""
+"""Contents of a column other than fixed decimals: one of the names; a number's shortest decimals; nothing; nan."""
 SPAN = 4
-"""How many whole numbers tell a span of columns."""
+"""The number of integers that describe a span of columns."""
 WIDEST = 32
 """Bytes that a number takes at most, with its comma: a sign, 16 digits, a point, and up to 13 noughts after it."""
 
-_MOST = 9007199254740992.0  # 2^53: whole numbers are told apart up to there
+_MOST = 9007199254740992.0  # 2^53: up to there, doubles represent all integers
 _ROUNDING = 2.0**-52
 _SPLIT = 134217729.0  # 2^27 + 1
 # Of one type with what they are added to: numba makes a number with a point of whole ones with and without a sign.
 _NONE, _ONE, _TWO, _TEN, _NOUGHT = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(10), np.uint64(48)
 
-# Of the numbers that are worked out side by side: millionths, fewer than 2^31.
+# Of the numbers that are computed together: millionths, fewer than 2^31.
 _MANY = 2.0e9
 _LOW = np.uint64(0xFFFFFFFF)  # tells the compiler that a product of two such parts is one of 32 bits by 32
 _HUNDRED, _THOUSAND, _TEN_THOUSAND, _MILLION = np.uint64(100), np.uint64(1000), np.uint64(10_000), np.uint64(1_000_000)
@@ -82,7 +82,7 @@ def _put_digits(n: int, count: int, out: NDArray[np.uint8], at: int) -> None:
 
 @part
 def _put_number(value: float, decimals: int, out: NDArray[np.uint8], at: int) -> int:
-    """Write a number with some decimals; where it ends, or -1 if it has more digits than can be told exactly."""
+    """Write a number with some decimals; where it ends, or -1 if it has more digits than are exact."""
     if not abs(value) < np.inf:
         return put_not_finite(value, out, at)
     if math.copysign(1.0, value) < 0.0:
@@ -116,7 +116,7 @@ def _look_ahead(table: NDArray[np.float64], step: int, first: int, count: int, w
     """Work out the digits of numbers of six decimals, no branches, so that it goes several wide.
 
     A word is six digits in its upper bytes, what comes before the point in the lowest twelve bits, and whether it is
-    negative, and whether it must be told in another way: it is too large, not finite, or just between two.
+    negative, and whether it needs another method: it is too large, not finite, or just between two.
     """
     line, here = np.uint64(step), np.uint64(first)
     for c in range(np.uint64(count)):

@@ -19,7 +19,7 @@ _SECOND = np.uint64(0x6A09E667F3BCC909)
 _SHIFT = np.uint64(29)
 _HALF = np.uint64(32)
 
-# Arrays a kernel call takes: always so many, for each number of them would be compiled by itself.
+# Arrays in a kernel call: a fixed number, because each number would be compiled separately.
 _BATCH = 8
 _NOTHING = np.empty((0, 0))
 

@@ -2,8 +2,8 @@
 
 Of the decimals that are read as a double those with the fewest digits are sought, and of them the nearest: on the grid
 of a power of ten that is just finer than the distance to the next double, and on that of the power above it, where at
-most one lies so near. Products with powers of ten of 128 bits, rounded to odd, tell on which side of a bound a decimal
-lies (R. Giulietti, The Schubfach way to render doubles, 2020).
+most one lies so near. Products with powers of ten of 128 bits, rounded to odd, decide on which side of a bound a
+decimal lies (R. Giulietti, The Schubfach way to render doubles, 2020).
 """
 
 from __future__ import annotations

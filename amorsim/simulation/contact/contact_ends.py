@@ -1,4 +1,4 @@
-"""When a contact is over: which contacts go on from step to step."""
+"""The end of contacts: which contacts continue from step to step."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ __all__ = ["PARTED", "still_near"]
 
 Array = npt.NDArray[np.float64]
 
-# Two that are farther apart than this have parted. A body that slides along a wall leaves it by fractions of a
-# millimetre between two touches, and no wall is known better than to a cell, which is 1 mm and up.
+# Bodies farther apart than this have parted. A body that slides along a wall leaves it by fractions of a millimetre
+# between two touches, and walls are only known to a cell, at least 1 mm.
 PARTED = 1e-3  # [m]
 
 
 def still_near(world: World, pairs: frozenset[tuple[int, int]], before: Array) -> frozenset[tuple[int, int]]:
     """The pairs of bodies (`WALL` for a wall) that have not parted.
 
-    They had not at the poses `before` `(T, 3)`; since then all bodies have moved to their poses in the world.
+    At the poses `before` `(T, 3)` they had not parted; all bodies have since moved to their poses in the world.
     """
     poses = world.poses
     if not pairs or poses is before:

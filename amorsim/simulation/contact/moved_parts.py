@@ -1,7 +1,7 @@
 """Parts of robots: rigid bodies in addition to a robot's own, which its drive moves (`amorsim.contracts.Drive.parts`).
 
-A part goes where the joints take it. The drive knows the joints at every fraction of a step, so a part has a path of
-its own, and contact sweeps it as any body. Where any part of a robot meets something, the whole robot stops.
+The joints move a part. The drive knows the joints at every fraction of a step, so a part has a path of its own, and
+the search for contact treats it like any body. If any part of a robot touches something, the whole robot stops.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 
-_LOOK = 1e-4  # of a step, to either side: so close together, two places give a velocity
+_LOOK = 1e-4  # of a step, to either side: the difference of two such positions gives a velocity
 
 
 class Robots(Protocol):
-    """What the parts ask of the robots that have them: a group."""
+    """The interface that parts need of their robots: a group."""
 
     bodies: Ints
     dt: float
@@ -51,7 +51,7 @@ class Robots(Protocol):
 class Parts:
     """The parts of all robots of a group, a mover of its own (`Mover` of `resolve`): N rows of p parts.
 
-    Their poses follow from the joints, but are kept as well: so they are, to the bit, where contact found them free.
+    Their poses follow from the joints, but are stored as well: so they are, to the bit, those that contact found free.
     """
 
     def __init__(self, group: Robots, world: World) -> None:
@@ -62,7 +62,7 @@ class Parts:
         self.start()
 
     def start(self) -> None:
-        """Put them where the joints have them, at rest."""
+        """Put the parts at the poses that the joints give, at rest."""
         group = self._group
         inside = np.ascontiguousarray(group.drive.part_poses(group.joints)).reshape(-1, 3)
         self.poses = compose(np.repeat(group.true_pose, self._each, axis=0), inside)
@@ -100,7 +100,7 @@ class Parts:
         return np.ascontiguousarray(self._group.part_travel()).reshape(-1, 2)
 
     def path(self) -> tuple[int, Array]:
-        """The form of the paths: no kernel knows it, so `poses_at` is asked also where they end."""
+        """The form of the paths: no kernel knows it, so `poses_at` also gives their ends."""
         return OTHER, np.zeros((len(self.bodies), 3))
 
     def poses_at(self, which: Ints, fraction: Array) -> Array:

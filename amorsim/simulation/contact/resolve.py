@@ -1,16 +1,16 @@
-"""Motion with contact: bodies move at once along closed-form paths, and stop where they touch.
+"""Motion with contact: all bodies move together along closed-form paths, and stop where they touch.
 
-The earliest contact of all is taken first (ties: walls before bodies, then by name). The bodies in it stop there and
-stand as obstacles for the rest of the step; the others go on from that instant. A body stops at the last
+The earliest contact of all is taken first (ties: walls before bodies, then by name). Its bodies stop there and are
+obstacles for the rest of the step; the others continue from that instant. A body stops at the last
 representable fraction of the step at which interiors are disjoint, so every start is free by the same test.
 
-Two kernels do the work. The broad phase (`amorsim.kernels.collision.broad_phase`) tells which bodies might meet
-something, from the clearance that the world keeps of every body. The narrow phase
-(`amorsim.kernels.collision.time_of_impact`) finds when they do. It asks back here for poses on paths that only their
+Two kernels do the work. The broad phase (`amorsim.kernels.collision.broad_phase`) finds the bodies that might
+touch something, from the clearance that the world keeps of every body. The narrow phase
+(`amorsim.kernels.collision.time_of_impact`) finds when they do. It calls back for poses on paths that only a
 drive knows.
 
-A robot of several parts is several bodies (`amorsim.simulation.contact.moved_parts`): each has a path of its own, and
-where one of them stops, all of them do, and the joints between them.
+A robot of several parts is several bodies (`amorsim.simulation.contact.moved_parts`): each has a path of its own.
+If one of them stops, all of them stop, and so do the joints between them.
 """
 
 from __future__ import annotations
@@ -33,29 +33,29 @@ __all__ = ["WALL", "Contact", "Movement", "Mover"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-# Bodies that touch and slide are looked at no farther apart than this; a wall is a cell thick, 1 mm and up.
+# Bodies that touch and slide are tested at most this far apart; a wall is at least a cell, 1 mm, thick.
 SHORTEST = 2.5e-4  # [m]
-# A wall that a body stopped at is nearer than this.
+# A wall that stopped a body is nearer than this.
 TOUCH = 0.01  # [m]
-# Number of looks at a pair in one step: enough for a hundred metres along a wall, touching it, in cells of 1 mm.
+# Number of tests of a pair in one step: enough for a hundred metres along a wall, touching it, in cells of 1 mm.
 MOST_LOOKS = 400_000
-# Number of rays that take as long as one body's look around.
+# Cost of one body's broad phase, in rays.
 LOOK_WORK = 16
 
 
 class Mover(Protocol):
     """Bodies that move by the same code: a group of robots, their parts, or obstacles."""
 
-    bodies: Ints  # (M,) which bodies of the world they are
+    bodies: Ints  # (M,) their indices among the bodies of the world
 
     @property
     def true_twist(self) -> Array:
         """Velocities `(M, 3)` [m/s, m/s, rad/s] over the last step in the bodies' frames."""
 
     def path(self) -> tuple[int, Array]:
-        """The form of the paths (`amorsim.kernels.collision.paths`), and what they are made of `(M, 3)`.
+        """The form of the paths (`amorsim.kernels.collision.paths`), and their parameters `(M, 3)`.
 
-        For an arc that is the twist over the whole step, for a line or another form the displacement.
+        For an arc, the twist over the whole step; for a line or another form, the displacement.
         """
 
     def travel(self) -> Array:
@@ -70,9 +70,9 @@ class Mover(Protocol):
 
 @attrs.frozen(kw_only=True)
 class Contact:
-    """Two bodies, or a body and a wall (`other` is `WALL`), that met at a fraction of the step.
+    """Two bodies, or a body and a wall (`other` is `WALL`), that touched at a fraction of the step.
 
-    A part of a robot counts as the body that it is.
+    A part of a robot counts as a body of its own.
     """
 
     body: int
@@ -82,7 +82,7 @@ class Contact:
 
 
 class Movement:
-    """The step that all movers of a world make together; laid out once, as the movers stay the same."""
+    """The step that all movers of a world make together; set up once, because the movers stay the same."""
 
     def __init__(self, world: World, movers: Sequence[Mover]) -> None:
         count = len(world.poses)
@@ -101,9 +101,9 @@ class Movement:
         Returns
         -------
         poses
-            `(T, 3)` where they stand afterwards.
+            `(T, 3)` the poses afterwards.
         stop
-            `(T,)` the fraction of the step after which each body stood still, 1 for those that met nothing.
+            `(T,)` the fraction of the step after which each body stood still, 1 for those that touched nothing.
         contacts
             In order of time.
         """
@@ -125,7 +125,7 @@ class Movement:
         return end, paths.stop, contacts
 
     def arrive(self, poses: Array, stop: Array) -> None:
-        """Let the movers take what `make` gave, and the world the velocities that follow."""
+        """Pass the results of `make` to the movers, and the resulting velocities to the world."""
         twists = self._world.twists.copy()
         for mover, rows in self._rows:
             mover.arrive(np.ascontiguousarray(poses[rows]), np.ascontiguousarray(stop[rows]))
@@ -133,7 +133,7 @@ class Movement:
         self._world.twists = twists
 
     def _set_out(self) -> Paths:
-        """The paths of all bodies; `stop` and, but for form `OTHER`, `bound` are still to be written."""
+        """The paths of all bodies; the kernels write `stop` and, except for form `OTHER`, `bound` later."""
         for mover, rows in self._rows:
             form, motion = mover.path()
             self._form[rows] = form
@@ -160,7 +160,7 @@ class Movement:
         return poses
 
     def _candidates(self, scene: Scene, looking: Ints) -> tuple[Ints, Ints]:
-        """The pairs of a body and a wall (b is `WALL`) or another body that might meet in this step, in order."""
+        """The pairs of a body and a wall (b is `WALL`) or another body that might touch in this step, in order."""
         world, paths = self._world, scene.paths
         near = np.empty(len(looking), dtype=np.uint8)
         given = (
@@ -181,7 +181,7 @@ class Movement:
         return a, b
 
     def _resolve(self, scene: Scene, a: Ints, b: Ints) -> list[Contact]:
-        """The contacts among pairs that might meet; the `stop` of their paths is set to where they are."""
+        """The contacts among pairs that might touch; sets the `stop` of their paths."""
         world, paths = self._world, scene.paths
         asks = (paths.form[a] == OTHER) | ((paths.form[b] == OTHER) & (b != WALL))
         search = _search_of(a, b, asks, len(paths.form))
@@ -205,13 +205,13 @@ class Movement:
 
 
 def _rows_of(bodies: Ints) -> slice | Ints:
-    """An index of some bodies, in order: a slice where they are evenly spaced."""
+    """An index of some bodies, in order: a slice if they are evenly spaced."""
     step = int(bodies[1] - bodies[0]) if len(bodies) > 1 else 1
     return slice(int(bodies[0]), int(bodies[-1]) + 1, step) if (np.diff(bodies) == step).all() else bodies
 
 
 def _search_of(a: Ints, b: Ints, asks: npt.NDArray[np.bool_], bodies: int) -> Search:
-    """A search that has not begun, of pairs among so many bodies."""
+    """A search that has not begun, of pairs among a number of `bodies`."""
     count = len(a)
     two = np.flatnonzero(b != WALL)
     pair, body = np.concatenate((np.arange(count), two)), np.concatenate((a, b[two]))
@@ -258,8 +258,8 @@ def _too_many_looks(world: World, paths: Paths, a: int, b: int) -> ContactError:
 
 
 def _points(world: World, a: Ints, poses: Array, b: Ints, others: Array) -> Array:
-    """Where [m] pairs touch `(Q, 2)` that are at such poses `(Q, 3)`."""
-    # Between the two, where their circles are equally near: the shapes touch close to it.
+    """Points of contact [m] `(Q, 2)` of pairs at their poses `(Q, 3)`."""
+    # The point between the two that is equally near to both circles: the shapes touch close to it.
     reach = world.bodies.reach
     share = reach[a] / (reach[a] + reach[b])
     point = poses[:, :2] + share[:, None] * (others[:, :2] - poses[:, :2])

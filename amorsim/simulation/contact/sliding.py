@@ -14,12 +14,12 @@ Array = npt.NDArray[np.float64]
 
 
 def goes_on_arcs(drive: Drive) -> bool:
-    """Whether a drive's path in a step is the arc of its twist."""
+    """Whether a drive's path in a step is an arc, given by its twist."""
     return type(drive).displacement is Drive.displacement
 
 
 def arcs(drive: Drive, before: Array, after: Array, slide: Array | None) -> Array:
-    """The twists `(N, 3)` of a step, of drives that go on arcs."""
+    """The twists `(N, 3)` of a step, for drives whose paths are arcs."""
     twist = drive.twist(before, after)
     if slide is None:
         return twist
@@ -30,7 +30,7 @@ def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fr
     """The displacements `(N, 3)` of bodies at fractions `(N, 1)` of the step that slide by `slide` `(N, 3)`.
 
     On an arc, rolling and sliding add up to one twist. On other paths half of the slide comes before the rolling and
-    half after it: right to the second order of the step.
+    half after it: accurate to second order in the step.
     """
     if slide is None:
         return drive.displacement(before, after, fraction)
@@ -44,7 +44,7 @@ def displaced(drive: Drive, before: Array, after: Array, slide: Array | None, fr
 
 
 def bounds(travel: Array, slide: Array | None) -> Array:
-    """Bounds on the paths `(N, 2)` [m, rad] of bodies whose wheels alone give `travel` `(N, 2)`."""
+    """Bounds on the paths `(N, 2)` [m, rad] of bodies whose bounds without a slide are `travel` `(N, 2)`."""
     if slide is None:
         return travel
     way = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)
@@ -55,7 +55,7 @@ def bounds(travel: Array, slide: Array | None) -> Array:
 
 
 def part_bounds(travel: Array, slide: Array | None) -> Array:
-    """Bounds on the paths of parts `(N, p, 2)`: a body with parts slides without turning, and its parts with it."""
+    """Bounds on the paths of parts `(N, p, 2)`: a body with parts slides without turning, and so do its parts."""
     if slide is None:
         return travel
     more = np.zeros_like(travel)

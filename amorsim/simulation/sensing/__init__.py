@@ -1,1 +1,1 @@
-"""Mounted sensors over rows: when they read, and through what chain of noise."""
+"""Mounted sensors over rows: their timing and their noise chains."""

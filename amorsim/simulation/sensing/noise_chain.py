@@ -1,4 +1,4 @@
-"""A chain of noise elements over rows: what a device does to its quantity, or the ground to a wheel's travel."""
+"""A chain of noise elements over rows: the errors of a device, or the effect of the ground on a wheel's travel."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Streams:
         self._rounds = [0]
 
     def draws(self, *names: str) -> Draws:
-        """The stream of a component of each row's robot."""
+        """The stream of one component, for each row's robot."""
         known: dict[str, int] = {}
         for robot in self._robots:
             if robot not in known:
@@ -47,7 +47,7 @@ class Streams:
         return Draws(keys, self._counter, self._workers, self._rounds)
 
     def rewind(self) -> None:
-        """Start every stream's numbers anew, at a new tick."""
+        """Restart every stream's numbers at a new tick."""
         self._rounds[0] += 1
 
 
@@ -70,14 +70,14 @@ class Chain:
             for i, (element, kind) in enumerate(zip(elements, kinds, strict=True))
             if kind.corrupt is not Noise.corrupt or element.noise.steps()
         ]
-        # Of elements for one column of a table of values: where it begins; and how many columns there are.
+        # For elements of one column: the column's index, and the number of columns.
         self.column = [columns.index(element.column) if element.column else None for element in elements]
         self.columns = len(columns)
-        # Called with an element's number, the element and what its `corrupt` gets, in the place of that. It has to be
-        # there when parameters are set.
+        # If set, it replaces `corrupt`: called with an element's number, the element and the arguments of `corrupt`.
+        # Set it before the parameters are set.
         self.watch: Callable[..., Array] | None = None
         self._links: list[_Link] = []
-        # All of the chain as steps that a kernel takes; None where some of it is written in Python, or watched.
+        # The whole chain as steps for a kernel; None if an element is written in Python, or watched.
         self.steps: Steps | None = None
         self.slides = [i for i, kind in enumerate(kinds) if kind.slide is not Noise.slide]
         self.delays = [i for i, kind in enumerate(kinds) if kind.delay is not Noise.delay]
@@ -89,7 +89,7 @@ class Chain:
         self.steps = [] if not self._links else self._links[0].steps if len(self._links) == 1 else None
 
     def _linked(self) -> Iterator[_Link]:
-        """What the values go through: one link for neighbouring elements that are steps, one for each other element."""
+        """The links of the chain: one for neighbouring elements that are steps, one for each other element."""
         steps: list[tuple[NoiseStep, Draws]] = []
         for i in self.corrupts:
             its = self.elements[i].steps() if self.column[i] is None and self.watch is None else ()
@@ -115,7 +115,7 @@ class Chain:
         return states
 
     def aim(self, elapsed: Array) -> Aim:
-        """Where the device really looks."""
+        """The device's true aim."""
         aim = Aim()
         for i in self.aims:
             try:
@@ -125,7 +125,7 @@ class Chain:
         return aim
 
     def delay(self, elapsed: Array) -> Array:
-        """How much later than the latency a reading arrives `(N, 1)` [s]."""
+        """Delay of a reading in addition to the latency `(N, 1)` [s]."""
         late = np.zeros_like(elapsed)
         for i in self.delays:
             try:
@@ -135,7 +135,7 @@ class Chain:
         return late
 
     def median(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
-        """What the values `(N, k)` would become on the whole, without what is random; nothing changes by it."""
+        """The corrupted values `(N, k)` with all draws at their medians; changes no state."""
         for i in self.corrupts:
             state = {name: array.copy() for name, array in self.states[i].items()}
             draws = Medians(self.draws[i].keys, self.draws[i].counter)
@@ -146,7 +146,7 @@ class Chain:
         return values
 
     def slide(self, motion: Array, elapsed: Array) -> Array:
-        """How far bodies slide `(N, 3)` in addition to their `motion`."""
+        """The slide of bodies `(N, 3)` in addition to their `motion`."""
         slid = np.zeros_like(motion)
         for i in self.slides:
             try:
@@ -156,7 +156,7 @@ class Chain:
         return slid
 
     def longest_delay(self) -> Array:
-        """What `delay` never exceeds `(N, 1)` [s]; `(1, 1)` where that is the same for all."""
+        """Upper bound of `delay` `(N, 1)` [s]; `(1, 1)` if it is the same for all."""
         longest = np.zeros((1, 1))
         for i in self.delays:
             try:
@@ -166,13 +166,13 @@ class Chain:
         return longest
 
     def corrupt(self, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
-        """What the values `(N, k)` become on their way through the chain."""
+        """The values `(N, k)` after the chain."""
         for link in self._links:
             values = link.corrupt(values, side, elapsed)
         return values
 
     def through(self, i: int, values: Array, side: Mapping[str, Any], elapsed: Array) -> Array:
-        """What element `i` makes of the values."""
+        """The values after element `i`."""
         column, element, state, draws = self.column[i], self.elements[i], self.states[i], self.draws[i]
         corrupt = element.corrupt if self.watch is None else functools.partial(self.watch, i, element)
         try:
@@ -191,7 +191,7 @@ class Chain:
 
 
 class _Element:
-    """An element of a chain that is called by itself."""
+    """An element of a chain that is called on its own."""
 
     steps: Steps | None = None
 
@@ -203,7 +203,7 @@ class _Element:
 
 
 class _Steps:
-    """Neighbouring elements that a kernel takes together."""
+    """Neighbouring elements that run in one kernel call."""
 
     def __init__(self, steps: Steps) -> None:
         self.steps: Steps | None = steps
@@ -221,7 +221,7 @@ _Link = _Element | _Steps
 
 
 class _Part(Mapping[str, Array]):
-    """One column of what a sensor tells beside its values, each array made when it is asked for."""
+    """One column of a sensor's further quantities; each array is made on access."""
 
     def __init__(self, side: Mapping[str, Array], columns: slice) -> None:
         self._side, self._columns = side, columns

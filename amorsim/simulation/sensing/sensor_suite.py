@@ -1,4 +1,4 @@
-"""All sensors of a group: each senses, and the noise of all that is steps of a kernel is done in one call."""
+"""All sensors of a group: each senses, and one call of a kernel applies all noise that is written as steps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 
 
 class SensorSuite:
-    """The sensors of `rows` robots, laid out once when their parameters are set."""
+    """The sensors of `rows` robots, laid out when their parameters are set."""
 
     def __init__(self, units: Sequence[SensorUnit], rows: int) -> None:
         self._units = units
@@ -30,16 +30,16 @@ class SensorSuite:
         self._noise = NoiseProgram([unit.size for unit in units], [unit.chain.steps or () for unit in units])
 
     def read(self, view: GroupView, row_clock: RowClock) -> None:
-        """Read where a reading is due, take delivery of what arrives, and hold the rest."""
+        """Read the sensors that are due, and deliver the readings that arrive."""
         samples: list[tuple[SensorUnit, slice, Sample]] = []
-        values = np.zeros(self._values)  # of all devices; those that are not due leave zeros
+        values = np.zeros(self._values)  # of all devices; zeros for those that are not due
         for unit, place in zip(self._units, self._places, strict=True):
             due, count = unit.due(row_clock)
             if count == 0:
                 unit.wait(row_clock)
                 continue
             sample = unit.look(view, row_clock, due, count)
-            if unit.chain.steps is None:  # at once, for its elements may ask what the view still knows
+            if unit.chain.steps is None:  # now, because its elements may use the view while it is set to this sensor
                 unit.take(sample, unit.corrupted(sample), row_clock)
             else:
                 values[place] = sample.values.ravel()

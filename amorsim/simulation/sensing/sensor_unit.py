@@ -1,4 +1,4 @@
-"""A mounted sensor over rows: when it reads, through what chain its values go, and when they arrive."""
+"""A mounted sensor over rows: when it reads, the noise chain of its values, and when they arrive."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ _HELD = ("true", "measured", "stamp", "last", "age", "fresh")
 
 
 class Sample(NamedTuple):
-    """What a device has sensed at a tick, before its noise."""
+    """A device's sample at a tick, before its noise."""
 
-    due: npt.NDArray[np.bool_]  # (N, 1) of which rows it is a sample
+    due: npt.NDArray[np.bool_]  # (N, 1) the rows that it is a sample of
     true: Array  # (N, k)
-    values: Array  # (N, k): what goes into the chain; others than `true` where an element aims the device elsewhere
+    values: Array  # (N, k): the input of the chain; differs from `true` if an element changes the aim
     side: Mapping[str, Any]
-    elapsed: Array  # (N, 1) [s] since the sample before
+    elapsed: Array  # (N, 1) [s] since the previous sample
     last: Ticks  # (N, 1): the tick of each row's latest sample
-    kept: list[State]  # the states before, where not all rows are due
+    kept: list[State]  # the states before, if not all rows are due
 
 
 class SensorUnit:
-    """One sensor of a group: its true parameters, its chain, its samples under way and the reading that is held.
+    """One sensor of a group: its true parameters, its chain, its samples in transit and the current reading.
 
-    Arrays of a reading are replaced, never changed, so whoever holds one keeps what he saw.
+    Arrays of a reading are replaced, never changed, so a reading stays valid for code that holds it.
     """
 
     def __init__(self, name: str, specified: MountedSensor, size: int, streams: Streams, whose: Whose) -> None:
@@ -58,9 +58,9 @@ class SensorUnit:
         self.mount: Array = np.zeros((1, 3))
         self._shape = 1, size
         self._rate: Array | None = None
-        self._delay: Ticks = np.zeros((1, 1), dtype=np.int64)  # of the latency [ticks]
+        self._delay: Ticks = np.zeros((1, 1), dtype=np.int64)  # latency [ticks]
         self._latency: Array = np.zeros((1, 1))
-        self._slots = 1  # samples that can be under way at once, and one
+        self._slots = 1  # the most samples in transit at once, plus one
         self._late: Array = self._latency  # [s], of the latest sample beyond the latency
         self._under_way: delivery.UnderWay | None = None
         self._hold_nothing(1)
@@ -72,13 +72,13 @@ class SensorUnit:
     def _hold(
         self, true: Array, measured: Array, stamp: Ticks, last: Ticks, age: Array, fresh: npt.NDArray[np.bool_]
     ) -> None:
-        """Hold a reading: true and as delivered, when it was taken, and when one was taken last, arrived or not."""
+        """Hold a reading: true and delivered values, its tick, and the tick of the latest sample, arrived or not."""
         self.true, self.measured, self.stamp, self.last = true, measured, stamp, last
         self.age, self.fresh = age, fresh
 
     @property
     def reading(self) -> Measurement:
-        """The reading that is held, as the robot has it."""
+        """The current reading, as the robot receives it."""
         return Measurement(self.measured, self.stamp, self.age, self.fresh)
 
     def set_parameters(self, true: Sequence[MountedSensor], dt: float) -> None:
@@ -94,7 +94,7 @@ class SensorUnit:
         self._delay = np.ceil(self._latency / dt - delivery.TOLERANCE).astype(np.int64)
 
     def start(self, context: Context) -> None:
-        """Forget everything: the state at the start of an episode, before the first sample."""
+        """Reset to the start of an episode, before the first sample."""
         try:
             self.state = dict(self.sensor.start(context))
         except RAISED as error:
@@ -119,14 +119,14 @@ class SensorUnit:
         return self._rate is None and self._slots == 1
 
     def due(self, row_clock: RowClock) -> tuple[npt.NDArray[np.bool_], int]:
-        """The rows that read at this tick, the first at or after each due time `(N, 1)`, and how many they are."""
+        """The rows that read at this tick, the first at or after each due time `(N, 1)`, and their number."""
         if self._rate is None:
             return row_clock.always, len(row_clock.always)
         due = np.empty_like(row_clock.always)
         return due, delivery.due_rows(row_clock.tick, self._rate, row_clock.dt, due)
 
     def look(self, view: GroupView, row_clock: RowClock, due: npt.NDArray[np.bool_], count: int) -> Sample:
-        """Let the device sense for all rows, of which `count` are due."""
+        """Sense for all rows, of which `count` are due."""
         if count == len(due):
             kept, last = [], row_clock.tick
         else:
@@ -156,14 +156,14 @@ class SensorUnit:
         return Sample(due, true, values, side, elapsed, last, kept)
 
     def corrupted(self, sample: Sample) -> Array:
-        """What the chain makes of a sample."""
+        """The values of a sample after the chain."""
         self.check(sample.values, "sense()")
         measured = self.chain.corrupt(sample.values, sample.side, sample.elapsed)
         self.check(measured, f"its chain of noise ({', '.join(self.chain.names)})")
         return measured
 
     def take(self, sample: Sample, measured: Array, row_clock: RowClock) -> None:
-        """Take a sample, and what its noise made of it, on its way to the robot."""
+        """Send a sample, with its noisy values, on its way to the robot."""
         if self.chain.delays:
             self._late = self.chain.delay(sample.elapsed)
         if sample.kept:
@@ -173,7 +173,7 @@ class SensorUnit:
         self.deliver(sample.due, sample.true, measured, sample.last, row_clock)
 
     def check(self, values: Any, by: str) -> None:
-        """Raise what is wrong with values that were to be `(N, k)` numbers, or inf where nothing returned."""
+        """Raise unless values are numbers `(N, k)`; inf is valid, for beams without a return."""
         if problem := array_problem(values, "values", self._shape, by):
             raise self.whose.wrong(self._what, self.sensor, problem)
         if np.isnan(values).any():
@@ -185,13 +185,13 @@ class SensorUnit:
         return f"sensor {self.name!r}"
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise what the sensor raised, as `Whose.blame` does."""
+        """Raise the sensor's exception as `Whose.blame` does."""
         self.whose.blame(self._what, self.sensor, error)
 
     def deliver(
         self, due: npt.NDArray[np.bool_], true: Array, measured: Array, last: Ticks, row_clock: RowClock
     ) -> None:
-        """Hold what robots have after this tick's samples; rows that are not due gave none."""
+        """Update the robots' readings after this tick's samples; rows that are not due have no sample."""
         tick = row_clock.tick
         if self.is_prompt:
             self._hold(true, measured, tick, last, row_clock.now, row_clock.always)
@@ -207,13 +207,13 @@ class SensorUnit:
         self._hold(after.true, after.measured, after.stamp, last, after.age, after.fresh)
 
     def wait(self, row_clock: RowClock) -> None:
-        """Deliver what arrives at a tick at which no row is due."""
+        """Deliver the readings that arrive at a tick at which no row is due."""
         self.deliver(np.zeros_like(row_clock.always), self.true, self.measured, self.last, row_clock)
 
     # ------------------------------------------------------------------------------------ for snapshots and resets
 
     def arrays(self) -> dict[str, npt.NDArray[np.generic]]:
-        """The unit's own arrays, by name (the states of components are kept apart)."""
+        """The unit's own arrays, by name, without the states of components."""
         under_way = {} if self._under_way is None else self._under_way._asdict()
         waiting = {f".{name}": array.copy() for name, array in under_way.items()}  # these change in place
         return {name: getattr(self, name) for name in _HELD} | waiting
@@ -227,7 +227,7 @@ class SensorUnit:
 
 
 def _choose(rows: npt.NDArray[np.bool_], yes: Array, no: Array) -> Array:
-    """Row by row `yes` or `no`, whatever follows the first axis; the dtype of `no`."""
+    """Row by row `yes` or `no`, for any further axes; the dtype of `no`."""
     return np.where(rows.reshape(len(no), *([1] * (no.ndim - 1))), yes, no)
 
 
@@ -242,5 +242,5 @@ def _room_for(rows: int, values: int) -> delivery.Reading:
 
 
 def _floats(values: npt.NDArray[Any]) -> Array:
-    """Values as kernels take them."""
+    """Values as an array for kernels."""
     return np.ascontiguousarray(values, dtype=np.float64)

@@ -1,1 +1,1 @@
-"""The world as the engine holds it: bodies, floor and lamps, and what is in sight of whom."""
+"""The world in the engine: bodies, floor and lamps, and lines of sight."""

@@ -1,4 +1,4 @@
-"""Which parts of a robot's skin press on something."""
+"""Which zones of a robot's bumper touch something."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Bools = npt.NDArray[np.bool_]
 def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -> Bools:
     """Whether zones on bodies `own` `(N,)` overlap a wall or another body `(N, s)`.
 
-    `which` `(N, s)` are the zones of each row among `zones`; see `amorsim.contracts.View.touches`.
+    `which` `(N, s)` are each row's indices into `zones`; see `amorsim.contracts.View.touches`.
     """
     touched = np.zeros(which.shape, dtype=np.bool_)
     if not touched.size:
@@ -32,7 +32,7 @@ def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -
     reach = max(zone.reach for zone in zones)
     packed = _packed((Shape.circle(reach), *zones), world.shapes)
     poses = np.ascontiguousarray(world.poses[own])
-    # A disc around all zones first: robots in the open cost one look.
+    # A disc around all zones first: robots in the open need one test only.
     near = np.flatnonzero(_meets_wall(world, packed, np.zeros(len(own), dtype=np.int64), poses))
     if len(near):
         row, zone = np.repeat(near, which.shape[1]), which[near].ravel()
@@ -75,7 +75,7 @@ def _meets_body(packed: Bodies, zone: Ints, poses: Array, other: Ints, its: Arra
 
 
 def _close(world: World, own: Ints, reach: float) -> tuple[Ints, Ints]:
-    """Pairs of a row and another body whose circles meet, those of the rows' own grown to `reach` [m]."""
+    """Pairs of a row and another body whose circles meet, with the rows' circles grown to `reach` [m]."""
     margin = np.zeros(len(world.poses))
     margin[own] = np.maximum(0.0, reach - world.bodies.reach[own])
     a, b = world.pairs_within(world.poses, margin)

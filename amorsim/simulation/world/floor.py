@@ -1,4 +1,4 @@
-"""The floor of a scenario, as sensors that look down find it."""
+"""The floor of a scenario, for sensors that look down."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ Array = npt.NDArray[np.float64]
 
 
 class _Layer:
-    """Shapes that lie on the floor, one upon the other."""
+    """Shapes that lie on the floor, one on top of another."""
 
     def __init__(self, things: Sequence[tuple[Shape, Pose]], values: Sequence[float], bare: float) -> None:
         self._bodies = pack([shape for shape, _ in things])
         self._poses = np.array([(pose.x, pose.y, pose.heading) for _, pose in things]).reshape(-1, 3)
-        self._values = np.array([*values, bare])  # the last is found by -1
+        self._values = np.array([*values, bare])  # the last has the index -1
 
     def at(self, places: Array) -> Array:
-        """The value of the topmost `(Q,)` at places `(Q, 2)`, or that of the bare floor."""
+        """The value `(Q,)` of the topmost shape at places `(Q, 2)`, or of the bare floor."""
         if len(self._values) == 1:
             return np.full(len(places), self._values[0])
         which = np.empty(len(places), dtype=np.int64)
@@ -37,7 +37,7 @@ class _Layer:
 
 
 class FloorPlan:
-    """A floor, the same in all replicas, in the arrays that kernels take."""
+    """A floor, the same in all replicas, as arrays for kernels."""
 
     def __init__(self, floor: Floor) -> None:
         marks = [(mark.footprint, mark.pose if mark.shape is not None else Pose()) for mark in floor.markings]
@@ -45,7 +45,7 @@ class FloorPlan:
         self._drops = _Layer([(drop.shape, drop.pose) for drop in floor.drops], [d.depth for d in floor.drops], 0.0)
 
     def at(self, places: Array) -> FloorPoints:
-        """What the floor is like at places `(N, k, 2)` [m] in the world."""
+        """Properties of the floor at places `(N, k, 2)` [m] in the world."""
         points = np.ascontiguousarray(places, dtype=np.float64).reshape(-1, 2)
         depth = self._drops.at(points)
         reflectance = np.where(depth > 0.0, 0.0, self._markings.at(points))

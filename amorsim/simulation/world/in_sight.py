@@ -1,4 +1,4 @@
-"""What is in sight in a world: lines of sight to marks, and what rays meet first."""
+"""Visibility in a world: lines of sight to marks, and the first thing that a ray hits."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["find_landmarks", "look_about", "normals_at"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_FEW = 32  # beams with directions of their own, below which it takes longer to sort them than sorting saves
-_SPARE = 4  # marks that are looked for beyond the slots there are, for some are hidden
+_FEW = 32  # beams of different directions; for fewer, sorting costs more than it saves
+_SPARE = 4  # marks tested beyond the number of slots, because some are hidden
 
 
 def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: Array, half_angle: Array) -> Sightings:
-    """The nearest marks in sight of those on bodies `own` `(N,)` who look from `eyes` `(N, 3)`.
+    """The nearest marks in sight of sensors at `eyes` `(N, 3)` on bodies `own` `(N,)`.
 
     `range_max` [m] and `half_angle` [rad] are `(N,)`; see `amorsim.contracts.View.landmarks`.
     """
@@ -35,7 +35,7 @@ def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: 
     row, mark, distance, bearing = _within_reach(world, own, eyes, range_max, half_angle)
     seen = _nearest_in_sight(world, own, eyes, slots, row, mark, distance)
     row, mark, distance, bearing = row[seen], mark[seen], distance[seen], bearing[seen]
-    # Their place among those that the same row sees: pairs are in order of row.
+    # The slot of each mark in its row: pairs are in order of row.
     place = np.arange(len(row)) - np.searchsorted(row, row)
     kept = place < slots
     at = row[kept], place[kept]
@@ -46,7 +46,7 @@ def find_landmarks(world: World, own: Ints, eyes: Array, slots: int, range_max: 
 def _within_reach(
     world: World, own: Ints, eyes: Array, range_max: Array, half_angle: Array
 ) -> tuple[Ints, Ints, Array, Array]:
-    """Pairs of a row and a mark: row, mark, how far off [m], in what direction from the heading [rad]."""
+    """Pairs of a row and a mark: row, mark, distance [m], bearing from the heading [rad]."""
     around = world.surroundings
     replicas, fixed, carried = len(world.first) - 1, len(around.landmarks), len(around.carriers)
     places = np.empty((replicas, fixed + carried, 2))
@@ -75,7 +75,7 @@ def _within_reach(
         if count <= room:
             break
         room = count
-    world.marks_near = count + count // 4  # as a guess for the next time
+    world.marks_near = count + count // 4  # a guess for the next call
     row = np.repeat(np.arange(len(own)), np.diff(first))
     return row, mark[:count], distance[:count], bearing[:count]
 
@@ -83,10 +83,10 @@ def _within_reach(
 def _nearest_in_sight(
     world: World, own: Ints, eyes: Array, slots: int, row: Ints, mark: Ints, distance: Array
 ) -> npt.NDArray[np.bool_]:
-    """Which pairs `(Q,)` are in sight, of those of each row that are nearest: `slots` of them, or all there are.
+    """Which pairs `(Q,)` are the nearest in sight of their row, at most `slots` in each.
 
-    Pairs are in order of row, the nearest first. In a crowd most have all their slots filled by the nearest, so lines
-    to those farther off are not drawn: looked at are first some, then twice as many, for rows that have room left.
+    Pairs are in order of row, the nearest first. In a crowd the nearest marks fill most rows' slots, so farther marks
+    are not tested: the first pass tests a few, each further pass twice as many, for rows with empty slots.
     """
     seen = np.zeros(len(row), dtype=np.bool_)
     rank = np.arange(len(row)) - np.searchsorted(row, row)
@@ -101,7 +101,7 @@ def _nearest_in_sight(
 
 
 def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array) -> npt.NDArray[np.bool_]:
-    """Whether the line `(Q,)` from each of the eyes to its mark meets nothing before, but for the mark's carrier."""
+    """Whether nothing but the mark's carrier blocks the line `(Q,)` from each of the eyes to its mark."""
     around = world.surroundings
     fixed = len(around.landmarks)
     replica = world.replica_index[own]
@@ -114,7 +114,7 @@ def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array)
     lines = np.empty((len(mark), 3))
     lines[:, :2] = eyes[:, :2]
     lines[:, 2] = np.arctan2(place[:, 1] - eyes[:, 1], place[:, 0] - eyes[:, 0])
-    # A mark on a wall is seen though the line ends in the wall's cell, if that is within its disc.
+    # A mark on a wall is in sight although the line ends in the wall's cell, if that is within the mark's disc.
     need = distance.copy()
     need[~is_carried] -= around.radius[mark[~is_carried]]
     free, met = look_along(world, own, lines, np.array([[1.0]]), np.array([[0.0]]), distance)
@@ -125,10 +125,10 @@ def _in_sight(world: World, own: Ints, eyes: Array, mark: Ints, distance: Array)
 def look_about(
     world: World, own: Ints, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
 ) -> tuple[Array, Ints]:
-    """Distances [m] `(Q, k)` to what rays meet first, inf for nothing; and which thing it is, -1 for a wall or none.
+    """Distances [m] `(Q, k)` to the first hit of rays, inf for none; and the thing hit, -1 for a wall or none.
 
-    Things are the bodies of a replica, in order, then the landmarks, of which those are seen that have a colour; or
-    none of them.
+    Things are the bodies of a replica, in order, then the landmarks. Only landmarks with a colour are seen, or none
+    at all.
     """
     cos_b, sin_b = np.empty(bearings.shape), np.empty(bearings.shape)
     poses.directions(np.ascontiguousarray(bearings), cos_b, sin_b)
@@ -173,9 +173,9 @@ def normals_at(world: World, own: Ints, origins: Array, bearings: Array, bodies:
 def look_along(
     world: World, own: Ints, lines: Array, cos_b: Array, sin_b: Array, range_max: Array
 ) -> tuple[Array, Ints]:
-    """Distances [m] `(Q, k)` to what beams from `lines` `(Q, 3)` meet, inf for nothing; and which body, -1 for none.
+    """Distances [m] `(Q, k)` to the first hit of beams from `lines` `(Q, 3)`, inf for none; and the body, -1 for none.
 
-    `cos_b` and `sin_b` `(1 or Q, k)` are of the beams' bearings, `range_max` `(Q,)`, `own` `(Q,)` is not seen.
+    `cos_b` and `sin_b` `(1 or Q, k)` belong to the beams' bearings; `range_max` is `(Q,)`; `own` `(Q,)` is not seen.
     """
     ranges = np.empty((len(lines), cos_b.shape[1]))
     met = np.full(ranges.shape, -1, dtype=np.int64)

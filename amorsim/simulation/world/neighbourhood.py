@@ -16,14 +16,14 @@ Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 _CELLS = 4
-"""Cells of the hash along the longest look: more of them cost look-ups, fewer cost looks at bodies beyond."""
+"""Cells of the hash along the longest range: more cells cost look-ups, fewer cost tests of bodies beyond it."""
 
 
 def neighbours_of(world: World, bodies: Ints, range_max: Array, ahead: Array) -> Neighbours:
     """The neighbours of rows whose bodies are `bodies` `(N,)`; see `amorsim.contracts.View.neighbours`.
 
-    `range_max` and `ahead` are `(N,)`. The hash of contact has cells as large as a body, which are too many for a look
-    of several metres, so this one is made for its range.
+    `range_max` and `ahead` are `(N,)`. The hash for contact has cells of a body's size, too many for a range of several
+    metres, so this one is made for its range.
     """
     crowd = Crowd(world.poses, world.twists, world.bodies.reach, world.owner)
     farthest = float(range_max.max() + world.bodies.reach.max())

@@ -19,13 +19,13 @@ FREE, WALL, ROBOT = 0, 1, 2
 def occupancy(world: World, replica: int, resolution: float) -> npt.NDArray[np.uint8]:
     """Cells `(rows, columns)` of `resolution` [m] in the map's frame, row 0 at the bottom.
 
-    0 where a cell is wholly free, 1 where anything in it is occupied, 2 where a body's footprint meets it (its inside,
-    not its border alone); a body is drawn over walls.
+    0: the whole cell is free; 1: anything in it is occupied; 2: the inside of a body's footprint overlaps it (not its
+    border alone). Bodies are drawn over walls.
 
     Raises
     ------
     MapError
-        If the resolution is not above 0, or the array would be larger than 1 GB.
+        If the resolution is not above 0, or the array would take more than 1 GB.
     """
     if not math.isfinite(resolution) or resolution <= 0.0:
         raise MapError(f"occupancy: expected a resolution [m] > 0, got {resolution!r}")

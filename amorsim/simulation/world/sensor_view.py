@@ -1,4 +1,4 @@
-"""What sensors and motions see of the world: the truth of their own replica, read-only."""
+"""The view that sensors and motions have of the world: the truth of their own replica, read-only."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["GroupView", "cone_bearings", "directions_of"]
 Array = npt.NDArray[np.float64]
 Table = tuple[Array, Array]  # cosines and sines of beams, (1, k) or one row for each origin
 
-CONE_WORK = 16  # rays that a cone costs as much as
+CONE_WORK = 16  # cost of a cone, in rays
 CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
 
 
@@ -42,7 +42,7 @@ class GroupView:
         self._world = world
         self._bodies = rows  # the global body of each row
         self._bearings: dict[bytes, Table] = {}
-        # The body that carries each ray's origin and its replica, by how many origins a row has.
+        # The body that carries each ray's origin, and its replica, by the number of origins per row.
         self._carriers: dict[int, tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]] = {}
         self.tick: npt.NDArray[np.int64] = np.zeros((self.rows, 1), dtype=np.int64)
         self.body_pose: Array = np.zeros((self.rows, 3))
@@ -50,13 +50,13 @@ class GroupView:
         self.joints: Array = np.zeros((self.rows, 0))
         self.joint_rates: Array = np.zeros((self.rows, 0))
         self.free: Array = np.ones((self.rows, 1))
-        self.sensor = ""  # the name of the one that looks
+        self.sensor = ""  # the name of the sensor in use
         self._pose: Array | None = None
         self._mount: Array = np.zeros((self.rows, 3))
 
     @property
     def names(self) -> Sequence[str]:
-        """What the rows' robots or obstacles are called."""
+        """The names of the rows' robots or obstacles."""
         return [self._world.name(body) for body in self._bodies.tolist()]
 
     @property
@@ -66,7 +66,7 @@ class GroupView:
 
     @property
     def mount(self) -> Array:
-        """The true mounts `(N, 3)` of the sensor that looks."""
+        """The true mounts `(N, 3)` of the sensor in use."""
         return self._mount
 
     @mount.setter
@@ -113,7 +113,7 @@ class GroupView:
         return out
 
     def _table(self, bearings: Array) -> Table:
-        """Cosines and sines of the bearings; those of one scan, the same for all rows, are kept while asked for."""
+        """Cosines and sines of the bearings; those of a scan that is the same for all rows are cached."""
         if len(bearings) > 1:
             if not (bearings == bearings[0]).all():
                 return directions_of(bearings)
@@ -145,7 +145,7 @@ class GroupView:
         return neighbours_of(self._world, self._bodies, *limits)
 
     def _at_least_zero(self, name: str, values: Any) -> Array:
-        """One number >= 0 a row `(N,)`, of `(N, 1)` or one for all."""
+        """One number >= 0 for each row `(N,)`, from `(N, 1)` or one for all."""
         array = np.asarray(values, dtype=np.float64)
         if array.shape not in ((), (1, 1), (self.rows, 1)) or not (array >= 0.0).all():
             raise ComponentError(
@@ -161,7 +161,7 @@ class GroupView:
     def look(
         self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
     ) -> tuple[Array, npt.NDArray[np.int64]]:
-        """What beams meet first; see `amorsim.contracts.View.look`."""
+        """The first things that beams hit; see `amorsim.contracts.View.look`."""
         per_row = len(origins) // self.rows
         limits = self._per_origin(range_max, per_row)
         return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits, landmarks)
@@ -172,7 +172,7 @@ class GroupView:
         return normals_at(self._world, own, origins, bearings, bodies)
 
     def touches(self, zones: Sequence[Shape], which: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-        """Whether zones press on something; see `amorsim.contracts.View.touches`."""
+        """Whether zones touch something; see `amorsim.contracts.View.touches`."""
         return find_touched(self._world, self._bodies, zones, which)
 
     @property
@@ -187,11 +187,11 @@ class GroupView:
 
     @property
     def heights(self) -> Array:
-        """How high all things are."""
+        """The heights of all things."""
         return self._world.surroundings.heights
 
     def floor(self, places: Array) -> FloorPoints:
-        """What the floor is like at places; see `amorsim.contracts.View.floor`."""
+        """Properties of the floor at places; see `amorsim.contracts.View.floor`."""
         if not isinstance(places, np.ndarray) or places.shape[:1] + places.shape[2:] != (self.rows, 2):
             raise ComponentError(
                 f"view.floor: places: expected places in the world, an array ({self.rows}, k, 2) [m], got "
@@ -204,7 +204,7 @@ class GroupView:
         return self._world.surroundings.lights
 
     def emissions(self, medium: str) -> Emissions:
-        """Who fires at this tick; see `amorsim.contracts.View.emissions`."""
+        """The emitters of a medium; see `amorsim.contracts.View.emissions`."""
         said = self._world.emissions[medium]
         replica = self._world.replica_index[self._bodies]
         own = (said.body[replica] == self._bodies[:, None]) & (said.sensor == self.sensor)
@@ -228,19 +228,19 @@ class GroupView:
             return self._cones(origins, widest, limits, traversal).reshape(self.rows, per_row)
         out = np.empty((self.rows, per_row))
         for angle in np.unique(widths):
-            # Cones of other widths are cast too and thrown away: rare, and every row keeps its own bits.
+            # Also casts rows of other widths and drops them: rare, and no row depends on another.
             found = self._cones(origins, float(angle), limits, traversal).reshape(self.rows, per_row)
             out = np.where(widths == angle, found, out)
         return out
 
     def _per_row(self, values: Array) -> Array:
-        """One number a row `(N,)`, of `(N, 1)` or of one for all; a copy, for kernels take what can be written."""
+        """One number for each row `(N,)`, from `(N, 1)` or one for all; a copy, as kernels need writable arrays."""
         if np.shape(values) == (self.rows, 1):
             return np.array(values[:, 0])
         return np.array(np.broadcast_to(values, (self.rows, 1))[:, 0])
 
     def _per_origin(self, values: Array, per_row: int) -> Array:
-        """One number for each of the places that a row looks from."""
+        """One number for each of a row's origins."""
         numbers = self._per_row(values)
         return np.repeat(numbers, per_row) if per_row > 1 else numbers
 
@@ -263,7 +263,7 @@ class GroupView:
         return out
 
     def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
-        """Lower `out` where another body of the same replica is nearer than what it holds."""
+        """Lower `out` where another body of the same replica is nearer."""
         per_row = len(origins) // self.rows
         known = self._carriers.get(per_row)
         if known is None:
@@ -273,7 +273,7 @@ class GroupView:
 
 
 def _check_origins(asked: str, origins: Any) -> None:
-    """Complain of what a component of a user's took for poses, before a kernel does in words of its own."""
+    """Raise a clear error for a component's wrong origins, before a kernel raises an unclear one."""
     if not isinstance(origins, np.ndarray) or origins.ndim != 2 or origins.shape[1] != 3:
         raise ComponentError(
             f"view.{asked}: origins: expected poses in the world, an array (N * m, 3) such as view.pose, "

@@ -1,4 +1,4 @@
-"""What there is in the world beside cells and footprints: marks, lamps, and how bodies look."""
+"""The rest of the world, without cells and footprints: marks, lamps, and the colours and heights of bodies."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ Ints = npt.NDArray[np.int64]
 
 @attrs.frozen(kw_only=True, eq=False)
 class Surroundings:
-    """The same in all replicas; things are the bodies of a replica, in their order, and after them the landmarks.
+    """The same in all replicas. Things are the bodies of a replica, in order, then the landmarks.
 
-    A part of a robot is a thing of its own, as high as its robot and of its colour.
+    A part of a robot is a thing of its own, with its robot's height and colour.
 
     Attributes
     ----------
     landmarks, radius
         Places `(L, 2)` [m] of the landmarks in the world, and their radii `(L,)` [m].
     ids
-        What is written on the landmarks `(L,)`, and on the bodies that carry a mark `(C,)`, one after the other.
+        Ids of the landmarks `(L,)`, then of the bodies that carry a mark `(C,)`, in one array.
     carriers
-        `(C,)` which bodies of a replica carry a mark.
+        `(C,)` the bodies of a replica that carry a mark.
     lights
         The lamps.
     floor
-        What is marked on the floor, and where it drops.
+        The markings and drops of the floor.
     colours, heights
-        Of each thing: its colour or none, and how high it is [m].
+        Of each thing: its colour or None, and its height [m].
     """
 
     landmarks: Array
@@ -59,7 +59,7 @@ class Surroundings:
         owners: Sequence[int] = (),
         floor: Floor | None = None,
     ) -> Surroundings:
-        """Those of a scenario; `bodies` in the order that they have in a replica, `owners` those of its parts."""
+        """The surroundings of a scenario; `bodies` in their order in a replica, `owners` those of its parts."""
         carried = [(i, body.fiducial) for i, body in enumerate(bodies) if body.fiducial]
         things: list[Any] = [*bodies, *(bodies[owner] for owner in owners), *landmarks]
         return cls(

@@ -25,7 +25,7 @@ __all__ = ["Emitted", "World", "empty_hash"]
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_GAP_WORK = 8  # number of rays that take as long as one gap to the walls
+_GAP_WORK = 8  # cost of one gap to the walls, in rays
 
 FEW = 16
 """Up to this number of bodies, a replica needs no hash: all are compared."""
@@ -46,7 +46,7 @@ class World:
     """One map, and in every replica the same bodies, in order of replica, then of the order given.
 
     A robot of several parts has several bodies: its own, and one for each part. The parts come after all robots and
-    obstacles. All bodies of a robot have the same owner; bodies of one owner neither meet nor see one another.
+    obstacles. All bodies of a robot have the same owner; bodies of one owner neither touch nor see each other.
 
     Attributes
     ----------
@@ -56,11 +56,11 @@ class World:
         `(T, 3)` true poses in the world, and velocities [m/s, m/s, rad/s] over the last step in the bodies' frames;
         replaced, never changed.
     clearance
-        How far each body is from walls and from other bodies; kept from step to step by contact.
+        Distances of each body to walls and to other bodies; the search for contact keeps them from step to step.
     widest
         The largest reach of a body [m].
     surroundings
-        Marks, lamps, and how bodies look.
+        Marks, lamps, and the colours and heights of bodies.
     emissions
         The emitters that fire at this tick, by medium; see `amorsim.simulation.emissions`.
     first
@@ -68,7 +68,7 @@ class World:
     everyone
         `(T,)` all bodies.
     edge_rows
-        Vertices of the largest body: the rows that scratch arrays of kernels need.
+        Vertices of the largest body: the number of rows of the kernels' scratch arrays.
     replica_index
         `(T,)` the replica of each body, counted from 0.
     is_robot
@@ -76,9 +76,9 @@ class World:
     named
         Number of robots and obstacles in a replica; its other bodies are parts.
     owner
-        `(T,)` the owner of each body: of a part the body of its robot, of all others themselves.
+        `(T,)` the owner of each body: for a part, the body of its robot; for all others, the body itself.
     same_owner
-        `(T,)` the next body with the same owner, round in a ring.
+        `(T,)` the next body with the same owner, as a ring.
     parts
         `(R * P,)` the bodies that are parts.
     """
@@ -110,7 +110,7 @@ class World:
         self.edge_rows = max((sum(map(len, shape.vertices)) for shape in shapes), default=0)
         self.widest = max((shape.reach for shape in shapes), default=1.0)
         self._hash: BodyHash | None = None
-        self._hashed: Array | None = None  # the poses of which `_hash` is
+        self._hashed: Array | None = None  # the poses that `_hash` is made from
         self.first: Ints = np.arange(replicas + 1, dtype=np.int64) * self.count
         self.replica_index: Ints = np.repeat(np.arange(replicas, dtype=np.int64), self.count)
         self.everyone: Ints = np.arange(replicas * self.count, dtype=np.int64)
@@ -123,7 +123,7 @@ class World:
         nothing = np.zeros(replicas * self.count)
         self.clearance = Clearance(np.full_like(self.poses, np.nan), nothing, nothing.copy())
         self.emissions: dict[str, Emitted] = {}
-        self.marks_near = 0  # how many marks the last look found, about: the size of the next one's buffers
+        self.marks_near = 0  # about as many as the last search found: the size of the next one's buffers
 
     def name(self, body: int) -> str:
         """The name of a body, the same in every replica."""
@@ -139,7 +139,7 @@ class World:
         """The parts `(N, p)` of robots' bodies `(N,)`, in order; all have the same number."""
         if not self.has_parts:
             return np.empty((len(bodies), 0), dtype=np.int64)
-        # Parts are in order of their owners, so those of one lie side by side.
+        # Parts are in order of their owners, so those of one owner are contiguous.
         owners = self.owner[self.parts]
         first, last = np.searchsorted(owners, bodies), np.searchsorted(owners, bodies, side="right")
         found: Ints = self.parts[first[:, None] + np.arange(int((last - first)[0]))]
@@ -148,7 +148,7 @@ class World:
     def wall_gaps(self, bodies: Ints, poses: Array, cap: Array) -> tuple[Array, Array]:
         """Signed gaps [m] `(Q,)` of bodies at `poses` to the walls, at most `cap`, and the nearest points `(Q, 2)`.
 
-        Below zero exactly where a body's inside meets an occupied cell's.
+        A gap is below zero exactly if a body's inside overlaps an occupied cell's.
         """
         out = np.empty(len(bodies))
         where = np.empty((len(bodies), 2))
@@ -164,13 +164,13 @@ class World:
     def body_gaps(self, a: Ints, poses_a: Array, b: Ints, poses_b: Array, cap: Array) -> Array:
         """Signed gaps [m] `(Q,)` between pairs of bodies, at most `cap`; below zero where they overlap."""
         out = np.empty(len(a))
-        if not len(a):  # a lone robot neither loads nor compiles this kernel
+        if not len(a):  # a lone robot need not load or compile this kernel
             return out
         body_kernels.body_gaps(self.bodies, a, poses_a, b, poses_b, cap, out)
         return out
 
     def by_place(self, poses: Array) -> BodyHash:
-        """The spatial hash of the bodies at `poses` `(T, 3)`; made once for an array, which must not change."""
+        """The spatial hash of the bodies at `poses` `(T, 3)`; made once per array, which must not change."""
         if self._hash is None or poses is not self._hashed:
             if self._hash is None:
                 self._hash = empty_hash(self.count, self.replicas, 2.0 * self.widest)
@@ -183,7 +183,7 @@ class World:
     ) -> tuple[Ints, Ints]:
         """The pairs of bodies of one replica whose circles, each grown by its margin `(T,)` [m], meet; in order.
 
-        Bodies of one owner are no pair. At least one of two is among those that look `(T,)`, or else all look.
+        Bodies of one owner are not a pair. If `looks` `(T,)` is given, it marks at least one body of each pair.
         """
         if not self.has_company:
             none = np.empty(0, dtype=np.int64)
@@ -216,8 +216,8 @@ class World:
     ) -> None:
         """Lower `out` where another body of the same replica is nearer; see `body_rays.cast_bodies`.
 
-        With `out` `(N, 1)` and beams `(1 or N, k)` each row gets the least of its beams. `hit`, if given, is like
-        `out`, -1 to begin with, and gets the body that a beam met. A robot `own` `(N,)` sees neither itself nor its
+        With `out` `(N, 1)` and beams `(1 or N, k)` each row gets the minimum of its beams. `hit`, if given, is like
+        `out`, is filled with -1, and gets the body that a beam hits. A robot `own` `(N,)` sees neither itself nor its
         parts.
         """
         bodies, poses, edge_rows, table, widest = self.met()
@@ -243,11 +243,11 @@ class World:
         self.workers.share(len(origins), cos_b.shape[1], part)
 
     def met(self) -> tuple[Bodies, Array, int, BodyHash, float]:
-        """The bodies where they are, as `body_rays.cast_bodies` takes them."""
+        """The bodies at their present poses, as arguments of `body_rays.cast_bodies`."""
         return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self.widest
 
 
-_NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # what was hit
+_NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # for calls that do not need what was hit
 
 
 def _rings(owner: Ints) -> Ints:
