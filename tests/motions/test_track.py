@@ -144,7 +144,7 @@ def test_files_are_found_beside_the_scenario_kept_by_a_run_and_reproduce(folder:
 
 def test_a_missing_track_is_a_fault_with_its_place(folder: Path) -> None:
     (folder / "tracks" / "walk.csv").unlink()
-    with pytest.raises(am.ScenarioError, match=r"s.toml: obstacles.ann.motion.file: expected a track to be there"):
+    with pytest.raises(am.ScenarioError, match=r"s.toml:\d+: obstacles.ann.motion.file: expected a track to be there"):
         am.load(folder / "s.toml")
 
 
