@@ -218,6 +218,7 @@ def test_who_is_broken_off_loses_and_doubles_no_line(
 ) -> None:
     robot = building.robot(sensors=building.all_sensors(), controller=building.Roam())
     simulation = am.Simulation(building.scenario(robot) if kinds == "one" else several_kinds())
+    monkeypatch.setattr("amorsim.recorders.files.LONGEST_WAIT", 3600.0)  # nobody but this test asks for lines
     text = Text()
     text.open(RunInfo(tmp_path, simulation.dt, simulation.replicas, with_sensors=True), simulation.frames())
     plain = PlainText(simulation.frames(), [], simulation.dt, False)
