@@ -144,7 +144,10 @@ class Driven:
         self.close()
 
     def request(self, command: Mapping[str, Any]) -> dict[str, Any]:
-        return self._later(self.session.request(command)).result(600.0)
+        try:
+            return self._later(self.session.request(command)).result(600.0)
+        except concurrent.futures.CancelledError:  # its window's socket would be closed
+            return {"ok": False, "error": "the session was closed"}
 
     async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
         return await asyncio.wrap_future(self._later(self.session.ask(window, command)))
