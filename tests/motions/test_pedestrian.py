@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -173,17 +172,3 @@ def test_a_crowd_is_the_same_alone_and_among_replicas_and_after_a_snapshot() -> 
     threaded = am.Simulation(crowd, replicas=[5], threads=2)
     threaded.run(2.0)
     assert threaded.digest(5) == digest
-
-
-@pytest.mark.long
-def test_a_crowd_of_sixty_runs_a_hundred_times_faster_than_real_time() -> None:
-    """By the processor's time of one thread, the least of many stretches; others may use the machine meanwhile."""
-    sim = am.Simulation(am.load("crowd"))
-    sim.run(1.0)
-    seconds = []
-    for _ in range(20):
-        before = time.process_time()
-        for _ in range(25):
-            sim.step()
-        seconds.append((time.process_time() - before) / 25)
-    assert min(seconds) < sim.dt / 100.0
