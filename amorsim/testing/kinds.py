@@ -160,7 +160,7 @@ class NoiseTrial(Trial[Noise]):
             self.who.require(fits, "shapes", "longest_delay()", f"finite numbers ({rows}, 1)", np.shape(longest))
             beyond = late[~(np.isfinite(late) & (late <= longest))]
             self.who.require(not beyond.size, "delay", "delay()", "at most longest_delay()", beyond[:3])
-        if type(component).corrupt is not Noise.corrupt:
+        if type(component).corrupt is not Noise.corrupt or type(component).steps is not Noise.steps:
             values = self.values[session.t][session.index]
             side = {name: np.full(values.shape, value) for name, value in self.side.items()}
             given.add("values", values)

@@ -14,6 +14,7 @@ import pytest
 
 import amorsim as am
 from amorsim.scenario.spec import MountedSensor, NoiseElement, Robot
+from amorsim.testing.failure import CheckError
 from tests import building
 
 
@@ -230,3 +231,48 @@ def test_a_parameter_that_is_set_is_taken_from_the_next_step_on() -> None:
     gyro = sim.readings["gyro"]
     assert gyro.true[0, 0] != 0.0
     assert gyro.measured[0, 0] == 2.0 * gyro.true[0, 0]
+
+
+@attrs.frozen(kw_only=True)
+class Doubled(am.noise.Bias):
+    """Steps are inherited, and `corrupt` overrides them."""
+
+    def corrupt(self, values: Any, side: Any, elapsed: Any, state: Any, draws: Any) -> Any:
+        return 2.0 * super().corrupt(values, side, elapsed, state, draws)
+
+
+@attrs.frozen(kw_only=True)
+class Stepped(am.Noise):
+    """Steps of a plugin that are wrong."""
+
+    step: float = am.parameter(0.0, help="between two values")
+
+    def steps(self) -> Any:
+        if np.all(self.step < 0.0):
+            raise ZeroDivisionError("by design")
+        return [am.NoiseStep.round(self.step)]
+
+
+def with_noise(noise: am.Noise) -> am.Scenario:
+    unit = MountedSensor(sensor=am.sensors.Compass(), noise=chain(noise))
+    return building.scenario(building.robot(sensors={"encoder": building.encoder(), "compass": unit}))
+
+
+def test_a_corrupt_that_overrides_inherited_steps_is_called() -> None:
+    compass = am.Simulation(with_noise(Doubled(value=0.25))).readings["compass"]
+    assert compass.measured[0, 0] == 2.0 * (compass.true[0, 0] + 0.25)
+
+
+def test_steps_that_raise_name_their_element() -> None:
+    with pytest.raises(am.ComponentError, match=r"noise element 'stepped0' of sensor 'compass'.*ZeroDivisionError"):
+        am.Simulation(with_noise(Stepped(step=-1.0)))
+
+
+def test_steps_that_make_nan_are_refused() -> None:
+    with pytest.raises(am.ComponentError, match=r"sensor 'compass'.*its chain of noise \(stepped0\)"):
+        am.Simulation(with_noise(Stepped(step=0.0)))
+
+
+def test_an_element_that_is_all_steps_is_tried_by_check_component() -> None:
+    with pytest.raises(CheckError, match=r"corrupt.*nan"):
+        am.testing.check_component(Stepped(step=0.0))

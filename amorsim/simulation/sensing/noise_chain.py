@@ -66,9 +66,7 @@ class Chain:
         kinds = [type(element.noise) for element in elements]
         self.aims = [i for i, kind in enumerate(kinds) if kind.aim is not Noise.aim]
         self.corrupts = [
-            i
-            for i, (element, kind) in enumerate(zip(elements, kinds, strict=True))
-            if kind.corrupt is not Noise.corrupt or element.noise.steps()
+            i for i, kind in enumerate(kinds) if kind.corrupt is not Noise.corrupt or kind.steps is not Noise.steps
         ]
         # For elements of one column: the column's index, and the number of columns.
         self.column = [columns.index(element.column) if element.column else None for element in elements]
@@ -92,7 +90,7 @@ class Chain:
         """The links of the chain: one for neighbouring elements that are steps, one for each other element."""
         steps: list[tuple[NoiseStep, Draws]] = []
         for i in self.corrupts:
-            its = self.elements[i].steps() if self.column[i] is None and self.watch is None else ()
+            its = self._steps_of(i) if self.column[i] is None and self.watch is None else ()
             if its:
                 steps += [(step, self.draws[i]) for step in its]
                 continue
@@ -102,6 +100,16 @@ class Chain:
             yield _Element(self, i)
         if steps:
             yield _Steps(steps)
+
+    def _steps_of(self, i: int) -> Sequence[NoiseStep]:
+        """The steps of an element; none if a subclass of the class that declares them overrides `corrupt`."""
+        kind = next(kind for kind in type(self.elements[i]).__mro__ if {"steps", "corrupt"} & vars(kind).keys())
+        if "steps" not in vars(kind):
+            return ()
+        try:
+            return self.elements[i].steps()
+        except RAISED as error:
+            self._blame(i, error)
 
     def start(self, context: Context) -> list[State]:
         """The elements' states at the start of an episode."""

@@ -48,5 +48,8 @@ class SensorSuite:
             for unit, _, sample in samples:
                 unit.check(sample.values, "sense()")
         measured = self._noise.apply(values)
+        if has_nan(measured):
+            for unit, place, sample in samples:
+                unit.check_noise(measured[place].reshape(sample.values.shape))
         for unit, place, sample in samples:
             unit.take(sample, measured[place].reshape(sample.values.shape), row_clock)

@@ -159,8 +159,12 @@ class SensorUnit:
         """The values of a sample after the chain."""
         self.check(sample.values, "sense()")
         measured = self.chain.corrupt(sample.values, sample.side, sample.elapsed)
-        self.check(measured, f"its chain of noise ({', '.join(self.chain.names)})")
+        self.check_noise(measured)
         return measured
+
+    def check_noise(self, measured: Array) -> None:
+        """Raise if there is nan among what the chain made of a sample."""
+        self.check(measured, f"its chain of noise ({', '.join(self.chain.names)})")
 
     def take(self, sample: Sample, measured: Array, row_clock: RowClock) -> None:
         """Send a sample, with its noisy values, on its way to the robot."""
