@@ -20,11 +20,12 @@ from amorsim.scenario.names import name_from, rename_maps
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, write_table
 from amorsim.ui.forms.live import forms_of, value_at
+from amorsim.ui.scene.robots import sensor_shapes
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player
 from amorsim.ui.simulator.protocol import State
-from amorsim.ui.simulator.scenes import SceneBuilder, sensor_shapes
+from amorsim.ui.simulator.scenes import SceneBuilder
 
 __all__ = ["Commands"]
 

@@ -16,10 +16,10 @@ from typing import Any
 from amorsim.core.errors import AmorsimError
 from amorsim.kernels import COMPILING
 from amorsim.runs.folder import next_folder
+from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.link import Link
 from amorsim.ui.simulator.mailbox import Mailbox
 from amorsim.ui.simulator.packing import Bundle
-from amorsim.ui.simulator.protocol import Scene
 from amorsim.ui.simulator.recipe import Recipe
 from amorsim.ui.simulator.story import line_of
 

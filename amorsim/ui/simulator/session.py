@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any, Self
 
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.ui.scene.wire import Scene
 from amorsim.ui.simulator.controls import Controls
 from amorsim.ui.simulator.keeper import Keeper
 from amorsim.ui.simulator.looks import Looks
 from amorsim.ui.simulator.mailbox import Mailbox
 from amorsim.ui.simulator.messages import COMMANDS, check
 from amorsim.ui.simulator.project import Saver, free_places, place_for
-from amorsim.ui.simulator.protocol import Scene
 from amorsim.ui.simulator.recipe import Recipe
 
 __all__ = ["Session"]

@@ -1,4 +1,5 @@
-// Made by tools/make_wire.py from amorsim/ui/simulator/{protocol, packing, messages}.py: change it there.
+// Made by tools/make_wire.py from scene/wire.py and simulator/{protocol, packing, messages}.py in
+// amorsim/ui: change it there.
 
 /** How the simulation stands in a frame. */
 export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loading: 32, posesOnly: 64 };
@@ -117,19 +118,6 @@ export const BLOCKS = [
  */
 
 /**
- * Something that happened; `number` counts from 1 within an epoch.
- * @typedef {object} EventLine
- * @property {number} number
- * @property {number} tick
- * @property {number} time
- * @property {string} kind
- * @property {string} robot
- * @property {string} text
- * @property {number[] | null} point
- * @property {string} stack
- */
-
-/**
  * What there is in the world besides walls and bodies; robots may know of it or not.
  * @typedef {object} Floor
  * @property {number[][]} landmarks
@@ -144,17 +132,6 @@ export const BLOCKS = [
  * @property {number[][]} points
  * @property {number} width
  * @property {string} colour
- */
-
-/**
- * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
- * @typedef {object} History
- * @property {boolean} ok
- * @property {number} epoch
- * @property {number[]} ticks
- * @property {number[][]} true
- * @property {number[][]} estimated
- * @property {Past} past
  */
 
 /**
@@ -214,6 +191,89 @@ export const BLOCKS = [
  */
 
 /**
+ * A robot or an obstacle of which nothing but its outline and its place can be read.
+ * @typedef {object} OutlineShape
+ * @property {string} name
+ * @property {Outline} footprint
+ * @property {number[]} pose
+ */
+
+/**
+ * A robot: `kind` is a place in the scene's `kinds`.
+ * @typedef {object} RobotEntry
+ * @property {string} name
+ * @property {number} kind
+ * @property {string} controller
+ * @property {Knowledge} knowledge
+ * @property {string} colour
+ */
+
+/**
+ * All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
+ * @typedef {object} Scene
+ * @property {number} version
+ * @property {string} scenario
+ * @property {number} dt
+ * @property {number} duration
+ * @property {number} seed
+ * @property {MapShape[]} maps
+ * @property {number | null} map
+ * @property {Kind[]} kinds
+ * @property {RobotEntry[]} robots
+ * @property {ObstacleShape[]} obstacles
+ * @property {Floor} floor
+ */
+
+/**
+ * A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
+ * @typedef {object} SensorShape
+ * @property {string} name
+ * @property {string} kind
+ * @property {string} unit
+ * @property {string[][]} columns
+ * @property {number} size
+ * @property {number[][]} mounts
+ * @property {number[] | null} bearings
+ * @property {number | null} range_max
+ * @property {number | null} half_angle
+ * @property {Drawing | null} drawing
+ */
+
+/**
+ * A scenario at rest: what can be drawn of it without a simulation.
+ * @typedef {object} Still
+ * @property {Scene} scene
+ * @property {(number[] | null)[]} robots
+ * @property {(number[] | null)[]} obstacles
+ * @property {OutlineShape[]} outlines
+ * @property {number[]} extent
+ */
+
+/**
+ * Something that happened; `number` counts from 1 within an epoch.
+ * @typedef {object} EventLine
+ * @property {number} number
+ * @property {number} tick
+ * @property {number} time
+ * @property {string} kind
+ * @property {string} robot
+ * @property {string} text
+ * @property {number[] | null} point
+ * @property {string} stack
+ */
+
+/**
+ * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
+ * @typedef {object} History
+ * @property {boolean} ok
+ * @property {number} epoch
+ * @property {number[]} ticks
+ * @property {number[][]} true
+ * @property {number[][]} estimated
+ * @property {Past} past
+ */
+
+/**
  * A parameter that may be changed while the simulation runs, as a form shows it.
  * @typedef {object} ParameterForm
  * @property {string} path
@@ -239,47 +299,6 @@ export const BLOCKS = [
  * @typedef {object} Past
  * @property {number[]} ticks
  * @property {string} values
- */
-
-/**
- * A robot: `kind` is a place in the scene's `kinds`.
- * @typedef {object} RobotEntry
- * @property {string} name
- * @property {number} kind
- * @property {string} controller
- * @property {Knowledge} knowledge
- * @property {string} colour
- */
-
-/**
- * All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
- * @typedef {object} Scene
- * @property {number} version
- * @property {string} scenario
- * @property {number} dt
- * @property {number} duration
- * @property {number} seed
- * @property {MapShape[]} maps
- * @property {number} map
- * @property {Kind[]} kinds
- * @property {RobotEntry[]} robots
- * @property {ObstacleShape[]} obstacles
- * @property {Floor} floor
- */
-
-/**
- * A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
- * @typedef {object} SensorShape
- * @property {string} name
- * @property {string} kind
- * @property {string} unit
- * @property {string[][]} columns
- * @property {number} size
- * @property {number[][]} mounts
- * @property {number[] | null} bearings
- * @property {number | null} range_max
- * @property {number | null} half_angle
- * @property {Drawing | null} drawing
  */
 
 /**

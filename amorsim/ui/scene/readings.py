@@ -17,7 +17,7 @@ from amorsim.sensors.compass import Compass
 from amorsim.sensors.gps import Gps
 from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.light import Light
-from amorsim.ui.simulator.protocol import Drawing
+from amorsim.ui.scene.wire import Drawing
 
 __all__ = ["drawing_of"]
 
