@@ -1,7 +1,8 @@
 """Write what the window's scripts know of the messages: the layout of frames, the names of commands, types of tables.
 
-``python tools/make_wire.py``, after a change of ``scene/wire.py``, or of ``protocol.py``, ``packing.py`` or
-``messages.py`` in ``simulator``, all in ``amorsim/ui``. A test says when it was forgotten.
+``python tools/make_wire.py``, after a change of ``scene/wire.py``, of ``lines.py`` or ``mending.py`` in ``faults``, or
+of ``protocol.py``, ``packing.py`` or ``messages.py`` in ``simulator``, all in ``amorsim/ui``. A test says when it was
+forgotten.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from enum import IntFlag
 from pathlib import Path
 from typing import Any
 
+from amorsim.ui.faults import lines, mending
 from amorsim.ui.scene import wire as scenes
 from amorsim.ui.simulator import packing, protocol
 from amorsim.ui.simulator.messages import COMMANDS
 
 FILE = Path(__file__).parent.parent / "amorsim" / "ui" / "web" / "simulator" / "wire.js"
-HEAD = """// Made by tools/make_wire.py from scene/wire.py and simulator/{protocol, packing, messages}.py in
-// amorsim/ui: change it there.
+HEAD = """// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.
 """
 READERS = {"I": "Uint32", "i": "Int32", "f": "Float32", "d": "Float64"}
 ARRAYS = {"f8": "Float64Array", "f4": "Float32Array", "u1": "Uint8Array"}
@@ -86,7 +87,8 @@ def script() -> str:
     ]
     constructor = " | ".join(f"{kind}Constructor" for kind in ARRAYS.values())
     names = " | ".join(f'"{name}"' for name in COMMANDS)
-    tables = [getattr(module, name) for module in (scenes, protocol) for name in module.__all__]
+    modules = (scenes, protocol, lines, mending)
+    tables = [one for module in modules for name in module.__all__ if typing.is_typeddict(one := getattr(module, name))]
     magic = int.from_bytes(packing.MAGIC, "little")
     parts = [
         HEAD,

@@ -39,8 +39,9 @@ def command(
     printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes into
     the present folder.
     """
-    from amorsim.core.errors import AmorsimError
-    from amorsim.ui.simulator.show import check_extra, show
+    from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.ui.faults.lines import FaultsError, lines_of
+    from amorsim.ui.simulator.show import can_be_mended, check_extra, show
 
     check_extra()
     if not 0 <= port < 65536:
@@ -52,9 +53,19 @@ def command(
 
     check_free(out)
     recipe = Recipe(name=scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration)
-    cold = compile_once(
-        lambda: look_up(scenario, resolution=resolution, changes=recipe.changes, seed=seed, duration=duration)
-    )
+    known = None
+    try:
+        cold = compile_once(
+            lambda: look_up(scenario, resolution=resolution, changes=recipe.changes, seed=seed, duration=duration)
+        )
+    except ScenarioError as error:  # to see that, nothing needs to be compiled
+        cold, known = False, FaultsError(str(error), lines_of(error))
+        if not can_be_mended(recipe, known.faults):
+            raise
     # Kernels that no run has needed yet (a camera's ...) are compiled later, with a message if that takes long.
     notice = None if cold else say
-    show(recipe, out=out, host=host, port=port, browser=open_, say=say, complain=complain, notice=notice)
+    was_open = show(
+        recipe, out=out, host=host, port=port, browser=open_, say=say, complain=complain, notice=notice, known=known
+    )
+    if not was_open:
+        raise typer.Exit(2)

@@ -399,6 +399,12 @@ class Document:
         looked = self._look()
         return read_partial(looked.merged, looked.book, self._registry, looked.maps, looked.faults)
 
+    def files(self) -> tuple[Path, ...]:
+        """The document's own file, and those that it names, whether they exist or not."""
+        here = self._path.absolute().parent
+        named = (here / file.name for file in named_files(self._editor.values, self._registry, here))
+        return tuple(dict.fromkeys([self._path.absolute(), *named]))
+
     def _look(self, *, runs_programs: bool = False) -> _Looked:
         """All that the document says, read and checked."""
         written = self._written()

@@ -14,7 +14,7 @@ from amorsim.core.errors import AmorsimError
 __all__ = ["KINDS", "WEB", "Page", "Pages", "Talks"]
 
 WEB = Path(__file__).parent.parent / "web"
-KINDS = {"run": "simulator"}  # the folder in `WEB` whose ``page.html`` a kind of page is
+KINDS = {"run": "simulator", "faults": "faults"}  # the folder in `WEB` whose ``page.html`` a kind of page is
 
 _ODD = re.compile(r"[^A-Za-z0-9_.-]+")
 
@@ -58,10 +58,18 @@ class Page:
 
 
 class Pages:
-    """Pages by kind and name, in the order in which they were added; the first is shown where none is named."""
+    """Pages by kind and name, in the order in which they were added.
+
+    Attributes
+    ----------
+    first
+        The page that is shown where none is named: the one that was added first, unless another was chosen; None
+        where there is none.
+    """
 
     def __init__(self) -> None:
         self._pages: dict[tuple[str, str], Page] = {}
+        self.first: Page | None = None
 
     def __iter__(self) -> Iterator[Page]:
         return iter(self._pages.values())
@@ -82,6 +90,7 @@ class Pages:
             number += 1
             free = f"{plain}-{number}"
         page = self._pages[kind, free] = Page(kind=kind, name=free, session=session)
+        self.first = self.first or page
         return page
 
     def find(self, kind: str, name: str) -> Page | None:

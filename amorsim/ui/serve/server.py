@@ -43,10 +43,9 @@ def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) 
         yield
 
     async def show_first(_: Request) -> Response:
-        first = next(iter(pages), None)
-        if first is None:
+        if pages.first is None:
             return PlainTextResponse("there is nothing to show", status_code=404)
-        return RedirectResponse(first.path, headers={"cache-control": "no-store"})
+        return RedirectResponse(pages.first.path, headers={"cache-control": "no-store"})
 
     async def show(request: Request) -> Response:
         page = pages.find(**request.path_params)

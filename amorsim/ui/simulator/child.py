@@ -28,6 +28,7 @@ import numba
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
 from amorsim.kernels.cache_folder import mark_warm
+from amorsim.ui.faults.lines import lines_of
 from amorsim.ui.simulator.carried import Carried, Carrier
 from amorsim.ui.simulator.commands import Commands
 from amorsim.ui.simulator.faults import Fault
@@ -173,7 +174,7 @@ class Child:
                 player.inputs = inputs
                 since = player.resume(tick, carried)
         except AmorsimError as error:
-            self._writer.send({"push": "failed", "error": explain(error)})
+            self._writer.send({"push": "failed", "error": explain(error), "faults": lines_of(error)})
             return
         self._busy_since = None
         builder = SceneBuilder(simulation)

@@ -20,6 +20,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.ui.faults.lines import FaultsError
 from amorsim.ui.simulator.pipes import FRAME, SNAPSHOT, Writer, python_for, read_message
 
 __all__ = ["Link"]
@@ -47,7 +48,8 @@ class Link:
     Attributes
     ----------
     ready
-        Its scene, once the simulation is made; an `AmorsimError` where it cannot be.
+        Its scene, once the simulation is made; an `AmorsimError` where it cannot be, a `FaultsError` where the
+        scenario's files are why.
     inputs
         What was given to it, as far as it told.
     tick
@@ -166,7 +168,8 @@ class Link:
             if not self.ready.done():
                 self.ready.set_result(table)
         elif kind == "failed":
-            _fail(self.ready, table["error"])
+            faults = table["faults"]
+            _fail(self.ready, FaultsError(table["error"], faults) if faults else table["error"])
         elif kind == "inputs":
             self.inputs[table["first"] :] = table["inputs"]
         elif kind == "epoch":
@@ -244,9 +247,9 @@ def _thread(target: Callable[[], None], name: str) -> threading.Thread:
     return thread
 
 
-def _fail(answer: asyncio.Future[Answer], reason: str) -> None:
+def _fail(answer: asyncio.Future[Answer], reason: str | AmorsimError) -> None:
     if not answer.done():
-        answer.set_exception(AmorsimError(reason))
+        answer.set_exception(AmorsimError(reason) if isinstance(reason, str) else reason)
 
 
 def _look_at(answer: asyncio.Future[Answer]) -> None:

@@ -16,16 +16,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.reading import is_file
+from amorsim.ui.faults.lines import FaultLine, FaultsError
 from amorsim.ui.serve.opening import OpeningPage
 from amorsim.ui.simulator.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe
 
 if TYPE_CHECKING:
+    from amorsim.ui.faults.mending import Mending
+    from amorsim.ui.serve.pages import Pages
     from amorsim.ui.serve.security import Door
+    from amorsim.ui.simulator.session import Session
 
-__all__ = ["check_extra", "main", "show"]
+__all__ = ["can_be_mended", "check_extra", "main", "show"]
 
 LONGEST_REST = 0.5  # [s] that the server gets to end once the simulation has
+NEVER_OPEN = 2  # the exit status where faults were never mended: that of a user's mistake
 
 Say = Callable[[str], None]
 
@@ -34,6 +40,12 @@ def check_extra() -> None:
     """Raise what says what to install where the window's own libraries are not there."""
     if any(importlib.util.find_spec(name) is None for name in ("starlette", "uvicorn", "websockets")):
         raise AmorsimError('the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"')
+
+
+def can_be_mended(recipe: Recipe, faults: list[FaultLine]) -> bool:
+    """Whether what is wrong with a scenario may go if its file, or one that it names, is changed."""
+    is_scenario = not recipe.passing and Path(recipe.name).suffix in ("", ".toml") and is_file(recipe.name)
+    return is_scenario and any(not fault["file"].startswith("--set ") for fault in faults)
 
 
 def show(
@@ -46,8 +58,12 @@ def show(
     say: Say,
     complain: Say,
     notice: Say | None,
-) -> None:
-    """Serve the window of a simulation until Ctrl-C. The process is not to do anything more then: it may be ended here.
+    known: FaultsError | None = None,
+) -> bool:
+    """Serve the window of a simulation until Ctrl-C; returns whether there was a simulation to be seen.
+
+    Of a scenario's file with faults, the window shows the faults until the file is mended, and then the simulation.
+    The process is not to do anything more afterwards: it may be ended here.
 
     Parameters
     ----------
@@ -59,26 +75,33 @@ def show(
         Whether to open the window in the browser.
     say, complain
         Told the addresses and where results lie, and what the user should know before.
+    known
+        Why the scenario cannot be simulated, where that is known already.
+
+    Raises
+    ------
+    AmorsimError
+        If it cannot be simulated, and no change of its file would help; or if nothing can be served there.
     """
     from amorsim.ui.serve.pages import Pages
     from amorsim.ui.serve.server import serve
-    from amorsim.ui.simulator.session import Session
 
-    session = Session(recipe, out=out, notice=notice)
+    pages = Pages()
+    shown = _Shown(recipe, pages, out=out, say=say, complain=complain, notice=notice)
     told = threading.Lock()  # the last word, once: here, or by the timer that waits for nothing
     opening: list[OpeningPage] = []
 
     def tell() -> None:
-        if told.acquire(blocking=False) and session.folder:
-            say(f"results: {session.folder}")
+        if told.acquire(blocking=False) and shown.folder:
+            say(f"results: {shown.folder}")
 
     def leave() -> None:
         tell()
         sys.stdout.flush()
-        os._exit(0)
+        os._exit(0 if shown.is_open else NEVER_OPEN)
 
     async def end() -> None:
-        await session.close()
+        await shown.close()
         forget_opening()
         # The files are whole. What the server still does (a GIF that is being made) shall not hold up the end.
         rest = threading.Timer(LONGEST_REST, leave)
@@ -111,19 +134,79 @@ def show(
 
     with asyncio.Runner() as runner:
         try:
-            runner.run(session.start())
-            for remark in session.remarks:
-                complain(remark)
-            pages = Pages()
-            pages.add("run", Path(recipe.name).stem, session)
+            runner.run(shown.begin(known))
             with contextlib.suppress(KeyboardInterrupt):
                 runner.run(serve(pages, host=host, port=port, ready=ready, ending=end))
         finally:
-            runner.run(session.close())
+            runner.run(shown.close())
             forget_opening()
             # Python's last look for what nobody uses takes a second with all that numba holds.
             gc.freeze()
     tell()
+    return shown.is_open
+
+
+class _Shown:
+    """What the pages show: a simulation, or before that the faults of its scenario's file."""
+
+    def __init__(
+        self, recipe: Recipe, pages: Pages, *, out: Path | None, say: Say, complain: Say, notice: Say | None
+    ) -> None:
+        self._recipe, self._pages = recipe, pages
+        self._out, self._say, self._complain, self._notice = out, say, complain, notice
+        self._session: Session | None = None
+        self._mending: Mending | None = None
+        self.is_open = False
+
+    @property
+    def folder(self) -> str:
+        """The folder that the run is written into, or nothing."""
+        return "" if self._session is None else self._session.folder
+
+    async def begin(self, known: FaultsError | None) -> None:
+        """Open the simulation's page, or else that of the faults, for as long as there are any.
+
+        Raises
+        ------
+        AmorsimError
+            If there cannot be a simulation, and no change of the file would help.
+        """
+        from amorsim.ui.faults.mending import Mending
+
+        try:
+            if known is not None:
+                raise known
+            await self._open()
+        except FaultsError as error:
+            if not can_be_mended(self._recipe, error.faults):
+                raise
+            self._complain(str(error))
+            self._say(f"{self._recipe.name} has faults; the window shows them, and the simulation once they are mended")
+            name, changes = self._recipe.name, self._recipe.changes
+            self._mending = Mending(name, error.faults, changes=changes, open_page=self._open)
+            self._pages.add("faults", Path(name).stem, self._mending)
+            self._mending.start()
+
+    async def _open(self) -> str:
+        """Start the simulation, and add its page; returns the page's path."""
+        from amorsim.ui.simulator.session import Session
+
+        self._session = session = Session(self._recipe, out=self._out, notice=self._notice)
+        await session.start()
+        self.is_open = True
+        for remark in session.remarks:
+            self._complain(remark)
+        page = self._pages.first = self._pages.add("run", Path(self._recipe.name).stem, session)
+        if self._mending is not None:
+            self._say(f"{self._recipe.name} is mended; the window shows the simulation")
+        return page.path
+
+    async def close(self) -> None:
+        """End it all, with whole files; again if one likes."""
+        if self._mending is not None:
+            await self._mending.close()
+        if self._session is not None:
+            await self._session.close()
 
 
 def main() -> None:

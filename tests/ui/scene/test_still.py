@@ -46,7 +46,7 @@ y = 4.0
 name = "ice"
 shape = { rectangle = [1.0, 0.5] }
 pose = { x = 5.0, y = 1.0 }
-ground = [{ use = "slip", factor = 0.9 }]
+ground = [{ use = "scale", factor = 0.9 }]
 """
 
 

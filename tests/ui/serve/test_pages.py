@@ -25,7 +25,7 @@ def test_sessions_have_names_of_their_own_that_need_no_quoting() -> None:
 
 
 def test_a_page_is_of_a_kind_that_there_is() -> None:
-    with pytest.raises(AmorsimError, match="expected a kind of page, 'run', got 'fly'"):
+    with pytest.raises(AmorsimError, match="expected a kind of page, 'run' or 'faults', got 'fly'"):
         Pages().add("fly", "demo", StubSession())
     for kind in KINDS:
         assert Pages().add(kind, "demo", StubSession()).file.is_file()

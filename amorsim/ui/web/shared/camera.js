@@ -32,7 +32,8 @@ export class Camera {
     this.height = height;
   }
 
-  /** See all of `[x0, y0, x1, y1]`, with a margin. */
+  /** See all of `[x0, y0, x1, y1]`, with a margin.
+   * @param {number[]} extent */
   fit([x0, y0, x1, y1], margin = 24) {
     const wide = Math.max(this.width - 2 * margin, 10) / Math.max(x1 - x0, 1e-3);
     const high = Math.max(this.height - 2 * margin, 10) / Math.max(y1 - y0, 1e-3);

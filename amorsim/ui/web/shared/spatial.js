@@ -2,6 +2,14 @@
 
 const HALF = 1 << 20;
 
+/** How far the point (x, y) is from the line from (x0, y0) to (x1, y1). */
+export function gapToLine(x, y, x0, y0, x1, y1) {
+  const [dx, dy] = [x1 - x0, y1 - y0];
+  const length = dx * dx + dy * dy;
+  const part = length > 0 ? Math.min(1, Math.max(0, ((x - x0) * dx + (y - y0) * dy) / length)) : 0;
+  return Math.hypot(x0 + part * dx - x, y0 + part * dy - y);
+}
+
 /** @template T */
 export class SpatialIndex {
   /** @param {number} cell side of a cell [m] */

@@ -1,7 +1,8 @@
 // Readings that are ranges along beams: a scan as the area seen and the beams' ends, a ring of cones as sectors.
 
 import { fixed, wrap } from "../shared/dom.js";
-import { gapToLine, mountPoses } from "./mounts.js";
+import { gapToLine } from "../shared/spatial.js";
+import { mountPoses } from "./mounts.js";
 
 /**
  * The beams of a range sensor: `visit(i, x, y, angle, range, met)`; a reading of infinity reaches `range_max` and one

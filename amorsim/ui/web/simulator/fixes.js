@@ -1,7 +1,8 @@
 // Readings that need no beams: parts of the footprint that press on something, a place in the world, a heading.
 
 import { fixed, wrap } from "../shared/dom.js";
-import { columnOf, gapToLine, mountPoses, toWorld } from "./mounts.js";
+import { gapToLine } from "../shared/spatial.js";
+import { columnOf, mountPoses, toWorld } from "./mounts.js";
 import { DASHES } from "../shared/theme.js";
 
 const ARM = 9; // pixels of a cross

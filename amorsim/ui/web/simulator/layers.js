@@ -1,51 +1,16 @@
-// The Simulator's layers: what is true of the world, what the selected robot knows, and what is written over both.
+// The Simulator's own layers: what the selected robot knows, its readings and path, and where an event happened.
 
-import { Layer } from "../shared/layer.js";
-import {
-  drawBelievedParts, drawEllipse, drawFloor, drawMap, drawMarks, drawObstacles, drawRobot, drawTrail,
-} from "../shared/marks.js";
-import { drawCrowd } from "./crowd.js";
-import { drawNames } from "./names.js";
+import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail } from "../shared/marks.js";
+import { SceneLayer } from "../shared/world.js";
 import { drawReadings, isDrawn } from "./readings.js";
 
 /** @typedef {import("../shared/layer.js").Brush} Brush */
-/** @typedef {"true" | "estimated"} View what a pane shows: the world as it is, or as the robot knows it */
+/** @typedef {import("../shared/world.js").View} View */
 
-/** A layer of the stage's scene and newest frame. */
-class SceneLayer extends Layer {
-  /** @param {import("./stage.js").Stage} stage */
-  constructor(stage) {
-    super();
-    this.stage = stage;
-  }
-
-  get isShown() {
-    return Boolean(this.stage.scene && this.stage.frame);
-  }
-
-  /** The robot that is looked at. */
-  get robot() {
-    return this.stage.scene.robots[this.stage.frame.selected];
-  }
-}
-
-/** Walls and floor, as they are. */
-export class WorldLayer extends SceneLayer {
-  isStatic = true;
-
-  get version() {
-    return String(this.stage.pictures.version);
-  }
-
-  /** @param {Brush} brush */
-  draw({ context, camera, theme }) {
-    const { scene, pictures } = this.stage;
-    drawMap(context, camera, scene.map, pictures.path(scene.map), pictures.of(scene.map, theme.wall), theme.wall);
-    drawFloor(context, camera, scene.floor, theme);
-  }
-}
-
-/** The map and the landmarks that the robot knows. */
+/**
+ * The map and the landmarks that the robot knows.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
 export class KnownLayer extends SceneLayer {
   isStatic = true;
 
@@ -63,17 +28,10 @@ export class KnownLayer extends SceneLayer {
   }
 }
 
-/** Obstacles and parts of robots, and all robots but the one that is looked at, where they are. */
-export class BodiesLayer extends SceneLayer {
-  /** @param {Brush} brush */
-  draw({ context, camera, ratio, theme }) {
-    const { scene, frame } = this.stage;
-    drawObstacles(context, camera, scene.obstacles, frame.obstacles, theme);
-    drawCrowd(context, camera, ratio, scene.robots, frame.truePoses, frame.selected, theme);
-  }
-}
-
-/** The robot that is looked at, where it is or believes to be, with its readings and its path. */
+/**
+ * The robot that is looked at, where it is or believes to be, with its readings and its path.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
 export class RobotLayer extends SceneLayer {
   /** @param {import("./stage.js").Stage} stage
    * @param {View} view */
@@ -105,7 +63,10 @@ export class RobotLayer extends SceneLayer {
   }
 }
 
-/** A cross where an event happened. */
+/**
+ * A cross where an event happened.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
 export class MarkLayer extends SceneLayer {
   get isShown() {
     const { mark, frame } = this.stage;
@@ -124,60 +85,5 @@ export class MarkLayer extends SceneLayer {
       context.lineTo(x + size, y + side * size);
     }
     context.stroke();
-  }
-}
-
-/** What is selected of one view, where it is not a robot or a reading, which show themselves. */
-export class SelectionLayer extends SceneLayer {
-  /** @param {import("./stage.js").Stage} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
-
-  get things() {
-    return this.stage.selection.things.filter((thing) => thing.view === this.view);
-  }
-
-  get isShown() {
-    return super.isShown && this.things.length > 0;
-  }
-
-  /** @param {Brush} brush */
-  draw({ context, camera, theme }) {
-    context.strokeStyle = theme.estimated;
-    context.lineWidth = 4 / camera.scale;
-    context.beginPath();
-    for (const { line, point } of this.things) {
-      if (line) {
-        context.moveTo(line[0], line[1]);
-        context.lineTo(line[2], line[3]);
-      } else if (point) {
-        const reach = 9 / camera.scale;
-        context.moveTo(point[0] + reach, point[1]);
-        context.arc(point[0], point[1], reach, 0, 2 * Math.PI);
-      }
-    }
-    context.stroke();
-  }
-}
-
-/** Names beside robots: of the others only where the world is shown, for a robot knows nothing of them. */
-export class NamesLayer extends SceneLayer {
-  /** @type {"pane"} */
-  space = "pane";
-
-  /** @param {import("./stage.js").Stage} stage
-   * @param {View} view */
-  constructor(stage, view) {
-    super(stage);
-    this.view = view;
-  }
-
-  /** @param {Brush} brush */
-  draw({ context, camera, theme }) {
-    const { scene, frame } = this.stage;
-    drawNames(context, camera, scene.robots, this.stage.posesOf(this.view), frame.selected, this.view !== "true", theme);
   }
 }

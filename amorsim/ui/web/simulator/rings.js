@@ -3,7 +3,8 @@
 
 import { bothOf } from "./beams.js";
 import { fixed, wrap } from "../shared/dom.js";
-import { gapToLine, mountPoses } from "./mounts.js";
+import { gapToLine } from "../shared/spatial.js";
+import { mountPoses } from "./mounts.js";
 import { DASHES } from "../shared/theme.js";
 
 const LONGEST = 30; // pixels of a stick

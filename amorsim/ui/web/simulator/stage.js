@@ -7,9 +7,10 @@ import { GridLayer } from "../shared/ground.js";
 import { Selection } from "../shared/selection.js";
 import { readTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
-import { BodiesLayer, KnownLayer, MarkLayer, NamesLayer, RobotLayer, SelectionLayer, WorldLayer } from "./layers.js";
+import { BodiesLayer, NamesLayer, SelectionLayer, WorldLayer } from "../shared/world.js";
+import { KnownLayer, MarkLayer, RobotLayer } from "./layers.js";
 import { Picker } from "./pick.js";
-import { Pictures } from "./pictures.js";
+import { Pictures } from "../shared/pictures.js";
 import { Trail } from "./trail.js";
 
 const HELP = "Drag or Shift and arrows pan, plus and minus zoom, 0 shows all, F follows, Enter tells what is in the middle.";
@@ -22,7 +23,7 @@ class Pane extends Canvas {
     this.note = h("output", { class: "note", "aria-hidden": "true" }); // what the table tells, too
     this.lack = h("p", { class: "lack", role: "status" }); // why there is less to see than one might expect
     this.element.append(this.lack, this.note);
-    /** @type {import("./layers.js").View[]} */
+    /** @type {import("../shared/world.js").View[]} */
     this.views = []; // what is pointed at first comes first
   }
 }
@@ -96,7 +97,7 @@ export class Stage {
     return [this.robot.canvas, this.control.canvas];
   }
 
-  /** @param {import("./layers.js").View} view */
+  /** @param {import("../shared/world.js").View} view */
   posesOf(view) {
     return view === "true" ? this.frame.truePoses : this.frame.estimatedPoses;
   }

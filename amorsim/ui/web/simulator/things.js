@@ -3,7 +3,8 @@
 
 import { bothOf } from "./beams.js";
 import { fixed, wrap } from "../shared/dom.js";
-import { columnOf, gapToLine, mountPoses } from "./mounts.js";
+import { gapToLine } from "../shared/spatial.js";
+import { columnOf, mountPoses } from "./mounts.js";
 import { DASHES } from "../shared/theme.js";
 
 /** The things that a finder sees: `visit(line, x0, y0, x, y, angle)`, from the mount to each. */

@@ -1,5 +1,4 @@
-// Made by tools/make_wire.py from scene/wire.py and simulator/{protocol, packing, messages}.py in
-// amorsim/ui: change it there.
+// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.
 
 /** How the simulation stands in a frame. */
 export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loading: 32, posesOnly: 64 };
@@ -319,4 +318,28 @@ export const BLOCKS = [
  * @property {string} reason
  * @property {EventLine | null} fault
  * @property {string} holder
+ */
+
+/**
+ * A fault: where it is, what is there, and what is wrong with it.
+ * @typedef {object} FaultLine
+ * @property {string} file
+ * @property {number | null} line
+ * @property {string} said
+ * @property {string} path
+ * @property {string} value
+ * @property {string} message
+ * @property {string} remedy
+ */
+
+/**
+ * How a scenario's file stands: the answer to ``document``.
+ * @typedef {object} FaultyFile
+ * @property {boolean} ok
+ * @property {number} number
+ * @property {string} status
+ * @property {string} file
+ * @property {FaultLine[]} faults
+ * @property {Still | null} still
+ * @property {string} path
  */

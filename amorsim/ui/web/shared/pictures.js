@@ -1,8 +1,8 @@
 // What maps are drawn with: their lines as paths, their pictures in the colours of the theme.
 
-import { tinted, wallPath } from "../shared/marks.js";
+import { tinted, wallPath } from "./marks.js";
 
-/** @typedef {import("./wire.js").MapShape} MapShape */
+/** @typedef {import("../simulator/wire.js").MapShape} MapShape */
 
 export class Pictures {
   /** @param {() => void} changed called when a picture has come */

@@ -1,0 +1,211 @@
+"""The session of a page that shows what is wrong with a scenario's file, until the file is mended.
+
+The server reads the file itself, for nothing of a user's runs when a document is read. Whether the mended file can be
+simulated is found by starting its simulation, in the process that all simulations have.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import contextlib
+import itertools
+import sys
+import traceback
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, TypedDict
+
+from amorsim.core.errors import AmorsimError, DocumentError, Fault, ScenarioError
+from amorsim.core.trouble import error_in_words
+from amorsim.scenario.document import open_document
+from amorsim.scenario.read import check_words
+from amorsim.ui.faults.files import Stamp, stamps_of
+from amorsim.ui.faults.lines import FaultLine, FaultsError, fault_lines
+from amorsim.ui.scene.still import StillBuilder
+from amorsim.ui.scene.wire import Still
+from amorsim.ui.serve.wire import shown, whole
+
+__all__ = ["FaultyFile", "Mending"]
+
+BETWEEN_LOOKS = 0.25  # [s]; a file is read once it has looked the same twice, for then it is written whole
+
+_NUMBER = whole(0)
+
+
+class FaultyFile(TypedDict):
+    """How a scenario's file stands: the answer to ``document``."""
+
+    ok: bool
+    number: int  # of this answer; greater than of those before
+    status: str  # "faulty", "starting" where it has no faults, or "open" once its simulation is to be seen
+    file: str
+    faults: list[FaultLine]
+    still: Still | None  # none before it is read, or if nothing of it can be
+    path: str  # of the simulation's page, once it is open
+
+
+class _Looked(NamedTuple):
+    faults: list[FaultLine]
+    builder: StillBuilder | None
+    stamps: dict[Path, Stamp]
+
+
+class Mending:
+    """What windows see of a scenario with faults; they are told as soon as its file has changed.
+
+    All of it is for the event loop in which it is started.
+
+    Parameters
+    ----------
+    name, changes
+        The file, as the user names it, and what is changed of what it says: settings as of ``--set``.
+    faults
+        Why it cannot be.
+    open_page
+        Starts the simulation, and returns the path of its page.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        faults: list[FaultLine],
+        *,
+        changes: Sequence[str] = (),
+        open_page: Callable[[], Awaitable[str]],
+    ) -> None:
+        self._name = name
+        self._changes = changes
+        self._file = Path(name).absolute()
+        self._known = faults
+        self._open_page = open_page
+        self._builder: StillBuilder | None = None
+        self._news = asyncio.Event()
+        self._windows = itertools.count(1)
+        self._watching: asyncio.Task[None] | None = None
+        self._shown = self._told(0, "faulty", faults)
+        self._show("faulty", faults)
+
+    def start(self) -> None:
+        """Watch the file from now on."""
+        self._watching = asyncio.get_running_loop().create_task(self._watch())
+
+    async def close(self) -> None:
+        """Watch it no more."""
+        if self._watching is not None:
+            self._watching.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._watching
+
+    # ---------------------------------------------------------------------------------------------------- the file
+
+    async def _watch(self) -> None:
+        """Look at the file whenever it has changed, until it can be simulated."""
+        stamps = stamps_of([self._file])
+        while True:
+            looked = await asyncio.to_thread(self._look, stamps)
+            faults, self._known = self._known or looked.faults, []
+            self._builder = looked.builder
+            if not faults:
+                self._show("starting", [])
+                try:
+                    path = await self._open_page()
+                except FaultsError as error:
+                    faults = error.faults
+                except AmorsimError as error:
+                    faults = fault_lines([Fault(file="", path="", message=str(error))])
+                else:
+                    self._show("open", [], path)
+                    return
+            self._show("faulty", faults)
+            stamps = await self._change(looked.stamps)
+
+    async def _change(self, stamps: dict[Path, Stamp]) -> dict[Path, Stamp]:
+        """What the files look like once they have changed, and are not being written any more."""
+        before = stamps
+        while True:
+            await asyncio.sleep(BETWEEN_LOOKS)
+            now = await asyncio.to_thread(stamps_of, stamps)
+            if now != stamps and now == before:
+                return now
+            before = now
+
+    def _look(self, stamps: dict[Path, Stamp]) -> _Looked:
+        """Read the file, and as far as it can be, what it says."""
+        seen = {self._file: stamps[self._file]}
+        builder = None
+        try:
+            document = open_document(self._file)
+            seen |= stamps_of(file for file in document.files() if file != self._file)
+            partial = document.partial()
+            faults = partial.faults
+            if self._changes:  # which may mend, or cause, what is wrong
+                faults = self._faults_with_changes()
+            builder = StillBuilder(partial, self._file.stem)
+        except DocumentError as error:
+            message = str(error).removeprefix(f"{self._file}: ")
+            faults = (Fault(file=self._name, path="", message=message),)
+        except Exception as error:  # what a plugin's loader may raise; it must not end the watch
+            sys.stderr.write("".join(traceback.format_exception(error)))
+            faults = (Fault(file=self._name, path="", message=f"cannot be read: {error_in_words(error)}"),)
+        return _Looked(fault_lines(faults), builder, seen)
+
+    def _faults_with_changes(self) -> tuple[Fault, ...]:
+        try:
+            check_words(self._file, self._changes)
+        except ScenarioError as error:
+            return error.faults
+        return ()
+
+    def _told(self, number: int, status: str, faults: list[FaultLine], path: str = "") -> FaultyFile:
+        return {
+            "ok": True,
+            "number": number,
+            "status": status,
+            "file": self._name,
+            "faults": faults,
+            "still": None if self._builder is None else self._builder.still,
+            "path": path,
+        }
+
+    def _show(self, status: str, faults: list[FaultLine], path: str = "") -> None:
+        """Tell all windows how the file stands."""
+        self._shown = self._told(self._shown["number"] + 1, status, faults, path)
+        news, self._news = self._news, asyncio.Event()
+        news.set()
+
+    # ----------------------------------------------------------------------------------------------------- windows
+
+    def open_window(self, tab: str = "") -> str:
+        """A new window's name."""
+        return f"window-{next(self._windows)}"
+
+    def close_window(self, window: str) -> None:
+        """A window has gone, which changes nothing."""
+
+    async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
+        """Nothing, for nothing moves: it never returns."""
+        await asyncio.Event().wait()
+        return b""
+
+    def only_asks(self, name: str) -> bool:
+        """All commands only ask."""
+        return True
+
+    async def ask(self, window: str, command: Mapping[str, Any]) -> dict[str, Any]:
+        """The answer to a window's command.
+
+        ``document`` is answered by `FaultyFile` as soon as its number is above ``after``; ``image`` by ``png`` in
+        base64, of the picture of a ``name``.
+        """
+        match command:
+            case {"do": "document", "after": after} if _NUMBER.holds(after):
+                while self._shown["number"] <= after:
+                    await self._news.wait()
+                return dict(self._shown)
+            case {"do": "image", "name": str(name)} if self._builder is not None:
+                with contextlib.suppress(LookupError):
+                    picture = await asyncio.to_thread(self._builder.picture, name)
+                    return {"ok": True, "png": base64.b64encode(picture).decode()}
+                return {"ok": False, "error": f"there is no picture {shown(name)}"}
+        return {"ok": False, "error": f"expected a command, 'document' or 'image', got {shown(dict(command))}"}

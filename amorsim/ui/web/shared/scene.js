@@ -1,0 +1,47 @@
+// Scenes made ready for drawing.
+
+import { reach, waist } from "./marks.js";
+
+/**
+ * A robot as it is drawn: its entry in the scene, with what its kind has.
+ * @typedef {Omit<import("../simulator/wire.js").Kind, "wheels"> & {
+ *   name: string, colour?: string, controller: string, landmarks: number[][], knowledge: import("../simulator/wire.js").MapShape | null,
+ *   parts: import("../simulator/wire.js").ObstacleShape[], reach: number, waist: number,
+ *   wheels: {x: number, y: number, heading: number, radius: number, width: number}[],
+ * }} Robot
+ */
+
+/**
+ * A scene as it is drawn.
+ * @typedef {Omit<import("../simulator/wire.js").Scene, "map" | "robots" | "obstacles"> & {
+ *   map: import("../simulator/wire.js").MapShape | undefined, robots: Robot[], obstacles: (import("../simulator/wire.js").ObstacleShape & {reach: number})[],
+ * }} Scene
+ */
+
+/**
+ * A scene with what drawing needs put in place: each robot with its kind's shape, its reach and what it was told.
+ * @param {import("../simulator/wire.js").Scene} raw
+ * @returns {Scene}
+ */
+export function readScene(raw) {
+  const kinds = raw.kinds.map((kind) => ({
+    ...kind,
+    reach: reach(kind.footprint),
+    waist: waist(kind.footprint),
+    wheels: kind.wheels.map(([x, y, heading, radius]) => ({ x, y, heading, radius, width: 0.4 * radius })),
+  }));
+  return {
+    ...raw,
+    map: raw.maps[raw.map],
+    robots: raw.robots.map((robot) => ({
+      ...kinds[robot.kind],
+      name: robot.name,
+      colour: robot.colour,
+      controller: robot.controller,
+      landmarks: robot.knowledge.landmarks,
+      parts: raw.obstacles.filter((body) => body.part_of === robot.name),
+      knowledge: robot.knowledge.map === null ? null : raw.maps[robot.knowledge.map],
+    })),
+    obstacles: raw.obstacles.map((obstacle) => ({ ...obstacle, reach: reach(obstacle.footprint) })),
+  };
+}
