@@ -227,11 +227,11 @@ def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypat
 
 def test_mistakes_are_told_as_run_tells_them(amorsim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    scenario = write_project(tmp_path)
-    scenario.write_text(scenario.read_text() + "\n[robots.sensors.laser]\nbeems = 3\nfov_deg = 'wide'\n")
+    write_project(tmp_path)
+    wrong = ("scenario.toml", "--set", "robots.rover.sensors.laser.beems=3", "--set", "robots.rover.pose.x=left")
+    assert amorsim("view", *wrong, "--no-open") == amorsim("run", *wrong, "--quiet")
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "file").touch()
-    assert amorsim("view", "scenario.toml", "--no-open") == amorsim("run", "scenario.toml", "--quiet")
     for arguments, says in (
         (("nothing.toml",), "nothing.toml"),
         (("demo", "--out", "taken"), "the folder holds files already"),

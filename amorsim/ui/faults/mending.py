@@ -135,7 +135,7 @@ class Mending:
         seen = {self._file: stamps[self._file]}
         builder = None
         try:
-            document = open_document(self._file)
+            document = open_document(self._name)
             seen |= stamps_of(file for file in document.files() if file != self._file)
             partial = document.partial()
             faults = partial.faults
@@ -143,7 +143,7 @@ class Mending:
                 faults = self._faults_with_changes()
             builder = StillBuilder(partial, self._file.stem)
         except DocumentError as error:
-            message = str(error).removeprefix(f"{self._file}: ")
+            message = str(error).removeprefix(f"{self._name}: ")
             faults = (Fault(file=self._name, path="", message=message),)
         except Exception as error:  # what a plugin's loader may raise; it must not end the watch
             sys.stderr.write("".join(traceback.format_exception(error)))
@@ -152,7 +152,7 @@ class Mending:
 
     def _faults_with_changes(self) -> tuple[Fault, ...]:
         try:
-            check_words(self._file, self._changes)
+            check_words(self._name, self._changes)
         except ScenarioError as error:
             return error.faults
         return ()

@@ -94,7 +94,7 @@ def test_every_command_is_tried() -> None:
 
 def test_the_scripts_send_no_other_command_and_no_other_key() -> None:
     found = 0
-    for script in WEB.rglob("*.js"):
+    for script in (*WEB.glob("simulator/*.js"), *WEB.glob("shared/*.js")):
         for table in re.findall(r"\{\s*do:[^{}]*\}", script.read_text(encoding="utf-8")):
             found += 1
             names = re.findall(r'"([a-z_]+)"', table.partition(",")[0])

@@ -151,7 +151,7 @@ def test_the_spatial_index_finds_all_that_is_near(window: Window) -> None:
     found = window.page.evaluate(
         """async () => {
             const { SpatialIndex } = await import("/amorsim/web/shared/spatial.js");
-            const { gapToLine } = await import("/amorsim/web/simulator/mounts.js");
+            const { gapToLine } = await import("/amorsim/web/shared/spatial.js");
             let seed = 7;
             const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
             const index = new SpatialIndex(0.7);
