@@ -37,7 +37,7 @@ def command(
 
     Its address is printed on a line of its own. It works once, for whoever has it, token included; then another one is
     printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes into
-    the present folder.
+    the present folder. Of a scenario file with faults, the window shows the faults until the file is mended.
     """
     from amorsim.core.errors import AmorsimError, ScenarioError
     from amorsim.ui.faults.lines import FaultsError, lines_of

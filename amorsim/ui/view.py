@@ -46,7 +46,8 @@ def view(
     Parameters
     ----------
     scenario
-        A scenario, or what ``amorsim view`` takes: a file, the name of a bundled scenario, or a map alone.
+        A scenario, or what ``amorsim view`` takes: a file, the name of a bundled scenario, or a map alone. Of a file
+        with faults the window shows the faults, until the file is mended.
     out
         Folder that the run is written into as it goes, new or empty.
     host, port
