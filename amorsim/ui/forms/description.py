@@ -13,13 +13,24 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 import attrs
 
-from amorsim.core.errors import PluginError
+from amorsim.core.errors import AmorsimError, PluginError
 from amorsim.core.parameters import Parameter, describe
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.fields import NONE, default_in_file, file_fields, in_file, write_fields
 from amorsim.scenario.spec import Deviation, Distribution
 
-__all__ = ["Choice", "FieldForm", "Widget", "choices_of", "deviation_form", "form_of", "plain", "why_fixed"]
+__all__ = [
+    "Choice",
+    "FieldForm",
+    "Widget",
+    "choices_of",
+    "deviation_form",
+    "deviation_of",
+    "form_of",
+    "number_of",
+    "plain",
+    "why_fixed",
+]
 
 Spelling = Literal["python", "file"]
 Names = Mapping[str, Sequence[str]]
@@ -175,6 +186,27 @@ def plain(value: Any) -> Any:
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     return str(value)  # dates and the like, which no field takes
+
+
+def number_of(value: Any) -> Any:
+    """A number as a window gives it: ``{"normal": [1, 0.1]}`` is a distribution, anything else is what it is.
+
+    Raises
+    ------
+    AmorsimError
+        If such a table is none of a distribution.
+    """
+    if not isinstance(value, Mapping):
+        return value
+    (kind, values), *others = [*value.items(), ("", ())]
+    if len(others) != 1 or not isinstance(values, (list, tuple)):
+        raise AmorsimError("expected {normal = [MEAN, STANDARD DEVIATION]} or {uniform = [LOW, HIGH]}")
+    return Distribution(kind=kind, values=tuple(values))  # type: ignore[arg-type] - it checks how many there are
+
+
+def deviation_of(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The parts of an error as `Simulation.set` takes them, of a table that a window gives."""
+    return {str(name): number_of(part) for name, part in table.items()}
 
 
 class _Maker:

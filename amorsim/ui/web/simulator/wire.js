@@ -105,6 +105,14 @@ export const BLOCKS = [
  */
 
 /**
+ * A component that can be chosen, with the form of its fields.
+ * @typedef {object} Choice
+ * @property {string} name
+ * @property {string} help
+ * @property {FieldForm[]} fields
+ */
+
+/**
  * How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
  * @typedef {object} Drawing
  * @property {string} [style]
@@ -127,6 +135,20 @@ export const BLOCKS = [
  * @property {string} text
  * @property {number[] | null} point
  * @property {string} stack
+ */
+
+/**
+ * A field of a form. `fixed` says why its value cannot change now, and is empty where it can.
+ * @typedef {object} FieldForm
+ * @property {string} path
+ * @property {string} label
+ * @property {string} help
+ * @property {Widget} widget
+ * @property {any} value
+ * @property {any} default
+ * @property {boolean} is_given
+ * @property {boolean} is_required
+ * @property {string} fixed
  */
 
 /**
@@ -214,24 +236,32 @@ export const BLOCKS = [
  */
 
 /**
- * A parameter that may be changed while the simulation runs, as a form shows it.
+ * A parameter of a part of a robot, as a form shows it while the simulation runs.
  * @typedef {object} ParameterForm
  * @property {string} path
  * @property {string} group
+ * @property {string} part
  * @property {string} label
  * @property {string} unit
  * @property {string} help
  * @property {string} type
+ * @property {Widget} widget
  * @property {number | null} low
  * @property {number | null} high
  * @property {boolean[]} is_open
  * @property {number[]} slider
- * @property {number | null} value
- * @property {number | null} scenario
+ * @property {any} value
+ * @property {any} scenario
+ * @property {boolean} is_changed
+ * @property {string} fixed
  * @property {string} drawn
+ * @property {number | null} drawn_value
  * @property {number | null} nominal
  * @property {number | null} true
+ * @property {FieldForm[]} deviation
  * @property {string} kind
+ * @property {string} origin
+ * @property {string} source
  */
 
 /**
@@ -300,4 +330,24 @@ export const BLOCKS = [
  * @property {string} reason
  * @property {EventLine | null} fault
  * @property {string} holder
+ */
+
+/**
+ * How a value is shown and changed.
+ * @typedef {object} Widget
+ * @property {string} kind
+ * @property {boolean} is_optional
+ * @property {string} unit
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {boolean[]} is_open
+ * @property {boolean} is_whole
+ * @property {string[]} choices
+ * @property {string} refers
+ * @property {string} frame
+ * @property {Widget} item
+ * @property {string[]} columns
+ * @property {number | null} length
+ * @property {FieldForm[]} fields
+ * @property {Widget[]} options
  */
