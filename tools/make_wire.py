@@ -25,7 +25,7 @@ HEAD = """// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, 
 """
 READERS = {"I": "Uint32", "i": "Int32", "f": "Float32", "d": "Float64"}
 ARRAYS = {"f8": "Float64Array", "f4": "Float32Array", "u1": "Uint8Array"}
-PLAIN = {str: "string", int: "number", float: "number", bool: "boolean", types.NoneType: "null"}
+PLAIN = {str: "string", int: "number", float: "number", bool: "boolean", types.NoneType: "null", Any: "any"}
 
 
 def camel(name: str) -> str:

@@ -57,7 +57,7 @@ class Braitenberg(Controller):
         For a sensor that measures ranges: things nearer than this [m] are felt.
     """
 
-    sensor: str = parameter("infrared", help="name of the sensor by which it goes")
+    sensor: str = parameter("infrared", refers="sensors", help="name of the sensor by which it goes")
     left: tuple[float, ...] = parameter(_LEFT, help="weight of each value on the left wheel")
     right: tuple[float, ...] = parameter(_RIGHT, help="weight of each value on the right wheel")
     speed: float = parameter(0.06, unit="m/s", gt=0, help="of both wheels where nothing is felt")

@@ -61,7 +61,7 @@ class Follow(Controller):
     """
 
     leader: int = parameter(1, ge=1, help="what is written on the leader's mark")
-    sensor: str = parameter("fiducial", help="name of the sensor that finds marks")
+    sensor: str = parameter("fiducial", refers="sensors", help="name of the sensor that finds marks")
     gap: float = parameter(0.8, unit="m", gt=0, help="distance that it keeps from the leader when that stands")
     gain: float = parameter(1.0, unit="1/s", gt=0, help="how much faster it drives for each metre farther behind")
     speed: float = parameter(0.6, unit="m/s", gt=0, help="fastest that it drives")

@@ -44,8 +44,8 @@ class GoTo(Controller):
         Its rate of turns [rad/s].
     """
 
-    x: float = parameter(unit="m", help="the place, to the right in the world")
-    y: float = parameter(unit="m", help="the place, up in the world")
+    x: float = parameter(unit="m", frame="world", help="the place, to the right in the world")
+    y: float = parameter(unit="m", frame="world", help="the place, up in the world")
     tolerance: float = parameter(0.02, unit="m", gt=0, help="distance from the place within which it stops")
     speed: float = parameter(0.3, unit="m/s", gt=0, help="at which it drives")
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns")

@@ -67,7 +67,9 @@ class Pursuit(Controller):
         Fastest turning rate [rad/s].
     """
 
-    waypoints: tuple[tuple[float, float], ...] = parameter(unit="m", static=True, help="places in the world, in order")
+    waypoints: tuple[tuple[float, float], ...] = parameter(
+        unit="m", frame="world", static=True, help="places in the world, in order"
+    )
     loop: bool = parameter(False, static=True, help="whether it goes round for ever")
     reverse: str | tuple[int, ...] = parameter(
         "never",

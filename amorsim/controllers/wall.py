@@ -59,7 +59,7 @@ class FollowWall(Controller):
     distance: float = parameter(0.6, unit="m", gt=0, help="from the robot's base point to the wall")
     speed: float = parameter(0.3, unit="m/s", gt=0, help="fastest that it drives")
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="fastest that it turns")
-    sensor: str = parameter("laser", help="name of the range sensor by which it goes")
+    sensor: str = parameter("laser", refers="sensors", help="name of the range sensor by which it goes")
 
     def start(self, context: Context) -> State:
         """The robot's knowledge of its sensor and its drive.

@@ -80,7 +80,7 @@ class Wander(Controller):
     """
 
     speed: float = parameter(0.4, unit="m/s", gt=0, help="at which it drives where there is room")
-    sensor: str = parameter("laser", help="name of the range sensor by which it goes")
+    sensor: str = parameter("laser", refers="sensors", help="name of the range sensor by which it goes")
     clearance: float = parameter(0.05, unit="m", ge=0, help="what it keeps free around its footprint as that turns")
     turn_rate: float = parameter(1.0, unit="rad/s", gt=0, help="at which it turns in place")
 

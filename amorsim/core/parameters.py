@@ -17,13 +17,28 @@ import attrs
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import in_words
 
-__all__ = ["LARGEST", "SMALLEST", "Parameter", "ParameterError", "check_value", "describe", "parameter"]
+__all__ = [
+    "FRAMES",
+    "LARGEST",
+    "REFERS",
+    "SMALLEST",
+    "Parameter",
+    "ParameterError",
+    "check_value",
+    "describe",
+    "parameter",
+]
 
 LARGEST = 1e12
 """No number of a component is larger, whatever its unit: squares and products of such numbers keep all their digits."""
 SMALLEST = 1e-12
 """No number that must be above 0 is smaller."""
 _LARGEST_WHOLE = 2**53  # for those without bounds of their own
+
+FRAMES = ("world", "body")
+"""What a parameter's `frame` may be."""
+REFERS = ("sensors", "estimators", "joints")
+"""What a parameter may refer to by name."""
 
 _KEY = "amorsim"
 _REQUIRED: Any = attrs.NOTHING
@@ -45,7 +60,9 @@ class Parameter:
     `unit` is ``""`` for a pure number and ``"sensor"`` if it is that of the component's sensor.
     `static` parameters fix shapes (a number of beams): rows that differ in one belong to different groups.
     `live` parameters may change between steps. A `file` is a path: in a scenario, relative to the scenario's folder;
-    a run's folder gets a copy of the file.
+    a run's folder gets a copy of the file. `frame` says where points are: ``"world"``, ``"body"`` (the frame of the
+    robot or of what it is part of), or ``""`` for what is no point. `refers` says what a text is the name of: one of
+    the robot's ``"sensors"``, ``"estimators"`` or ``"joints"``.
     """
 
     name: str
@@ -61,6 +78,8 @@ class Parameter:
     static: bool = False
     live: bool = True
     file: bool = False
+    frame: str = ""
+    refers: str = ""
 
     @property
     def is_required(self) -> bool:
@@ -117,6 +136,8 @@ def parameter(
     static: bool = False,
     live: bool = True,
     file: bool = False,
+    frame: str = "",
+    refers: str = "",
 ) -> Any:
     """A field of a component class: a default (or none, then it must be given), its unit, help and bounds.
 
@@ -136,6 +157,8 @@ def parameter(
         "static": static,
         "live": live and not static,
         "file": file,
+        "frame": frame,
+        "refers": refers,
     }
     return attrs.field(default=default, validator=_validate, metadata={_KEY: metadata})
 

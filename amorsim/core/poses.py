@@ -18,8 +18,8 @@ Array = npt.NDArray[np.float64]
 class Mount:
     """The mount of a device on its robot: a pose in the robot's base frame (x ahead, y to the left)."""
 
-    x: float = parameter(0.0, unit="m", help="ahead of the robot's base point")
-    y: float = parameter(0.0, unit="m", help="to the left of the robot's base point")
+    x: float = parameter(0.0, unit="m", frame="body", help="ahead of the robot's base point")
+    y: float = parameter(0.0, unit="m", frame="body", help="to the left of the robot's base point")
     heading: float = parameter(0.0, unit="rad", help="where it looks, anticlockwise from straight ahead")
 
 

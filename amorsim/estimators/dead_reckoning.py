@@ -78,7 +78,7 @@ class DeadReckoning(Estimator):
         Variance of the travel of each rolling joint per metre, as the robot assumes it [m^2/m].
     """
 
-    encoder: str = parameter("encoder", help="name of the sensor that counts the joints")
+    encoder: str = parameter("encoder", refers="sensors", help="name of the sensor that counts the joints")
     wheel_variance: float = parameter(
         0.0,
         unit="m",

@@ -109,7 +109,7 @@ class SlidingDoor(_Door):
     """A door that slides along a straight line; its pose is where it is closed."""
 
     way: tuple[float, float] = parameter(
-        (1.0, 0.0), unit="m", help="how far it opens, ahead and to the left of where it looks"
+        (1.0, 0.0), unit="m", frame="body", help="how far it opens, ahead and to the left of where it looks"
     )
     speed: float = parameter(0.5, unit="m/s", gt=0, help="how fast it slides")
 

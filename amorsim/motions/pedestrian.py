@@ -37,7 +37,10 @@ class Pedestrian(Motion):
     """
 
     goals: tuple[tuple[float, float], ...] = parameter(
-        (), unit="m", help="places [x, y] in the world; none: on and on in the direction he looks at the start"
+        (),
+        unit="m",
+        frame="world",
+        help="places [x, y] in the world; none: on and on in the direction he looks at the start",
     )
     order: str = parameter(
         "loop",

@@ -29,7 +29,9 @@ class _Route(Motion):
     Subclasses define the order: waypoint number `next`, and the direction `way`, 1 or -1, through the list.
     """
 
-    waypoints: tuple[tuple[float, float], ...] = parameter(unit="m", help="places [x, y] in the world, in order")
+    waypoints: tuple[tuple[float, float], ...] = parameter(
+        unit="m", frame="world", help="places [x, y] in the world, in order"
+    )
     speed: float = parameter(1.0, unit="m/s", ge=0, help="at which it goes")
     pause: float = parameter(0.0, unit="s", ge=0, help="how long it rests at each waypoint")
     blocked: str = parameter(

@@ -49,7 +49,9 @@ class Bump(Noise):
     height: float = parameter(unit="m", ge=0, help="height of a bump, below the wheel's radius")
     at: float | None = parameter(None, unit="s", ge=0, help="when wheels meet one, from the start of the episode")
     rate: float | None = parameter(None, unit="1/m", ge=0, help="bumps on a metre of way")
-    joint: str = parameter("", static=True, help="name of the joint that meets bumps; empty for all that roll")
+    joint: str = parameter(
+        "", static=True, refers="joints", help="name of the joint that meets bumps; empty for all that roll"
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.at is not None and self.rate is not None:

@@ -43,7 +43,9 @@ class Slip(Noise):
     at: float = parameter(unit="s", ge=0, help="when it begins, from the start of the episode")
     duration: float = parameter(unit="s", ge=0, help="how long it lasts")
     factor: float = parameter(ge=0, help="way over the ground for each metre rolled")
-    joint: str = parameter("", static=True, help="name of the joint that slips; empty for all that roll")
+    joint: str = parameter(
+        "", static=True, refers="joints", help="name of the joint that slips; empty for all that roll"
+    )
 
     def start(self, context: Context) -> State:
         """Number of steps made `(N, 1)`, and which of the rolling joints slip `(N, r)`, 1 or 0."""

@@ -13,7 +13,7 @@ import attrs
 
 from amorsim.contracts import Drive, Joint, Part
 from amorsim.core.errors import did_you_mean
-from amorsim.core.parameters import Parameter, describe
+from amorsim.core.parameters import FRAMES, REFERS, Parameter, describe
 from amorsim.core.trouble import in_words
 
 __all__ = ["RESERVED", "check_class", "check_name"]
@@ -158,6 +158,10 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
             f"field {parameter.name!r}: expected float, int, bool, str, | None of them, an attrs class with "
             f"such fields, or a tuple of those, found {parameter.type}"
         )
+    for fact, given, known in (("frame", parameter.frame, FRAMES), ("refers", parameter.refers, REFERS)):
+        if given and given not in known:
+            words = " or ".join(map(repr, known))
+            yield f"field {parameter.name!r}: {fact}: expected {words}, found {given!r}.{did_you_mean(given, known)}"
 
 
 def _is_frozen(cls: type) -> bool:

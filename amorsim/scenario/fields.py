@@ -20,7 +20,7 @@ from amorsim.core.trouble import in_words
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
 
-__all__ = ["NONE", "default_in_file", "file_fields", "read_component", "read_fields", "write_fields"]
+__all__ = ["NONE", "default_in_file", "file_fields", "in_file", "read_component", "read_fields", "write_fields"]
 
 NONE = "none"
 _MOST = 2**63 - 1
@@ -69,7 +69,7 @@ def read_fields(node: Node, fields: Mapping[str, Parameter], skip: tuple[str, ..
         if key not in node:
             if parameter.is_required:
                 about = f" ({parameter.help})" if parameter.help else ""
-                child.fault(f"missing; expected {_in_file(key, parameter).expectation}{about}")
+                child.fault(f"missing; expected {in_file(key, parameter).expectation}{about}")
             continue
         value = _read(child, key, parameter)
         if value is not _BAD:
@@ -77,7 +77,7 @@ def read_fields(node: Node, fields: Mapping[str, Parameter], skip: tuple[str, ..
     return values
 
 
-def _in_file(key: str, parameter: Parameter) -> Parameter:
+def in_file(key: str, parameter: Parameter) -> Parameter:
     """The parameter as the file has it: an angle's bounds and unit in degrees."""
     if not parameter.is_angle:
         return attrs.evolve(parameter, name=key)
@@ -94,7 +94,7 @@ def _in_file(key: str, parameter: Parameter) -> Parameter:
 
 
 def _read(node: Node, key: str, parameter: Parameter) -> Any:
-    expected = _in_file(key, parameter)
+    expected = in_file(key, parameter)
     before = node.book.count
     value = _native(node, parameter.type)
     if node.book.count > before:

@@ -39,7 +39,7 @@ class Marking:
     """
 
     points: tuple[tuple[float, float], ...] = parameter(
-        (), unit="m", help="places [x, y] in the world, joined by a line"
+        (), unit="m", frame="world", help="places [x, y] in the world, joined by a line"
     )
     closed: bool = parameter(False, help="whether the line goes on from its last point to its first")
     width: float = parameter(0.02, unit="m", gt=0, le=100, help="of the line")

@@ -22,7 +22,7 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     """The robot with another value at `path`, which may change while a simulation runs.
 
     Besides the paths of parameters, ``errors.<path>`` takes a `Deviation` or a table of its fields, and
-    ``errors.<path>.scale`` (``.add``, ``.value``) one of them.
+    ``errors.<path>.scale`` (``.add``, ``.value``) one of them. None at ``errors.<path>`` takes the error away.
 
     Raises
     ------
@@ -36,6 +36,10 @@ def with_value(robot: Robot, path: str, value: Any) -> Robot:
     parts = path.split(".")
     if parts[0] != "errors":
         return changed(robot, parts, lambda _: value, live=True)  # type: ignore[no-any-return]
+    if value is None and parts[-1] not in _NUMBERS:
+        target = ".".join(parts[1:])
+        changed(robot, target.split("."), lambda nominal: nominal, live=True)
+        return attrs.evolve(robot, errors={path: error for path, error in robot.errors.items() if path != target})
     if isinstance(value, (dict, Deviation)):
         target = ".".join(parts[1:])
         deviation = value if isinstance(value, Deviation) else _deviation(value)

@@ -13,6 +13,6 @@ __all__ = ["Pose"]
 class Pose:
     """A pose in the world."""
 
-    x: float = parameter(0.0, unit="m", help="to the right in the world")
-    y: float = parameter(0.0, unit="m", help="up in the world")
+    x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
     heading: float = parameter(0.0, unit="rad", help="anticlockwise from the world's x axis")

@@ -206,8 +206,8 @@ class Landmark:
     """A mark that can be recognised: a disc that nothing touches, and that hides nothing."""
 
     id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")
-    x: float = parameter(0.0, unit="m", help="to the right in the world")
-    y: float = parameter(0.0, unit="m", help="up in the world")
+    x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
     radius: float = parameter(
         0.05, unit="m", ge=0, le=100, help="of the disc: it is in sight if the line of sight comes so near to its place"
     )
@@ -222,8 +222,8 @@ class Landmark:
 class Light:
     """A lamp, the same in all directions; walls and bodies are in its way, itself it is in nobody's."""
 
-    x: float = parameter(0.0, unit="m", help="to the right in the world")
-    y: float = parameter(0.0, unit="m", help="up in the world")
+    x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
+    y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
     intensity: float = parameter(1.0, unit="cd", ge=0, help="how much it shines")
 
 

@@ -38,7 +38,7 @@ _EXPECTED = "expected { random = 'anywhere' or a box ... }, { grid = [x, y], spa
 class GridStart:
     """Starts on a grid, row by row from its lower left corner, along x first."""
 
-    grid: tuple[float, float] = parameter(unit="m", help="x, y of the first")
+    grid: tuple[float, float] = parameter(unit="m", frame="world", help="x, y of the first")
     spacing: float = parameter(unit="m", gt=0, help="from one to the next, along x and along y")
     columns: int | None = parameter(None, gt=0, help="how many in a row; none: about as many as there are rows")
     heading: float = parameter(0.0, unit="rad", help="where all of them look")

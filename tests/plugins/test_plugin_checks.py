@@ -301,3 +301,15 @@ def test_all_that_is_wrong_is_said():
 
     problems = check_class("sensor", Sensor, Awful)
     assert len(problems) == 3  # two signatures and the unit
+
+
+def test_points_are_in_a_frame_and_names_refer_to_something_that_is_known():
+    @frozen
+    class Lost(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        x: float = parameter(0.0, frame="wrld", help="somewhere")
+        of: str = parameter("", refers="sensor", help="another")
+
+    frame, refers = check_class("sensor", Sensor, Lost)
+    assert frame == "field 'x': frame: expected 'world' or 'body', found 'wrld'. Did you mean 'world'?"
+    assert refers.startswith("field 'of': refers: expected 'sensors' or")

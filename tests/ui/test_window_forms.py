@@ -98,6 +98,7 @@ def test_keys_on_a_slider_that_follow_one_another_are_one_event(window: Window) 
 def test_each_slider_holds_the_value_of_its_number(window: Window) -> None:
     apart = window.page.evaluate(
         """() => [...document.querySelector(".amorsim").simulator.form.fields.values()]
+            .filter((field) => field.hasSlider)
             .map(({ path, parameter, slider, factor }) => [path, parameter.value * factor, Number(slider.value)])
             .filter(([, value, shown]) => Math.abs(value - shown) > 1e-9 * Math.max(1, Math.abs(value)))"""
     )
@@ -123,8 +124,15 @@ def test_one_click_on_the_slider_of_a_drawn_error_sets_nothing_absurd(
     window = open_window(drawn)
     field = window.field(TRACK)
     field.wait_for()
-    assert field.locator("input[type=text]").get_attribute("placeholder") == "drawn"
-    assert float(field.locator("input[type=range]").input_value()) == 1.0
+    # It stands at what was drawn, and says so.
+    drawn_value = window.see(f"form.fields.get('{TRACK}').parameter.drawn_value")
+    true = window.see(f"form.fields.get('{TRACK}').parameter.true")
+    assert drawn_value == pytest.approx(true / 0.33)
+    assert abs(drawn_value - 1.0) > 1e-4
+    assert field.locator("input[type=text]").get_attribute("placeholder") == f"{drawn_value:.6g}"
+    assert float(field.locator("input[type=range]").input_value()) == pytest.approx(drawn_value)
+    assert field.get_attribute("data-state") == "drawn"
+    assert "drawn from normal(1, 0.01): " in field.locator(".help").text_content()
     box = field.locator("input[type=range]").bounding_box()
     window.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
     window.until(f"form.fields.get('{TRACK}').parameter.value !== null")
@@ -136,3 +144,59 @@ def test_one_click_on_the_slider_of_a_drawn_error_sets_nothing_absurd(
     # And what was given back can be saved, for it is given again then.
     window.do(do="step", steps=3)
     assert window.do(do="save_run", name="again")["same"]
+
+
+def test_an_error_is_drawn_or_fixed_and_taken_away_again(window: Window) -> None:
+    field = window.field(TRACK)
+    value = f"form.fields.get('{TRACK}').parameter"
+    field.get_by_label("track: fixed or drawn at random").click()
+    scale = field.locator("[data-part=scale]")
+    scale.locator("select").select_option("normal")
+    window.until(f"{value}.drawn === 'normal(1, 0.01)'")
+    assert field.get_attribute("data-state") == "changed"
+    scale.get_by_label("scale: standard deviation").fill("0.05")
+    scale.get_by_label("scale: standard deviation").press("Tab")
+    window.until(f"{value}.drawn === 'normal(1, 0.05)'")
+    true = window.see(f"{value}.true")
+    assert true != 0.33
+    field.locator("[data-part=per] select").select_option("study")
+    window.until(f"{value}.deviation[3].value === 'study' && {value}.true !== {true}")
+    scale.get_by_label("scale: standard deviation").fill("-1")
+    scale.get_by_label("scale: standard deviation").press("Tab")
+    window.page.wait_for_selector("[data-part=scale] .error:not(:empty)")
+    assert "standard deviation >= 0" in scale.locator(".error").text_content()
+    field.get_by_text("remove this error").click()
+    window.until(f"{value}.true === 0.33 && {value}.drawn === ''")
+    assert changes(window)[-1] == "errors.drive.track = None"
+    # It can be run again, and saved.
+    window.do(do="step", steps=2)
+    assert window.do(do="save_run", name="drawn")["same"]
+
+
+def test_fields_of_each_kind_are_there_and_say_where_their_values_come_from(window: Window) -> None:
+    page = window.page
+    beams = window.field("sensors.laser.beams")
+    assert beams.get_attribute("data-state") == "fixed"
+    assert beams.locator("input").is_disabled()
+    assert "fixes the size" in beams.locator(".help").text_content()
+    states = page.evaluate(
+        """() => Object.fromEntries(
+            [...document.querySelectorAll('[data-path]')].map(e => [e.dataset.path, e.dataset.state])
+        )"""
+    )
+    assert states["drive.track"] == "inherited"
+    assert states["errors.drive.lag.add"] == "default"
+    assert states["estimators.dead_reckoning.encoder"] == "fixed"
+    kinds = page.evaluate(
+        "() => [...new Set([...document.querySelectorAll('[data-path]')].map(e => e.dataset.kind))].sort()"
+    )
+    assert kinds == ["choice", "forms", "list", "name", "number", "text"]
+    # A number of an element of a ring.
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    x = window.field("sensors.sonar.elements.2.x").locator("input[type=text]")
+    x.fill("0.2")
+    x.press("Tab")
+    window.until("form.fields.get('sensors.sonar.elements').parameter.value[2].x === 0.2")
+    assert window.field("sensors.sonar.elements").get_attribute("data-state") == "changed"
+    window.page.click("text=as in file")
+    window.until("form.fields.get('sensors.sonar.elements').parameter.is_changed === false")

@@ -1,38 +1,44 @@
-"""Forms of a robot's parameters that may change while it runs, made from its components' own fields."""
+"""Forms of a running robot: all parameters of its parts, what of them can change now, and where they come from."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+import attrs
 
 from amorsim.core.parameters import Parameter, describe
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Robot
 from amorsim.simulation.simulation import Simulation
+from amorsim.ui.forms.description import FieldForm, Widget, deviation_form, form_of, plain
+from amorsim.ui.forms.origins import Origins
+from amorsim.ui.forms.sliders import slider_of
 from amorsim.ui.simulator.protocol import ParameterForm
 
 __all__ = ["forms_of", "value_at"]
 
-# How far a slider goes from 0, by unit, where the scenario's value does not ask for more.
-_REACH = {"": 0.1, "m": 0.1, "rad": math.radians(10.0), "rad/s": math.radians(10.0), "count": 10.0, "s": 1.0}
-_FACTOR = 0.1  # a slider of a factor goes so far to both sides of 1
-_NOISE = 10.0  # a slider of a noise goes up to so many times the scenario's value
-_DEVIATIONS = 3.0  # a slider of a value drawn from a normal distribution covers so many standard deviations
-_CLEAR = 0.9  # of the way to a bound that is itself not allowed
+_NUMBERS = ("scale", "add", "value")  # of a deviation
 
 
-def forms_of(simulation: Simulation, name: str) -> list[ParameterForm]:
-    """All parameters of a robot that `Simulation.set` changes, by part of the robot."""
+def forms_of(simulation: Simulation, name: str, origins: Origins | None = None) -> list[ParameterForm]:
+    """All parameters of a robot's parts, by part; `origins` says where the scenario's values come from."""
     handle = simulation.robot(name)
     specified = next(robot for robot in simulation.scenario.robots if robot.name == name)
-    return [form for place in _places(handle.nominal) for form in _Forms(handle.nominal, handle.true, specified, place)]
+    robots = _Robots(handle.nominal, handle.true, specified)
+    made = [form for place in _places(handle.nominal) for form in _Forms(robots, place)]
+    for form in made:
+        if origins is not None:
+            form["origin"], form["source"] = origins.of(specified, form["path"], form["scenario"])
+    return made
 
 
 def value_at(robot: Robot, path: str) -> Any:
     """What a robot has at a path of `Simulation.set`; a part of an error that is not named has its default."""
     parts = path.split(".")
     if parts[0] == "errors":
+        if parts[-1] not in _NUMBERS:
+            return robot.errors.get(".".join(parts[1:]))
         deviation = robot.errors.get(".".join(parts[1:-1]), Deviation())
         return getattr(deviation, parts[-1])
     found: list[Any] = []
@@ -45,15 +51,28 @@ def value_at(robot: Robot, path: str) -> Any:
     return found[0]
 
 
-class _Place:
-    """A thing with parameters: its path in the robot, how forms call it, and of which kind its parameters are."""
+@attrs.frozen
+class _Robots:
+    """A robot as its software has it now, as it truly is, and as the scenario has it."""
 
-    def __init__(self, path: str, thing: Any, kinds: tuple[str, ...], unit: str = "", label: str = "") -> None:
-        self.path = path
-        self.thing = thing
-        self.kinds = kinds
-        self.unit = unit  # of what the thing works on
-        self.label = label
+    nominal: Robot
+    true: Robot
+    scenario: Robot
+
+
+@attrs.frozen
+class _Place:
+    """A thing with parameters: its path in the robot, and of which kind its parameters are.
+
+    `label` is how forms call it, `unit` that of what it works on, `names` those of its fields that count.
+    """
+
+    path: str
+    thing: Any
+    kinds: tuple[str, ...]
+    unit: str = ""
+    label: str = ""
+    names: tuple[str, ...] | None = None
 
 
 def _places(robot: Robot) -> Iterator[_Place]:
@@ -64,6 +83,7 @@ def _places(robot: Robot) -> Iterator[_Place]:
         at = f"sensors.{name}"
         yield _Place(at, unit.sensor, ("systematic", "nominal"), unit.sensor.unit)
         yield _Place(f"{at}.mount", unit.mount, ("systematic",), label="mount")
+        yield _Place(at, unit, ("nominal",), names=("rate", "latency"))
         yield from _noise(at, unit)
     for name, estimator in robot.estimators.items():
         yield _Place(f"estimators.{name}", estimator, ("estimator",))
@@ -72,35 +92,64 @@ def _places(robot: Robot) -> Iterator[_Place]:
 
 
 def _noise(at: str, unit: MountedSensor) -> Iterator[_Place]:
+    columns = unit.sensor.columns()
     for element in unit.noise:
         assert isinstance(element, NoiseElement)
-        yield _Place(f"{at}.noise.{element.name}", element.noise, ("noise",), unit.sensor.unit, element.name)
+        its_unit = columns.get(element.column, unit.sensor.unit)
+        yield _Place(f"{at}.noise.{element.name}", element.noise, ("noise",), its_unit, element.name)
+
+
+def _names(robot: Robot) -> Mapping[str, Sequence[str]]:
+    joints = [joint.name for joint in robot.drive.joints]
+    return {"sensors": list(robot.sensors), "estimators": list(robot.estimators), "joints": joints}
 
 
 class _Forms:
     """The forms of one place."""
 
-    def __init__(self, nominal: Robot, true: Robot, scenario: Robot, place: _Place) -> None:
-        self._nominal = nominal
-        self._true = true
-        self._scenario = scenario
+    def __init__(self, robots: _Robots, place: _Place) -> None:
+        self._robots = robots
         self._place = place
 
     def __iter__(self) -> Iterator[ParameterForm]:
         place = self._place
-        for name, parameter in describe(type(place.thing)).items():
-            value = getattr(place.thing, name)
-            if not parameter.live or isinstance(value, bool) or not isinstance(value, (int, float)):
+        fields = form_of(
+            type(place.thing),
+            place.thing,
+            sensor_unit=place.unit,
+            names=_names(self._robots.nominal),
+            path=place.path,
+            is_running=True,
+        )
+        described = describe(type(place.thing))
+        for field, (name, parameter) in zip(fields, described.items(), strict=True):
+            if place.names is not None and name not in place.names:
                 continue
+            value = getattr(place.thing, name)
+            is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             for kind in place.kinds:
-                path = f"{place.path}.{name}"
-                if kind == "systematic":
-                    yield from self._error(path, name, parameter, float(value))
-                else:
-                    yield self._form(path, name, parameter, kind)
+                if kind != "systematic":
+                    yield self._form(field, parameter, kind)
+                elif is_number and parameter.live:
+                    yield from self._error(field, parameter, float(value))
+                elif isinstance(value, tuple) and not parameter.static:
+                    yield from self._errors_within(field, parameter, value)
 
-    def _error(self, target: str, name: str, parameter: Parameter, nominal: float) -> Iterator[ParameterForm]:
-        deviation = self._nominal.errors.get(target, Deviation())
+    def _errors_within(self, field: FieldForm, parameter: Parameter, items: tuple[Any, ...]) -> Iterator[ParameterForm]:
+        """The errors that there are of the numbers in a list: of elements, and of their mounts."""
+        for path in self._robots.nominal.errors:
+            if not path.startswith(f"{field['path']}."):
+                continue
+            number, _, name = path.removeprefix(f"{field['path']}.").partition(".")
+            item = items[int(number)]
+            inner = describe(type(item))[name] if name and attrs.has(type(item)) else parameter
+            nominal = value_at(self._robots.nominal, path)
+            label = f"{field['label']} {number} {name.replace('_', ' ')}".strip()
+            yield from self._error({**field, "path": path, "label": label, "help": inner.help}, inner, float(nominal))
+
+    def _error(self, field: FieldForm, parameter: Parameter, nominal: float) -> Iterator[ParameterForm]:
+        target = field["path"]
+        deviation = self._robots.nominal.errors.get(target, Deviation())
         if deviation.value is not None:
             parts = ["value"]
         else:
@@ -112,7 +161,10 @@ class _Forms:
             if not by_factor and deviation.scale != 1.0:
                 parts.append("scale")
         for part in parts:
-            form = self._form(f"errors.{target}.{part}", name, parameter, "systematic")
+            path = f"errors.{target}.{part}"
+            form = self._form({**field, "path": path, "fixed": ""}, parameter, "systematic")
+            true = float(value_at(self._robots.true, target))
+            form["true"], form["drawn_value"] = true, _drawn_value(deviation, part, nominal, true)
             if part == "scale":
                 form |= {"unit": "×", "low": None, "high": None, "is_open": [True, True]}
             elif part == "add":  # "lag 0" would read as though there were none
@@ -120,9 +172,13 @@ class _Forms:
                 form["low"] = None if form["low"] is None else form["low"] - nominal
                 form["high"] = None if form["high"] is None else form["high"] - nominal
             form["nominal"] = nominal
-            true = value_at(self._true, target)
-            form["true"] = float(true)
-            form["slider"] = _slider(form, self._origin(form["path"]))
+            form["deviation"] = deviation_form(
+                parameter,
+                self._robots.nominal.errors.get(target),
+                path=f"errors.{target}",
+                sensor_unit=self._place.unit,
+            )
+            form["slider"] = slider_of(form, self._origin(path))
             if part == "add":
                 form |= {"low": None, "high": None, "is_open": [True, True]}
             yield form
@@ -130,98 +186,90 @@ class _Forms:
     def _origin(self, path: str) -> Any:
         """What the scenario says at a path, or where it has no such place what there is."""
         try:
-            return value_at(self._scenario, path)
+            return value_at(self._robots.scenario, path)
         except LookupError:
-            return value_at(self._nominal, path)
+            return value_at(self._robots.nominal, path)
 
-    def _form(self, path: str, name: str, parameter: Parameter, kind: str) -> ParameterForm:
-        place = self._place
-        value = value_at(self._nominal, path)
+    def _form(self, field: FieldForm, parameter: Parameter, kind: str) -> ParameterForm:
+        place, path = self._place, field["path"]
+        is_error = path.startswith("errors.")
+        nominal, scenario = (_found(robot, path) for robot in (self._robots.nominal, self._robots.scenario))
         parts = place.path.split(".")
-        try:
-            scenario = value_at(self._scenario, path)
-        except LookupError:
-            scenario = None
+        is_number = _fitting(field["widget"], nominal, is_error)["kind"] == "number"
         form: ParameterForm = {
             "path": path,
             "group": ".".join(parts[:2]) if parts[0] in ("sensors", "estimators") else parts[0],
-            "label": " ".join(word for word in (place.label, name.replace("_", " ")) if word),
+            "part": place.path,
+            "label": " ".join(word for word in (place.label, field["label"]) if word),
             "unit": place.unit if parameter.unit == "sensor" else parameter.unit,
-            "help": parameter.help,
+            "help": field["help"],
             "type": "int" if parameter.type is int else "float",
+            "widget": _fitting(field["widget"], nominal, is_error),
             "low": parameter.gt if parameter.ge is None else parameter.ge,
             "high": parameter.lt if parameter.le is None else parameter.le,
             "is_open": [parameter.ge is None, parameter.le is None],
             "slider": [],
-            "value": _number(value),
-            "scenario": _number(scenario),
-            "drawn": _drawn(value),
+            "value": _number(nominal) if is_number else plain(nominal),
+            "scenario": _number(scenario) if is_number else plain(scenario),
+            "is_changed": scenario != nominal,
+            "fixed": field["fixed"] or _fixed_by_value(nominal),
+            "drawn": str(nominal) if isinstance(nominal, Distribution) else "",
+            "drawn_value": None,
             "nominal": None,
             "true": None,
+            "deviation": [],
             "kind": kind,
+            "origin": "",
+            "source": "",
         }
-        form["slider"] = _slider(form, self._origin(path))
+        if is_number and not form["fixed"] and nominal is not None and not is_error:
+            form["slider"] = slider_of(form, nominal if scenario is None else scenario)
         return form
+
+
+def _fitting(widget: Widget, value: Any, is_error: bool) -> Widget:
+    """Of a widget for either of several kinds of value that which shows the value; an error is of a number."""
+    if widget["kind"] == "number" or not (is_error or widget["kind"] == "either"):
+        return widget
+    wanted = {"list", "table", "forms"} if isinstance(value, tuple) else {"choice", "text"}
+    wanted = {"number"} if is_error or isinstance(value, (int, float)) else wanted
+    options = widget.get("options", [widget.get("item", widget)])
+    return next((option for option in options if option["kind"] in wanted), options[0])
+
+
+def _fixed_by_value(value: Any) -> str:
+    is_form = isinstance(value, (bool, str)) or value is None
+    return "It fixes the form of what is simulated, and is set when the simulation is made." if is_form else ""
+
+
+def _found(robot: Robot, path: str) -> Any:
+    """What a robot has at a path, of any type; none where it has no such part."""
+    if path.startswith("errors."):
+        return value_at(robot, path)
+    thing: Any = robot
+    for part in path.split("."):
+        if isinstance(thing, tuple):
+            thing = next((one for one in thing if getattr(one, "name", "") == part), None)
+            thing = thing.noise if isinstance(thing, NoiseElement) else thing
+        elif isinstance(thing, Mapping):
+            thing = thing.get(part)
+        elif isinstance(thing, MountedSensor) and part not in attrs.fields_dict(MountedSensor):
+            thing = getattr(thing.sensor, part, None)
+        else:
+            thing = getattr(thing, part, None)
+    return thing
 
 
 def _number(value: Any) -> float | None:
     return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
 
-def _drawn(value: Any) -> str:
-    return str(value) if isinstance(value, Distribution) else ""
-
-
-def _slider(form: ParameterForm, origin: Any) -> list[float]:
-    """Ends of a slider: what is near the scenario's value `origin`, as far as it is allowed; always the present value.
-
-    For what is drawn the middle is the middle of the distribution.
-    """
-    if isinstance(origin, Distribution):
-        low, high = _about(form, origin)
-    elif form["unit"] == "×":
-        low, high = 1.0 - _FACTOR, 1.0 + _FACTOR
-    else:
-        low, high = _near(form, float(origin or 0.0))
-    value = low if form["value"] is None else form["value"]
-    return [min(low, value), max(high, value)]
-
-
-def _about(form: ParameterForm, drawn: Distribution) -> tuple[float, float]:
-    """Equally far to both sides of the middle of a distribution, within bounds."""
-    first, second = drawn.values
-    if drawn.kind == "uniform":
-        middle, reach = (first + second) / 2.0, (second - first) / 2.0
-    else:
-        middle, reach = first, _DEVIATIONS * second
-    if form["unit"] == "×":
-        reach = min(max(reach, _FACTOR), _CLEAR * abs(middle)) or _FACTOR
-    else:
-        reach = max(reach, _REACH.get(form["unit"], 1.0))
-        low, high = _bounds(form, middle)
-        reach = min([reach, *(room for room in (middle - low, high - middle) if room > 0.0)])
-    return middle - reach, middle + reach
-
-
-def _near(form: ParameterForm, origin: float) -> tuple[float, float]:
-    low, high = _bounds(form, origin)
-    is_noise = form["kind"] == "noise"
-    if math.isfinite(low) and math.isfinite(high) and form["unit"] == "":  # a share, a probability
-        return low, high
-    if form["low"] == 0.0 and form["is_open"][0] and origin > 0.0:  # what must not vanish is changed by a factor
-        factor = _NOISE if is_noise else 2.0
-        return max(low, origin / factor), min(high, factor * origin)
-    reach = _REACH.get(form["unit"], 1.0)
-    reach = _NOISE * abs(origin) if is_noise and origin else max(reach, 2.0 * abs(origin))
-    return max(low, -reach), min(high, reach)
-
-
-def _bounds(form: ParameterForm, inside: float) -> tuple[float, float]:
-    """What is allowed; a bound that is itself left out is kept away from, as seen from a value inside."""
-    low = -math.inf if form["low"] is None else form["low"]
-    high = math.inf if form["high"] is None else form["high"]
-    if form["is_open"][0] and math.isfinite(low):
-        low = inside - _CLEAR * (inside - low)
-    if form["is_open"][1] and math.isfinite(high):
-        high = inside + _CLEAR * (high - inside)
-    return low, high
+def _drawn_value(deviation: Deviation, part: str, nominal: float, true: float) -> float | None:
+    """What was drawn for a part of an error; none if it is not drawn, or another part is drawn as well."""
+    if not isinstance(getattr(deviation, part), Distribution):
+        return None
+    if part == "value":
+        return true
+    if part == "scale":
+        return None if isinstance(deviation.add, Distribution) else (true - deviation.add) / nominal
+    return None if isinstance(deviation.scale, Distribution) else true - nominal * deviation.scale

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import functools
 import math
 import time
 from collections.abc import Callable, Mapping
@@ -19,8 +20,13 @@ from amorsim.scenario.maps import companions_of
 from amorsim.scenario.names import name_from, rename_maps
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, write_table
+from amorsim.ui.forms.description import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
+<<<<<<< HEAD
 from amorsim.ui.scene.robots import sensor_shapes
+=======
+from amorsim.ui.forms.origins import Origins
+>>>>>>> h-forms
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player
@@ -166,7 +172,12 @@ class Commands:
     def _parameters(self, command: Table) -> Answer:
         robot = self._robot(command)
         simulation = self.player.simulation
-        return {"parameters": forms_of(simulation, robot), "sensors": sensor_shapes(simulation.robot(robot).true)}
+        forms = forms_of(simulation, robot, self._origins)
+        return {"parameters": forms, "sensors": sensor_shapes(simulation.robot(robot).true)}
+
+    @functools.cached_property
+    def _origins(self) -> Origins:
+        return Origins(self.player.simulation.scenario)
 
     def _history(self, command: Table) -> Answer:
         robot = self.player.simulation.names.index(self._robot(command))
@@ -285,21 +296,30 @@ class Commands:
 
     def _set(self, command: Table) -> Answer:
         robot, path = self._robot(command), str(command.get("path"))
-        value = self._number(command, "value")
-        before = _value_at(self.player.simulation.robot(robot).nominal, path)
-        self._give("set", robot, int(value) if isinstance(before, int) and value.is_integer() else value, path)
-        return {"value": _plain(_value_at(self.player.simulation.robot(robot).nominal, path))}
+        self._give("set", robot, self._given(robot, path, command.get("value")), path)
+        return {"value": plain(_value_at(self.player.simulation.robot(robot).nominal, path))}
+
+    def _given(self, robot: str, path: str, value: Any) -> Any:
+        """A value from a window as `Simulation.set` takes it."""
+        if path.startswith("errors.") and isinstance(value, dict):
+            return deviation_of(value)
+        if isinstance(value, dict):
+            return number_of(value)
+        if isinstance(value, float) and value.is_integer():
+            before = _value_at(self.player.simulation.robot(robot).nominal, path)
+            return int(value) if isinstance(before, int) else value
+        return value
 
     def _restore(self, command: Table) -> None:
-        """Set what was changed to what the scenario says."""
+        """Set what was changed to what the scenario says: all of a robot, or what is at a path and in it."""
         robot = self._robot(command)
         specified = next(one for one in self.player.simulation.scenario.robots if one.name == robot)
         paths = [path for name, path in self.player.changes if name == robot]
-        if command.get("path") is not None:
-            paths = [path for path in paths if path == command["path"]]
+        if (wanted := command.get("path")) is not None:
+            paths = [path for path in paths if path == wanted or _is_within(wanted, path) or _is_within(path, wanted)]
         for path in paths:
             value = _value_at(specified, path)
-            if value is None:  # ``value`` of an error, which takes the nominal value's place: the scenario has none
+            if value is None and path.endswith(".value"):  # of an error: the scenario has none
                 continue
             self._give("set", robot, value, path)
             self.player.forget_change(robot, path)
@@ -391,5 +411,5 @@ def _is_copied(file: Path, copy: Path) -> bool:
     return True
 
 
-def _plain(value: Any) -> float | None:
-    return float(value) if isinstance(value, (int, float)) else None
+def _is_within(path: str, other: str) -> bool:
+    return path.startswith(f"{other}.")

@@ -27,6 +27,8 @@ MOST_ROBOTS = 100_000
 MOST_CHANNELS = 64
 MOST_POINTS = 10_000
 MOST_STEPS = 1000
+MOST_ITEMS = 1000  # of a list or table that is a parameter's value
+DEEPEST = 4  # of lists and tables in one another
 
 
 def _number(low: float = -LARGEST, high: float = LARGEST) -> Kind:
@@ -56,7 +58,17 @@ def _either(*kinds: Kind) -> Kind:
     return Kind(" or ".join(kind.expected for kind in kinds), lambda value: any(kind.holds(value) for kind in kinds))
 
 
+def _is_value(value: Any, depth: int = DEEPEST) -> bool:
+    if isinstance(value, (list, dict)):
+        items = value if isinstance(value, list) else [*value.values()]
+        names = value if isinstance(value, dict) else ()
+        small = depth > 0 and len(items) <= MOST_ITEMS and all(_NAME.holds(name) for name in names)
+        return small and all(_is_value(item, depth - 1) for item in items)
+    return value is None or isinstance(value, bool) or _number().holds(value) or _text(LONGEST_PLACE).holds(value)
+
+
 _NAME = _text(LONGEST_NAME)
+_VALUE = Kind("a number, true or false, a text, null, or a list or table of these", _is_value)
 _YES_OR_NO = Kind("true or false", lambda value: isinstance(value, bool))
 _NOTHING = Kind("null", lambda value: value is None)
 _ROBOT = _either(_NAME, whole(0, MOST_ROBOTS))
@@ -113,7 +125,7 @@ COMMANDS: Mapping[str, Command] = {
     "command": Command(needs={"channels": _list_of(_number(), MOST_CHANNELS)}, may=_OF_ROBOT, controls=True),
     "stop": Command(may={"robot": _either(_ROBOT, _NOTHING)}, controls=True),
     # Parameters, by their paths. `restore` without a path restores all.
-    "set": Command(needs={"path": _NAME, "value": _number()}, may=_OF_ROBOT, controls=True),
+    "set": Command(needs={"path": _NAME, "value": _VALUE}, may=_OF_ROBOT, controls=True),
     "restore": Command(may={**_OF_ROBOT, "path": _either(_NAME, _NOTHING)}, controls=True),
     # Files and folders in the project's folder (see `amorsim.ui.simulator.project`); a run without a name gets one.
     "places": Command(controls=True),

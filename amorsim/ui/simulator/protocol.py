@@ -28,42 +28,64 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 
 from __future__ import annotations
 
-from typing import NotRequired, TypedDict
+from typing import Any, NotRequired, TypedDict
+
+from amorsim.ui.forms.description import Choice, FieldForm, Widget
 
 __all__ = [
+<<<<<<< HEAD
     "EventLine",
+=======
+    "Channel",
+    "Choice",
+    "Drawing",
+    "EventLine",
+    "FieldForm",
+    "Floor",
+    "FloorPatch",
+>>>>>>> h-forms
     "History",
     "ParameterForm",
     "Past",
     "State",
+    "Widget",
 ]
 
 
 class ParameterForm(TypedDict):
-    """A parameter that may be changed while the simulation runs, as a form shows it.
+    """A parameter of a part of a robot, as a form shows it while the simulation runs.
 
     `kind` is ``"systematic"`` (what is true differs from what the robot's software holds; `nominal` is what that
     holds, `true` what really is), ``"noise"`` (an element of a chain), ``"nominal"`` (the robot's software and, by its
     error, the truth), ``"controller"`` or ``"estimator"``. `low` and `high` bound what is allowed, `slider` what a
-    slider is good for. A value that is drawn is none, with `drawn` in words.
+    slider is good for; it is empty where there is none. A value that is drawn is none, with `drawn` in words and
+    `drawn_value` what was drawn. `fixed` says why the value cannot change now.
     """
 
     path: str
     group: str  # "drive", "sensors.laser", "ground", "controller" ...
+    part: str  # the path of what it is a field of: "sensors.laser.noise.gaussian"
     label: str
     unit: str  # of `value`; "rad" and "rad/s" are best shown in degrees, "×" is a factor
     help: str
     type: str  # "float" or "int"
+    widget: Widget
     low: float | None
     high: float | None
     is_open: list[bool]  # whether low and high themselves are left out
     slider: list[float]
-    value: float | None
-    scenario: float | None  # what the scenario says
+    value: Any  # a number, or what else the widget shows
+    scenario: Any  # what the scenario says
+    is_changed: bool  # whether the scenario says something else
+    fixed: str
     drawn: str
+    drawn_value: float | None
     nominal: float | None
     true: float | None
+    deviation: list[FieldForm]  # of a systematic error: its parts, each fixed or drawn
     kind: str
+    origin: str  # of what the scenario says: "file", "model", "device", "default", "command line", or "" if not known
+    source: str  # the same in words, with file and line
 
 
 class EventLine(TypedDict):

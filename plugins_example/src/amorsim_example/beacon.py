@@ -32,8 +32,8 @@ class Beacon(am.Sensor):
 
     unit: ClassVar[str] = "rad"
 
-    x: float = am.parameter(unit="m", help="where the beacon stands, to the right in the world")
-    y: float = am.parameter(unit="m", help="where the beacon stands, up in the world")
+    x: float = am.parameter(unit="m", frame="world", help="where the beacon stands, to the right in the world")
+    y: float = am.parameter(unit="m", frame="world", help="where the beacon stands, up in the world")
     range_max: float = am.parameter(20.0, unit="m", gt=0, help="farthest that the beacon is seen")
 
     def size(self, drive: am.Drive) -> int:

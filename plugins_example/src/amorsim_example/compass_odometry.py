@@ -39,8 +39,8 @@ class CompassOdometry(am.Estimator):
         Variance of the heading that a metre of the wheels adds, as the robot reckons with [rad^2/m].
     """
 
-    encoder: str = am.parameter("encoder", help="name of the sensor that counts the joints")
-    compass: str = am.parameter("compass", help="name of the sensor that tells the heading")
+    encoder: str = am.parameter("encoder", refers="sensors", help="name of the sensor that counts the joints")
+    compass: str = am.parameter("compass", refers="sensors", help="name of the sensor that tells the heading")
     compass_std: float = am.parameter(unit="rad", gt=0, help="standard deviation of the compass, as believed")
     way_variance: float = am.parameter(
         0.0, unit="m", ge=0, help="variance of the way's length [m^2] per metre of it, as believed"

@@ -10,6 +10,7 @@ import pytest
 import amorsim as am
 from amorsim.noise.quantize import Quantize
 from amorsim.ui.forms.live import forms_of
+from amorsim.ui.forms.origins import Origins
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.protocol import ParameterForm
 from tests import building
@@ -54,8 +55,10 @@ def test_a_drawn_value_keeps_its_slider_when_it_is_set() -> None:
 def test_a_drawn_offset_stays_within_what_its_parameter_allows() -> None:
     path = "errors.drive.track.add"
     track = building.robot().drive.track  # type: ignore[attr-defined]
-    low, high = form_of(am.Deviation(add=normal(0.01, 2.0)), path)["slider"]
-    assert (low + high) / 2.0 == pytest.approx(0.01)
+    form = form_of(am.Deviation(add=normal(0.01, 2.0)), path)
+    low, high = form["slider"]
+    assert low < 0.01 < high
+    assert low <= form["drawn_value"] <= high  # type: ignore[operator]
     assert low + track > 0.0
 
 
@@ -72,7 +75,9 @@ def test_the_limit_of_a_rate_deviates_by_a_factor_and_what_is_nominally_0_by_a_s
 
 def test_no_end_of_a_slider_is_absurd_or_refused() -> None:
     simulation = am.Simulation(am.load("demo"))
-    for form in forms_of(simulation, "rover"):
+    with_sliders = [form for form in forms_of(simulation, "rover") if form["slider"]]
+    assert len(with_sliders) > 50
+    for form in with_sliders:
         low, high = form["slider"]
         for end in (low, high):
             simulation.set("rover", form["path"], int(end) if form["type"] == "int" else end)
@@ -107,3 +112,64 @@ def test_a_drawn_value_that_was_given_back_can_be_given_again() -> None:
     again = Input.from_json(json.loads(json.dumps(given.to_json())))
     assert again == given
     again.give(simulation)
+
+
+def test_what_was_drawn_is_told_and_lies_on_its_slider() -> None:
+    errors = {
+        "drive.track": am.Deviation(scale=normal(1.02, 0.1)),
+        "drive.wheel_radius_left": am.Deviation(value=normal(0.08, 0.001), per="study"),
+        "sensors.encoder.mount.x": am.Deviation(add=normal(0.0, 0.1)),
+    }
+    simulation = am.Simulation(building.scenario(building.robot(errors=errors)))
+    forms = {form["path"]: form for form in forms_of(simulation, "rover")}
+    true = simulation.robot("rover").true
+    drawn = {path: forms[path]["drawn_value"] for path in forms if forms[path]["drawn"]}
+    assert drawn == {
+        "errors.drive.track.scale": pytest.approx(true.drive.track / building.TRACK),  # type: ignore[attr-defined]
+        "errors.drive.wheel_radius_left.value": true.drive.wheel_radius_left,  # type: ignore[attr-defined]
+        "errors.sensors.encoder.mount.x.add": true.sensors["encoder"].mount.x,
+    }
+    for path, value in drawn.items():
+        low, high = forms[path]["slider"]
+        assert low <= value <= high  # type: ignore[operator]
+    parts = {field["path"]: field["value"] for field in forms["errors.drive.track.scale"]["deviation"]}
+    assert parts["errors.drive.track.scale"] == {"normal": [1.02, 0.1]}
+
+
+def test_every_field_is_there_and_what_cannot_change_says_why() -> None:
+    forms = {form["path"]: form for form in forms_of(am.Simulation(am.load("demo")), "rover")}
+    assert "size" in forms["sensors.laser.beams"]["fixed"]
+    assert forms["sensors.laser.beams"]["value"] == 181
+    assert "name" in forms["controller.sensor"]["fixed"]
+    assert forms["controller.sensor"]["widget"]["choices"] == ["encoder", "laser", "sonar", "compass", "gyro"]
+    assert forms["sensors.sonar.elements"]["widget"]["kind"] == "forms"
+    assert len(forms["sensors.sonar.elements"]["value"]) == 16
+    assert forms["sensors.laser.latency"]["fixed"]
+    assert not forms["sensors.laser.range_max"]["fixed"]
+
+
+def test_a_value_says_where_it_comes_from() -> None:
+    scenario = am.load("demo", ["robots.rover.drive.rate_max_deg=900.0"])
+    simulation = am.Simulation(scenario)
+    simulation.set("rover", "drive.track", 0.4)
+    forms = {form["path"]: form for form in forms_of(simulation, "rover", Origins(scenario))}
+    told = {path: (forms[path]["origin"], forms[path]["is_changed"]) for path in forms}
+    assert told["errors.drive.track.scale"] == ("file", False)
+    assert told["drive.track"] == ("model", True)
+    assert told["drive.wheel_radius_left"] == ("model", False)
+    assert told["drive.lag"] == ("default", False)
+    assert told["drive.rate_max"] == ("command line", False)
+    assert told["errors.drive.lag.add"] == ("default", False)
+    assert forms["sensors.compass.noise.quantize.step"]["source"].startswith("from the model pioneer2dx.toml, line ")
+    assert {origin for origin, _ in told.values()} == {"file", "model", "default", "command line"}
+
+
+def test_the_error_of_one_element_of_a_ring_is_shown_too() -> None:
+    errors = {"sensors.ring.elements.2.heading": am.Deviation(add=0.02)}
+    simulation = am.Simulation(
+        building.scenario(
+            building.robot(errors=errors, sensors={"encoder": building.encoder(), "ring": building.ring()})
+        )
+    )
+    form = next(form for form in forms_of(simulation, "rover") if form["path"].startswith("errors.sensors.ring.ele"))
+    assert (form["label"], form["value"], form["unit"]) == ("elements 2 heading error", 0.02, "rad")

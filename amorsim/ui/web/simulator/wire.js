@@ -1,4 +1,4 @@
-// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.
+// Made by tools/make_wire.py from amorsim/ui/simulator/{protocol, packing, messages}.py: change it there.
 
 /** How the simulation stands in a frame. */
 export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loading: 32, posesOnly: 64 };
@@ -105,6 +105,14 @@ export const BLOCKS = [
  */
 
 /**
+ * A component that can be chosen, with the form of its fields.
+ * @typedef {object} Choice
+ * @property {string} name
+ * @property {string} help
+ * @property {FieldForm[]} fields
+ */
+
+/**
  * How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
  * @typedef {object} Drawing
  * @property {string} [style]
@@ -114,6 +122,33 @@ export const BLOCKS = [
  * @property {number[][][]} [lines]
  * @property {string[]} [colours]
  * @property {string[]} [names]
+ */
+
+/**
+ * Something that happened; `number` counts from 1 within an epoch.
+ * @typedef {object} EventLine
+ * @property {number} number
+ * @property {number} tick
+ * @property {number} time
+ * @property {string} kind
+ * @property {string} robot
+ * @property {string} text
+ * @property {number[] | null} point
+ * @property {string} stack
+ */
+
+/**
+ * A field of a form. `fixed` says why its value cannot change now, and is empty where it can.
+ * @typedef {object} FieldForm
+ * @property {string} path
+ * @property {string} label
+ * @property {string} help
+ * @property {Widget} widget
+ * @property {any} value
+ * @property {any} default
+ * @property {boolean} is_given
+ * @property {boolean} is_required
+ * @property {string} fixed
  */
 
 /**
@@ -131,6 +166,17 @@ export const BLOCKS = [
  * @property {number[][]} points
  * @property {number} width
  * @property {string} colour
+ */
+
+/**
+ * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
+ * @typedef {object} History
+ * @property {boolean} ok
+ * @property {number} epoch
+ * @property {number[]} ticks
+ * @property {number[][]} true
+ * @property {number[][]} estimated
+ * @property {Past} past
  */
 
 /**
@@ -190,11 +236,39 @@ export const BLOCKS = [
  */
 
 /**
- * A robot or an obstacle of which nothing but its outline and its place can be read.
- * @typedef {object} OutlineShape
- * @property {string} name
- * @property {Outline} footprint
- * @property {number[]} pose
+ * A parameter of a part of a robot, as a form shows it while the simulation runs.
+ * @typedef {object} ParameterForm
+ * @property {string} path
+ * @property {string} group
+ * @property {string} part
+ * @property {string} label
+ * @property {string} unit
+ * @property {string} help
+ * @property {string} type
+ * @property {Widget} widget
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {boolean[]} is_open
+ * @property {number[]} slider
+ * @property {any} value
+ * @property {any} scenario
+ * @property {boolean} is_changed
+ * @property {string} fixed
+ * @property {string} drawn
+ * @property {number | null} drawn_value
+ * @property {number | null} nominal
+ * @property {number | null} true
+ * @property {FieldForm[]} deviation
+ * @property {string} kind
+ * @property {string} origin
+ * @property {string} source
+ */
+
+/**
+ * What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
+ * @typedef {object} Past
+ * @property {number[]} ticks
+ * @property {string} values
  */
 
 /**
@@ -216,7 +290,7 @@ export const BLOCKS = [
  * @property {number} duration
  * @property {number} seed
  * @property {MapShape[]} maps
- * @property {number | null} map
+ * @property {number} map
  * @property {Kind[]} kinds
  * @property {RobotEntry[]} robots
  * @property {ObstacleShape[]} obstacles
@@ -236,68 +310,6 @@ export const BLOCKS = [
  * @property {number | null} range_max
  * @property {number | null} half_angle
  * @property {Drawing | null} drawing
- */
-
-/**
- * A scenario at rest: what can be drawn of it without a simulation.
- * @typedef {object} Still
- * @property {Scene} scene
- * @property {(number[] | null)[]} robots
- * @property {(number[] | null)[]} obstacles
- * @property {OutlineShape[]} outlines
- * @property {number[]} extent
- */
-
-/**
- * Something that happened; `number` counts from 1 within an epoch.
- * @typedef {object} EventLine
- * @property {number} number
- * @property {number} tick
- * @property {number} time
- * @property {string} kind
- * @property {string} robot
- * @property {string} text
- * @property {number[] | null} point
- * @property {string} stack
- */
-
-/**
- * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
- * @typedef {object} History
- * @property {boolean} ok
- * @property {number} epoch
- * @property {number[]} ticks
- * @property {number[][]} true
- * @property {number[][]} estimated
- * @property {Past} past
- */
-
-/**
- * A parameter that may be changed while the simulation runs, as a form shows it.
- * @typedef {object} ParameterForm
- * @property {string} path
- * @property {string} group
- * @property {string} label
- * @property {string} unit
- * @property {string} help
- * @property {string} type
- * @property {number | null} low
- * @property {number | null} high
- * @property {boolean[]} is_open
- * @property {number[]} slider
- * @property {number | null} value
- * @property {number | null} scenario
- * @property {string} drawn
- * @property {number | null} nominal
- * @property {number | null} true
- * @property {string} kind
- */
-
-/**
- * What else plots tell of a robot: since it was first looked at, or since the start where robots are few.
- * @typedef {object} Past
- * @property {number[]} ticks
- * @property {string} values
  */
 
 /**
@@ -321,25 +333,21 @@ export const BLOCKS = [
  */
 
 /**
- * A fault: where it is, what is there, and what is wrong with it.
- * @typedef {object} FaultLine
- * @property {string} file
- * @property {number | null} line
- * @property {string} said
- * @property {string} path
- * @property {string} value
- * @property {string} message
- * @property {string} remedy
- */
-
-/**
- * How a scenario's file stands: the answer to ``document``.
- * @typedef {object} FaultyFile
- * @property {boolean} ok
- * @property {number} number
- * @property {string} status
- * @property {string} file
- * @property {FaultLine[]} faults
- * @property {Still | null} still
- * @property {string} path
+ * How a value is shown and changed.
+ * @typedef {object} Widget
+ * @property {string} kind
+ * @property {boolean} is_optional
+ * @property {string} unit
+ * @property {number | null} low
+ * @property {number | null} high
+ * @property {boolean[]} is_open
+ * @property {boolean} is_whole
+ * @property {string[]} choices
+ * @property {string} refers
+ * @property {string} frame
+ * @property {Widget} item
+ * @property {string[]} columns
+ * @property {number | null} length
+ * @property {FieldForm[]} fields
+ * @property {Widget[]} options
  */
