@@ -67,6 +67,7 @@ if TYPE_CHECKING:
     from amorsim.runs.reproduce import reproduce
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
+    from amorsim.scenario.code_check import check_code
     from amorsim.scenario.devices import load_device
     from amorsim.scenario.document import Document, open_document
     from amorsim.scenario.maps import load_map, save_map
@@ -118,6 +119,7 @@ _MODULES = {
     "amorsim.core.rows": "stack",
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
+    "amorsim.scenario.code_check": "check_code",
     "amorsim.scenario.maps": "load_map save_map",
     "amorsim.scenario.model_files": "save_device save_robot",
     "amorsim.scenario.origins": "Origin",
@@ -217,6 +219,7 @@ __all__ = [
     "View",
     "WheelSpeeds",
     "Zone",
+    "check_code",
     "compose",
     "controllers",
     "drives",

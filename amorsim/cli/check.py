@@ -25,29 +25,45 @@ def command(
     ] = False,
     resolution: Resolution = None,
     changes: Changes = None,
+    time_limit: Annotated[
+        float,
+        typer.Option(metavar="SECONDS", help="How long a controller or motion of your own may take to be loaded."),
+    ] = 10.0,
 ) -> None:
     """Report all that is wrong with a scenario or a robot's model: file, key, value, and what would be right.
 
-    The exit status is 0 if it would run, else 2.
+    Controllers and motions of your own are loaded in another process, which is ended after the time limit. The exit
+    status is 0 if the scenario would run, else 2.
     """
-    from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.core.errors import AmorsimError, Fault, ScenarioError
+    from amorsim.core.parameters import ParameterError
     from amorsim.core.trouble import explain
     from amorsim.runs.asked import make_simulation, read_scenario
     from amorsim.runs.session import steps_of
+    from amorsim.scenario.code_check import check_code, check_time_limit
+    from amorsim.scenario.programs import without_programs
     from amorsim.scenario.read import is_model, scenario_for_model
     from amorsim.simulation.lint import advice
 
+    try:
+        check_time_limit(time_limit)
+    except ParameterError as error:
+        raise AmorsimError(f"--time-limit: {error.problem}") from None
     read = None
+    of_code: tuple[Fault, ...] = ()
     try:
         of_model = is_model(scenario)
         if of_model:
             read = scenario_for_model(scenario, changes or [])
         else:
             read = read_scenario(scenario, resolution=resolution, changes=changes or [])
-        simulation, remark = make_simulation(read)
+        of_code = check_code(read, time_limit=time_limit)
+        simulation, remark = make_simulation(without_programs(read))
         steps_of(simulation, read.duration)
+        if of_code:
+            raise ScenarioError(())
     except AmorsimError as error:
-        faults = error.faults if isinstance(error, ScenarioError) else (error,)
+        faults = (*of_code, *(error.faults if isinstance(error, ScenarioError) else (error,)))
         warnings = error.warnings if isinstance(error, ScenarioError) else ()
         if read is not None:
             warnings = tuple(f"{read.map.name}: {warning}" for warning in read.map.warnings)

@@ -16,7 +16,6 @@ from amorsim.scenario.controller_files import (
     CONTROLLER,
     MOTION,
     is_controller_file,
-    load_controller,
     split_reference,
 )
 from amorsim.scenario.faults import Node
@@ -159,12 +158,12 @@ def _read_own(node: Node, arguments: tuple[str, ...]) -> dict[str, Any] | None:
     use_node = node.child("use")
     try:
         path, name = split_reference(use, use_node.folder)
-        load = load_controller if node.book.runs_programs else check_program
-        function = load(path, name, options, arguments)
+        program = check_program(path, name, options, arguments)
     except ControllerError as error:
         use_node.fault(str(error))
         return {}
-    return {"source": f"{path}:{name}", "function": function, "options": tuple(options.items())}
+    program = attrs.evolve(program, place=use_node.book.at(use_node.path, "", use_node.value))
+    return {"source": f"{path}:{name}", "function": program, "options": tuple(options.items())}
 
 
 def read_recording(node: Node, registry: Registry) -> Recording | None:

@@ -370,7 +370,7 @@ class Document:
     # --------------------------------------------------------------------------------------------------------- meaning
 
     def scenario(self) -> Scenario:
-        """The scenario that the document means, as `load` reads it from the file, with its programs loaded.
+        """The scenario that the document means, as `load` reads it from the file.
 
         Raises
         ------
@@ -379,7 +379,7 @@ class Document:
         DocumentError
             If it is a model or a device.
         """
-        looked = self._look(runs_programs=True)
+        looked = self._look()
         if looked.faults:
             raise ScenarioError(looked.faults, looked.book.warnings)
         if looked.scenario is None:
@@ -390,7 +390,7 @@ class Document:
         """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
 
         Nothing of a user's runs: of controllers and motions in files the text is checked. What only shows when they
-        run is told by `scenario`, and what depends on draws, such as starts at random, by `Simulation`.
+        run is told by `check_code`, and what depends on draws, such as starts at random, by `Simulation`.
         """
         return self._look().faults
 
@@ -405,11 +405,10 @@ class Document:
         named = (here / file.name for file in named_files(self._editor.values, self._registry, here))
         return tuple(dict.fromkeys([self._path.absolute(), *named]))
 
-    def _look(self, *, runs_programs: bool = False) -> _Looked:
+    def _look(self) -> _Looked:
         """All that the document says, read and checked."""
         written = self._written()
         book = book_of(written, self._path)
-        book.runs_programs = runs_programs
         maps = Maps(self._registry)
         tables = copy.deepcopy(lifted(written.values))
         kind = kind_of(written.values)

@@ -55,8 +55,6 @@ class Book:
         """Where in the whole document the faults are, each as often as it was found."""
         self.incomplete: set[Path_] = set()
         """Tables that lack what a file which could not be read would have given them."""
-        self.runs_programs = True
-        """Whether users' programs may be loaded, which runs them; else their text alone is checked."""
         self.has_lost_lines = False
         """Whether lines that are no TOML were left out; what is missing may stand there, and is no fault of its own."""
         self.document: Any = None
@@ -74,7 +72,6 @@ class Book:
         other = Book.silent()
         other._root = self._root.copy()
         other.has_lost_lines = self.has_lost_lines
-        other.runs_programs = self.runs_programs
         other.document = document
         return other
 
@@ -112,15 +109,17 @@ class Book:
 
     def fault(self, path: Path_, message: str, value: Any = None) -> None:
         """Note what is wrong at `path`, with the value that is there."""
-        source = self.source(path)
         self.places.append(path)
         if self.has_lost_lines and message.startswith("missing"):
             self._count += 1
             return
+        self.add(self.at(path, message, value))
+
+    def at(self, path: Path_, message: str, value: Any = None) -> Fault:
+        """A fault at `path`, which is not noted."""
+        source = self.source(path)
         place, named = (".".join(parts[source.depth :]) for parts in (path, self._named(path)))
-        self.add(
-            Fault(file=source.file, path=place, message=message, named="" if named == place else named, value=value)
-        )
+        return Fault(file=source.file, path=place, message=message, named="" if named == place else named, value=value)
 
     def _named(self, path: Path_) -> Path_:
         """A path with the name of a robot, obstacle or zone in the place of its number, if no other is called so."""

@@ -1,4 +1,4 @@
-"""Users' programs, checked by their text: nothing of them runs."""
+"""Users' programs as scenarios name them: checked by their text, and loaded where they are to run."""
 
 from __future__ import annotations
 
@@ -11,28 +11,65 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import ControllerError
-from amorsim.scenario.controller_files import CONTROLLER, check_arguments, no_such_name, read_program
+from amorsim.core.errors import ControllerError, Fault
+from amorsim.scenario.controller_files import (
+    CONTROLLER,
+    check_arguments,
+    load_controller,
+    no_such_name,
+    read_program,
+)
 
-__all__ = ["NotRun", "check_program"]
+__all__ = ["Program", "check_program"]
 
 _Definition = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
 
 
 @attrs.frozen
-class NotRun:
-    """Stands for a function or class of a user's in what is read to be checked and shown, and never simulated."""
+class Program:
+    """A function or class in a user's file, of which nothing has run; a simulation loads it.
+
+    Parameters
+    ----------
+    path, name
+        The file, and the name in it.
+    arguments
+        What a function is called with before its options.
+    place
+        Where a scenario names it, for faults.
+    """
 
     path: Path
     name: str
+    arguments: tuple[str, ...] = attrs.field(default=CONTROLLER, repr=False)
+    place: Fault | None = attrs.field(default=None, eq=False, repr=False)
+
+    def load(self, options: Mapping[str, Any]) -> Any:
+        """The function or class itself: the file is run.
+
+        Raises
+        ------
+        ControllerError
+            As `load_controller` does.
+        """
+        return load_controller(self.path, self.name, options, self.arguments)
+
+    def fault(self, message: str) -> Fault:
+        """What is wrong with it, at the place that names it."""
+        place = self.place or Fault(file="", path="", message="")
+        return attrs.evolve(place, message=message)
 
     def __call__(self, *_: Any, **__: Any) -> Any:
         """Refuse to be called."""
-        raise ControllerError(f"{self.path}:{self.name} was not loaded, for the scenario was read to be shown only")
+        raise ControllerError(
+            f"{self.path}:{self.name} has not been loaded; am.Simulation loads the programs of its scenario"
+        )
 
 
-def check_program(path: Path, name: str, options: Mapping[str, Any], arguments: tuple[str, ...] = CONTROLLER) -> NotRun:
-    """What stands for the function or class called `name` in a Python file, which must take `options`.
+def check_program(
+    path: Path, name: str, options: Mapping[str, Any], arguments: tuple[str, ...] = CONTROLLER
+) -> Program:
+    """The function or class called `name` in a Python file, which must take `options`; nothing runs.
 
     Raises
     ------
@@ -61,7 +98,7 @@ def check_program(path: Path, name: str, options: Mapping[str, Any], arguments: 
     signature = None if definition is None else _signature(definition)
     if definition is not None and signature is not None:
         check_arguments(path, name, signature, isinstance(definition, ast.ClassDef), options, arguments)
-    return NotRun(path, name)
+    return Program(path, name, arguments)
 
 
 def _names(body: Iterable[ast.stmt]) -> Iterator[tuple[str, _Definition | None]]:

@@ -45,6 +45,8 @@ _MODEL = {"drive", "shape"}
 def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None) -> Scenario:
     """The scenario in a file, or the bundled one of that name.
 
+    Nothing of a user's runs: of controllers and motions in files the text is checked. `Simulation` loads them.
+
     Parameters
     ----------
     source
@@ -145,7 +147,6 @@ def check_words(
     """Raise the faults of a scenario's own words: of all that `load` would find, but for what the maps hold.
 
     No map is read, so that nothing is compiled for it: who has just installed waits for that, and hears this before.
-    Nothing of a user's runs: of controllers and motions in files, the text is checked.
 
     Parameters
     ----------
@@ -165,7 +166,6 @@ def check_words(
         path, book, table = _find(source, registry)
     else:
         table, book = _map_alone(path, of_map), Book(Source(file="", folder=path.parent))
-    book.runs_programs = False
     read_values(table, book, overrides, registry, Maps(registry, are_read=False), False, False)
     book.raise_if_any()
 

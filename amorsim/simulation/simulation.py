@@ -18,6 +18,7 @@ from amorsim.core.starts import outside
 from amorsim.core.trouble import in_words
 from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
+from amorsim.scenario.programs import loaded
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.simulation import phases
 from amorsim.simulation.alike import group_key
@@ -41,6 +42,8 @@ MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter; one number is re
 class Simulation:
     """Robots as rows: one row is one robot in one replica, in order of replica, then of name.
 
+    Controllers and motions that a scenario's file names as ``"FILE.py:NAME"`` are loaded now, which runs their files.
+
     Parameters
     ----------
     scenario
@@ -57,8 +60,8 @@ class Simulation:
     ParameterError
         If it is given anything but a scenario; `am.load` makes one from a file or the name of a bundled one.
     ScenarioError
-        With every fault that only shows now: a start in a wall or in another body, an error whose path leads
-        nowhere or whose true value its field does not accept.
+        With every fault that only shows now: a controller or motion in a file that cannot be loaded, a start in a wall
+        or in another body, an error whose path leads nowhere or whose true value its field does not accept.
     """
 
     def __init__(
@@ -73,7 +76,6 @@ class Simulation:
             raise ParameterError("scenario", f"expected a Scenario, as am.load('demo'), got {scenario!r}")
         if not isinstance(threads, int) or threads < 1:
             raise AmorsimError(f"expected a number of threads >= 1, got {threads!r}")
-        self.scenario = scenario
         self.threads = threads
         self.dt = scenario.dt
         replicas = _plain(replicas)
@@ -83,6 +85,7 @@ class Simulation:
         self.replicas = _replica_numbers(replicas)
         seed = scenario.seed if seed is None else _plain(seed)
         check_value(describe(Scenario)["seed"], seed)
+        self.scenario = loaded(scenario)
         self._build(seed)
 
     def _build(self, seed: int) -> None:

@@ -119,8 +119,8 @@ def test_files_of_something_else(
     ("code", "says"),
     [
         ("def drive(readings, estimate, clock, speed)\n    pass\n", ("line 1: SyntaxError",)),
-        ("import numpyy\n", ("line 1: ModuleNotFoundError", "'numpyy'")),
-        ("def one():\n    return 1 / 0\n\n\nx = one()\n", ("line 2: ZeroDivisionError",)),
+        ("import numpyy\n\n\ndef drive(r, e, c, speed):\n    pass\n", ("line 1: ModuleNotFoundError", "'numpyy'")),
+        ("def one():\n    return 1 / 0\n\n\ndrive = one()\n", ("line 2: ZeroDivisionError",)),
         ("def other():\n    pass\n", ("there is no 'drive'", "other")),
         ("def drive(readings, speed):\n    pass\n", ("cannot be called as drive(readings, estimate, clock",)),
         ("def drive(r, e, c, speed):\n    return 'left'\n", ("returned 'left'", "am.Twist(forward, turn)")),
@@ -147,6 +147,18 @@ def test_a_controller_that_fails_on_the_way_says_where_the_files_are(amorsim: Co
     assert str(Path(amorsim_package.__file__).parent) not in result.err  # the user's own lines, none of ours
     assert result.err.rstrip().endswith("the files up to 0.5 s are in run")
     assert len((tmp_path / "run" / "poses.csv").read_text().splitlines()) == 7
+
+
+def test_checking_ends_a_controller_that_does_not(amorsim: Command, tmp_path: Path) -> None:
+    """And says what else is wrong; nothing of the controller runs in this process."""
+    path = make_study(tmp_path / "study", "while True:\n    pass\n\n\ndef drive(r, e, c, speed):\n    pass\n")
+    says = ("loading the file did not finish within 0.5 s", "1 fault found")
+    assert_refused(amorsim, tmp_path, "check", path, "--time-limit", 0.5, says=("controller.py", *says))
+    wrong = ("--set", "robots.rover.errors.drive.track={ value = { normal = [-1.0, 0.001] } }")
+    both = (says[0], "robots.rover.errors.drive.track", "2 faults found")
+    assert_refused(amorsim, tmp_path, "check", path, "--time-limit", 0.5, *wrong, says=both)
+    limit = ("--time-limit: expected a number of seconds > 0 and <= 1e+06, got 0.0",)
+    assert_refused(amorsim, tmp_path, "check", path, "--time-limit", 0, says=limit)
 
 
 def test_all_faults_are_reported_at_once(amorsim: Command, study: Path) -> None:

@@ -83,7 +83,7 @@ def test_a_controllers_file_may_change_it_too(tmp_path: Path, monkeypatch: pytes
     monkeypatch.chdir(tmp_path)
     (tmp_path / "elsewhere").mkdir()
     with pytest.warns(UserWarning, match=r"controller.py changed the working folder to .*elsewhere"):
-        study(tmp_path, "pass", top="os.chdir('elsewhere')")
+        am.Simulation(study(tmp_path, "pass", top="os.chdir('elsewhere')"))
     assert Path.cwd() == tmp_path
 
 

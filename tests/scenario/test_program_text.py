@@ -7,7 +7,7 @@ import pytest
 import amorsim as am
 from amorsim.core.errors import ControllerError
 from amorsim.scenario.controller_files import load_controller
-from amorsim.scenario.program_text import NotRun, check_program
+from amorsim.scenario.program_text import Program, check_program
 from amorsim.scenario.read import check_words
 
 PLAIN = "def drive(readings, estimate, clock, speed=0.3, *, gain: float = 1.0):\n    return None\n"
@@ -72,12 +72,14 @@ def test_nothing_of_it_runs(tmp_path):
     document = am.open_document(path)
     assert document.faults() == ()
     partial = document.partial()
-    assert isinstance(partial.robots[0].controller.function, NotRun)
-    with pytest.raises(ControllerError, match="to be shown only"):
+    assert isinstance(partial.robots[0].controller.function, Program)
+    with pytest.raises(ControllerError, match="has not been loaded"):
         partial.robots[0].controller.function()
     check_words(path)
-    with pytest.raises(am.ScenarioError, match="it ran"):
-        document.scenario()
+    for scenario in (document.scenario(), am.load(path)):
+        with pytest.raises(am.ScenarioError, match="it ran") as caught:
+            am.Simulation(scenario)
+        assert [(fault.file, fault.line) for fault in caught.value.faults] == [(str(path), 7), (str(path), 11)]
     document.set("robots.0.controller.speed", 1.0)
     (fault,) = document.faults()
     assert (fault.line, "cannot be called as" in fault.message) == (7, True)

@@ -22,11 +22,8 @@ from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, write_table
 from amorsim.ui.forms.description import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
-<<<<<<< HEAD
-from amorsim.ui.scene.robots import sensor_shapes
-=======
 from amorsim.ui.forms.origins import Origins
->>>>>>> h-forms
+from amorsim.ui.scene.robots import sensor_shapes
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import queue
 import struct
-import sys
 import threading
 from collections.abc import Mapping
 from typing import IO, Any
+
+from amorsim.core.processes import python_command
 
 __all__ = ["FRAME", "JSON", "SNAPSHOT", "Writer", "python_for", "read_message"]
 
@@ -20,16 +21,13 @@ LARGEST = 1 << 30
 def python_for(module: str) -> list[str]:
     """The command that runs `main` of a module in another process, which finds modules where this one does.
 
-    ``python -m`` would look into the present folder first, where a user's ``random.py`` may lie. While the module is
-    loaded the process ends with its standard input; `main` is to `stay` (see `amorsim.ui.simulator.orphan`) and to read
-    that.
+    While the module is loaded the process ends with its standard input; `main` is to `stay` (see
+    `amorsim.ui.simulator.orphan`) and to read that.
     """
-    script = (
-        "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    return python_command(
         "from amorsim.ui.simulator.orphan import leave_with_the_session; leave_with_the_session(); "
         f"from {module} import main; main()"
     )
-    return [sys.executable, "-P", "-c", script, json.dumps(sys.path)]
 
 
 def read_message(pipe: IO[bytes]) -> tuple[bytes, bytes] | None:

@@ -33,17 +33,8 @@ from typing import Any, NotRequired, TypedDict
 from amorsim.ui.forms.description import Choice, FieldForm, Widget
 
 __all__ = [
-<<<<<<< HEAD
-    "EventLine",
-=======
-    "Channel",
-    "Choice",
-    "Drawing",
     "EventLine",
     "FieldForm",
-    "Floor",
-    "FloorPatch",
->>>>>>> h-forms
     "History",
     "ParameterForm",
     "Past",

@@ -1,4 +1,4 @@
-// Made by tools/make_wire.py from amorsim/ui/simulator/{protocol, packing, messages}.py: change it there.
+// Made by tools/make_wire.py from what amorsim/ui/{scene, simulator, faults} say: change it there.
 
 /** How the simulation stands in a frame. */
 export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loading: 32, posesOnly: 64 };
@@ -105,14 +105,6 @@ export const BLOCKS = [
  */
 
 /**
- * A component that can be chosen, with the form of its fields.
- * @typedef {object} Choice
- * @property {string} name
- * @property {string} help
- * @property {FieldForm[]} fields
- */
-
-/**
  * How readings are drawn; `style` always says which of these it is, and of the rest it has what it needs.
  * @typedef {object} Drawing
  * @property {string} [style]
@@ -122,33 +114,6 @@ export const BLOCKS = [
  * @property {number[][][]} [lines]
  * @property {string[]} [colours]
  * @property {string[]} [names]
- */
-
-/**
- * Something that happened; `number` counts from 1 within an epoch.
- * @typedef {object} EventLine
- * @property {number} number
- * @property {number} tick
- * @property {number} time
- * @property {string} kind
- * @property {string} robot
- * @property {string} text
- * @property {number[] | null} point
- * @property {string} stack
- */
-
-/**
- * A field of a form. `fixed` says why its value cannot change now, and is empty where it can.
- * @typedef {object} FieldForm
- * @property {string} path
- * @property {string} label
- * @property {string} help
- * @property {Widget} widget
- * @property {any} value
- * @property {any} default
- * @property {boolean} is_given
- * @property {boolean} is_required
- * @property {string} fixed
  */
 
 /**
@@ -166,17 +131,6 @@ export const BLOCKS = [
  * @property {number[][]} points
  * @property {number} width
  * @property {string} colour
- */
-
-/**
- * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
- * @typedef {object} History
- * @property {boolean} ok
- * @property {number} epoch
- * @property {number[]} ticks
- * @property {number[][]} true
- * @property {number[][]} estimated
- * @property {Past} past
  */
 
 /**
@@ -236,6 +190,103 @@ export const BLOCKS = [
  */
 
 /**
+ * A robot or an obstacle of which nothing but its outline and its place can be read.
+ * @typedef {object} OutlineShape
+ * @property {string} name
+ * @property {Outline} footprint
+ * @property {number[]} pose
+ */
+
+/**
+ * A robot: `kind` is a place in the scene's `kinds`.
+ * @typedef {object} RobotEntry
+ * @property {string} name
+ * @property {number} kind
+ * @property {string} controller
+ * @property {Knowledge} knowledge
+ * @property {string} colour
+ */
+
+/**
+ * All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
+ * @typedef {object} Scene
+ * @property {number} version
+ * @property {string} scenario
+ * @property {number} dt
+ * @property {number} duration
+ * @property {number} seed
+ * @property {MapShape[]} maps
+ * @property {number | null} map
+ * @property {Kind[]} kinds
+ * @property {RobotEntry[]} robots
+ * @property {ObstacleShape[]} obstacles
+ * @property {Floor} floor
+ */
+
+/**
+ * A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
+ * @typedef {object} SensorShape
+ * @property {string} name
+ * @property {string} kind
+ * @property {string} unit
+ * @property {string[][]} columns
+ * @property {number} size
+ * @property {number[][]} mounts
+ * @property {number[] | null} bearings
+ * @property {number | null} range_max
+ * @property {number | null} half_angle
+ * @property {Drawing | null} drawing
+ */
+
+/**
+ * A scenario at rest: what can be drawn of it without a simulation.
+ * @typedef {object} Still
+ * @property {Scene} scene
+ * @property {(number[] | null)[]} robots
+ * @property {(number[] | null)[]} obstacles
+ * @property {OutlineShape[]} outlines
+ * @property {number[]} extent
+ */
+
+/**
+ * Something that happened; `number` counts from 1 within an epoch.
+ * @typedef {object} EventLine
+ * @property {number} number
+ * @property {number} tick
+ * @property {number} time
+ * @property {string} kind
+ * @property {string} robot
+ * @property {string} text
+ * @property {number[] | null} point
+ * @property {string} stack
+ */
+
+/**
+ * A field of a form. `fixed` says why its value cannot change now, and is empty where it can.
+ * @typedef {object} FieldForm
+ * @property {string} path
+ * @property {string} label
+ * @property {string} help
+ * @property {Widget} widget
+ * @property {any} value
+ * @property {any} default
+ * @property {boolean} is_given
+ * @property {boolean} is_required
+ * @property {string} fixed
+ */
+
+/**
+ * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
+ * @typedef {object} History
+ * @property {boolean} ok
+ * @property {number} epoch
+ * @property {number[]} ticks
+ * @property {number[][]} true
+ * @property {number[][]} estimated
+ * @property {Past} past
+ */
+
+/**
  * A parameter of a part of a robot, as a form shows it while the simulation runs.
  * @typedef {object} ParameterForm
  * @property {string} path
@@ -269,47 +320,6 @@ export const BLOCKS = [
  * @typedef {object} Past
  * @property {number[]} ticks
  * @property {string} values
- */
-
-/**
- * A robot: `kind` is a place in the scene's `kinds`.
- * @typedef {object} RobotEntry
- * @property {string} name
- * @property {number} kind
- * @property {string} controller
- * @property {Knowledge} knowledge
- * @property {string} colour
- */
-
-/**
- * All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
- * @typedef {object} Scene
- * @property {number} version
- * @property {string} scenario
- * @property {number} dt
- * @property {number} duration
- * @property {number} seed
- * @property {MapShape[]} maps
- * @property {number} map
- * @property {Kind[]} kinds
- * @property {RobotEntry[]} robots
- * @property {ObstacleShape[]} obstacles
- * @property {Floor} floor
- */
-
-/**
- * A sensor as it is drawn, by its nominal parameters; in an answer to ``parameters``, by its true ones.
- * @typedef {object} SensorShape
- * @property {string} name
- * @property {string} kind
- * @property {string} unit
- * @property {string[][]} columns
- * @property {number} size
- * @property {number[][]} mounts
- * @property {number[] | null} bearings
- * @property {number | null} range_max
- * @property {number | null} half_angle
- * @property {Drawing | null} drawing
  */
 
 /**
@@ -350,4 +360,28 @@ export const BLOCKS = [
  * @property {number | null} length
  * @property {FieldForm[]} fields
  * @property {Widget[]} options
+ */
+
+/**
+ * A fault: where it is, what is there, and what is wrong with it.
+ * @typedef {object} FaultLine
+ * @property {string} file
+ * @property {number | null} line
+ * @property {string} said
+ * @property {string} path
+ * @property {string} value
+ * @property {string} message
+ * @property {string} remedy
+ */
+
+/**
+ * How a scenario's file stands: the answer to ``document``.
+ * @typedef {object} FaultyFile
+ * @property {boolean} ok
+ * @property {number} number
+ * @property {string} status
+ * @property {string} file
+ * @property {FaultLine[]} faults
+ * @property {Still | null} still
+ * @property {string} path
  */

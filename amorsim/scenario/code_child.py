@@ -1,0 +1,69 @@
+"""The process in which users' programs are loaded to be checked; see `amorsim.scenario.code_check`."""
+
+from __future__ import annotations
+
+import faulthandler
+import json
+import os
+import pickle
+import signal
+import sys
+from typing import IO, Any
+
+import attrs
+
+from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import error_in_words
+from amorsim.core.user_code import UserCode
+from amorsim.scenario.program_text import Program
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Read what to check from standard input, and answer with lines: what has begun, and how it has ended."""
+    time_limit, components = pickle.load(sys.stdin.buffer)
+    answers = _Answers(os.fdopen(os.dup(1), "w", encoding="utf-8", buffering=1))
+    # What a program prints must not be taken for an answer, and it must not wait for somebody's keyboard.
+    os.dup2(2, 1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    faulthandler.enable(file=answers.pipe)
+    if hasattr(faulthandler, "register"):  # not on Windows
+        faulthandler.register(signal.SIGUSR1, file=answers.pipe)
+    for number, component in components:
+        answers.say(begun=number)
+        faulthandler.dump_traceback_later(time_limit, exit=True, file=answers.pipe)
+        problem = _check(answers, component)
+        faulthandler.cancel_dump_traceback_later()
+        answers.say(ended=number, problem=problem)
+    answers.say(done=True)
+    if hasattr(signal, "pause"):
+        signal.pause()  # whoever asked ends this process, and what programs have left running
+    os._exit(0)
+
+
+class _Answers:
+    """The lines for the process that asked; a copy of this one that a program has forked says nothing, and ends."""
+
+    def __init__(self, pipe: IO[str]) -> None:
+        self.pipe = pipe
+        self._process = os.getpid()
+
+    def say(self, **message: Any) -> None:
+        if os.getpid() != self._process:
+            os._exit(0)
+        self.pipe.write(json.dumps(message) + "\n")
+
+
+def _check(answers: _Answers, component: UserCode) -> str:
+    """What is wrong with a controller or a motion, or nothing."""
+    program: Program = component.function
+    try:
+        function = program.load(dict(component.options))
+        answers.say(loaded=True)
+        attrs.evolve(component, function=function).make_objects(1, lambda _: "a try")
+    except AmorsimError as error:
+        return str(error)
+    except BaseException as error:  # Ctrl-C is not for this process
+        return f"{program.path}: {error_in_words(error)}"
+    return ""
