@@ -11,6 +11,7 @@ together.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,17 @@ _WIDE = 8  # beams
 # Rows of the room to work in for the bodies near a scan: where each is as seen from there, its circle [m], how far off
 # it is [m], and between which turns the beams are that might meet it.
 _X, _Y, _CIRCLE, _AWAY, _RIGHT, _LEFT = range(6)
+
+
+class _Room(NamedTuple):
+    """Arrays that casting works in."""
+
+    edges: Floats  # (vertices of the largest body, 5)
+    starts: Ints  # (_SECTORS + 2,)
+    beams: Floats  # (BEAM_ROWS, k)
+    which: Ints  # (_TOGETHER,)
+    near: Floats  # (6, _TOGETHER)
+    box: Floats  # (4, _WIDE)
 
 
 @part
@@ -192,16 +204,12 @@ def _cast_rows(
     cos_b: Floats,
     sin_b: Floats,
     range_max: Floats,
-    edges: Floats,
-    starts: Ints,
-    beams: Floats,
-    which: Ints,
-    near: Floats,
-    box: Floats,
+    room: _Room,
     out: Floats,
     hit: Ints,
 ) -> None:
-    """`cast_bodies` with scratch arrays."""
+    """`cast_bodies`, with room to work in."""
+    edges, starts, beams, which, near, box = room
     in_order = False
     for i in range(out.shape[0]):
         beam_row = min(i, cos_b.shape[0] - 1)
@@ -323,12 +331,14 @@ def cast_bodies(
         cos_b,
         sin_b,
         range_max,
-        np.empty((edge_rows, 5)),
-        np.empty(_SECTORS + 2, dtype=np.int64),
-        np.empty((BEAM_ROWS, beams)),
-        np.empty(_TOGETHER, dtype=np.int64),
-        np.empty((6, _TOGETHER)),
-        np.empty((4, _WIDE)),
+        _Room(
+            np.empty((edge_rows, 5)),
+            np.empty(_SECTORS + 2, dtype=np.int64),
+            np.empty((BEAM_ROWS, beams)),
+            np.empty(_TOGETHER, dtype=np.int64),
+            np.empty((6, _TOGETHER)),
+            np.empty((4, _WIDE)),
+        ),
         out,
         hit,
     )
