@@ -50,9 +50,9 @@ class GroupView:
         self.joints: Array = np.zeros((self.rows, 0))
         self.joint_rates: Array = np.zeros((self.rows, 0))
         self.free: Array = np.ones((self.rows, 1))
-        self.sensor = ""  # the sensor in use
+        self.mount: Array = np.zeros((self.rows, 3))  # of the sensor in use, set by `use` like its name
+        self.sensor = ""
         self._pose: Array | None = None
-        self._mount: Array = np.zeros((self.rows, 3))
 
     @property
     def names(self) -> Sequence[str]:
@@ -66,18 +66,13 @@ class GroupView:
 
     def use(self, mount: Array, sensor: str = "") -> None:
         """Look from true mounts `(N, 3)`, as the sensor of a name."""
-        self._mount, self.sensor, self._pose = mount, sensor, None
-
-    @property
-    def mount(self) -> Array:
-        """The true mounts `(N, 3)` of the sensor in use."""
-        return self._mount
+        self.mount, self.sensor, self._pose = mount, sensor, None
 
     @property
     def pose(self) -> Array:
         """The true poses `(N, 3)` of the sensor's mount in the world."""
         if self._pose is None:
-            self._pose = compose(self.body_pose, self._mount)
+            self._pose = compose(self.body_pose, self.mount)
         return self._pose
 
     def cast(
