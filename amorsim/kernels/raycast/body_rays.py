@@ -193,6 +193,25 @@ def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
 
 
 @part
+def _has_company(table: BodyHash, replica: int, own: int, x: float, y: float, reach: float, widest: float) -> bool:
+    """Whether any other body may come within `reach` [m] of a place: most rows of many replicas need no beams."""
+    slack = rounding_slack(abs(x) + abs(y))
+    around = reach + widest * (1.0 + 1e-9) + slack
+    row0, rows = window(y, around, table.side, table.rows)
+    col0, cols = window(x, around, table.side, table.cols)
+    for run in range(2 * rows if col0 + cols > table.cols else rows):
+        place, last = run_of_bodies(table, replica, row0, rows, col0, cols, run)
+        for n in range(place, last):
+            away_x = table.disc[n, 0] - x
+            away_y = table.disc[n, 1] - y
+            # Larger than it needs to be by far more than rounding can matter.
+            far = (reach + table.disc[n, 2] + slack) * (1.0 + 1e-8)
+            if table.owner[n] != own and away_x * away_x + away_y * away_y <= far * far:
+                return True
+    return False
+
+
+@part
 def _cast_rows(
     bodies: Bodies,
     body_pose: Floats,
@@ -218,6 +237,8 @@ def _cast_rows(
         limit = range_max[min(i, range_max.shape[0] - 1)]
         origin_x = origins[i, 0]
         origin_y = origins[i, 1]
+        if not _has_company(table, replica[i], own[i], origin_x, origin_y, limit, widest):
+            continue
         cos_h = math.cos(origins[i, 2])
         sin_h = math.sin(origins[i, 2])
         for b in range(beams.shape[1]):
