@@ -65,7 +65,7 @@ def given(*values: float) -> am.Controller:
     @attrs.frozen(kw_only=True)
     class Given(am.Controller):
         def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Array:
-            return np.tile(values, (robot.rows, 1))
+            return np.full((robot.rows, len(values)), values)
 
     return Given()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import attrs
@@ -170,11 +170,12 @@ class UserController(UserCode, Controller):
         """
         caller = self.asker(state)
         answers = _Answers(robot, self.source, joints_of(robot, readings))
-        for row in range(robot.rows):
+        times = zip(clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), strict=True)
+        for row, (read, (tick, time)) in enumerate(zip(_by_robot(readings, robot.rows), times, strict=True)):
             arguments = (
-                _row_of_readings(readings, row),
+                read,
                 RobotEstimate(estimate.pose[row].copy().view(PoseVector), estimate.covariance[row].copy()),
-                RobotClock(int(clock.tick[row, 0]), float(clock.time[row, 0]), float(clock.dt)),
+                RobotClock(tick, time, float(clock.dt)),
             )
             try:
                 answer = caller(row)(*arguments)
@@ -192,18 +193,19 @@ class _RobotReadings(dict[str, RobotReading]):
         raise KeyError(f"there is no sensor {name!r}, but: {', '.join(self) or 'none'}.{did_you_mean(name, self)}")
 
 
-def _row_of_readings(readings: Mapping[str, Measurement], row: int) -> dict[str, RobotReading]:
-    return _RobotReadings(
-        {
-            name: RobotReading(
-                reading.measured[row].copy(),
-                int(reading.stamp[row, 0]),
-                float(reading.age[row, 0]),
-                bool(reading.fresh[row, 0]),
-            )
-            for name, reading in readings.items()
-        }
-    )
+def _by_robot(readings: Mapping[str, Measurement], rows: int) -> Iterator[_RobotReadings]:
+    """The readings of each robot."""
+    whole = [
+        (name, measured, stamp[:, 0].tolist(), age[:, 0].tolist(), fresh[:, 0].tolist())
+        for name, (measured, stamp, age, fresh) in readings.items()
+    ]
+    for row in range(rows):
+        yield _RobotReadings(
+            {
+                name: RobotReading(measured[row].copy(), stamps[row], ages[row], is_fresh[row])
+                for name, measured, stamps, ages, is_fresh in whole
+            }
+        )
 
 
 class _Answers:

@@ -16,11 +16,6 @@ __all__ = ["Differential"]
 
 Array = npt.NDArray[np.float64]
 
-# The body's motion (forward, left, turn) per metre of the left and the right wheel: the turn is this over the
-# track.
-_FORWARD = np.array([[0.5, 0.5], [0.0, 0.0], [0.0, 0.0]])
-_TURN = np.array([[0.0, 0.0], [0.0, 0.0], [-1.0, 1.0]])
-
 
 @attrs.frozen(kw_only=True, field_transformer=own_first)
 class Differential(Motors):
@@ -92,4 +87,6 @@ class Differential(Motors):
 
     def jacobian(self, before: Array, after: Array) -> Array:
         """Motion of the body (forward, left, turn) per metre of each wheel's travel, `(N, 3, 2)`."""
-        return np.asarray(_FORWARD + _TURN / np.reshape(self.track, (-1, 1, 1)))
+        out = np.empty((len(before), 3, 2))
+        odometry.wheel_jacobian(self.track, out)
+        return out

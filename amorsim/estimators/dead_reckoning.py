@@ -23,7 +23,6 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.errors import ComponentError, did_you_mean
-from amorsim.core.poses import compose
 from amorsim.kernels.kinematics import odometry
 
 __all__ = ["DeadReckoning"]
@@ -130,14 +129,13 @@ class DeadReckoning(Estimator):
         before = state["joints"]
         before = np.where(np.isnan(before), after, before)  # the first reading is the reference of all others
         rows = len(after)
-        displacement = drive.displacement(before, after, _whole(rows))
-
         rolling = _rolling(drive.joints)
         radius = drive.rolling_radius()
-        grown = np.empty((rows, 3, 3))
-        odometry.grow_covariance(
-            state["covariance"],
+        pose, covariance = np.empty((rows, 3)), np.empty((rows, 3, 3))
+        odometry.reckon(
             state["pose"],
+            state["covariance"],
+            np.ascontiguousarray(drive.displacement(before, after, _whole(rows))),
             drive.twist(before, after),
             _jacobian(drive, before, after, rolling, radius),
             before,
@@ -145,8 +143,8 @@ class DeadReckoning(Estimator):
             rolling,
             radius,
             self.wheel_variance,
-            grown,
+            pose,
+            covariance,
         )
-        pose = compose(state["pose"], displacement)
-        state["pose"], state["covariance"], state["joints"] = pose, grown, after
-        return Estimate(pose=pose, covariance=grown)
+        state["pose"], state["covariance"], state["joints"] = pose, covariance, after
+        return Estimate(pose, covariance)

@@ -18,6 +18,7 @@ from amorsim.simulation.row_clock import RowClock
 __all__ = ["Whose", "array_problem", "is_finite", "of_drive"]
 
 _FEW = 16  # numbers
+_FLOAT = np.dtype(np.float64)
 _NAMED = 3  # robots in a message
 
 
@@ -95,6 +96,8 @@ def _named(what: str, component: Any) -> str:
 
 def array_problem(array: Any, what: str, shape: tuple[int, ...], by: str = "") -> str:
     """The fault of a value, returned `by`, that must be an array of numbers of a shape; empty if there is none."""
+    if isinstance(array, np.ndarray) and array.shape == shape and array.dtype is _FLOAT:
+        return ""
     source = f" from {by}" if by else ""
     if not isinstance(array, np.ndarray):
         return f"expected {what} of the shape {shape}{source}, got a {type(array).__name__}"

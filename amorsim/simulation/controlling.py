@@ -91,7 +91,7 @@ class Driver:
             If the controller's command has another shape or is not finite; the message names controller and robot.
         """
         asked = robot, readings, estimate, clock
-        if self.by_hand.any():
+        if np.count_nonzero(self.by_hand):
             command = self.hand.copy()
             rows = np.flatnonzero(~self.by_hand[:, 0])
             if len(rows):
@@ -120,8 +120,7 @@ class Driver:
             command = controller.command(*asked) if which is None else _ask_some(controller, *asked, which)
         except RAISED as error:
             self._whose.blame("controller", controller, error)
-        rows = np.arange(len(self.hand)) if which is None else which
-        expected = len(rows), len(self._channels)
+        expected = len(self.hand) if which is None else len(which), len(self._channels)
         answer: Any = command  # the plugin may return anything
         if not isinstance(answer, np.ndarray) or answer.dtype.kind not in "biuf":
             found = f"{answer.dtype} array" if isinstance(answer, np.ndarray) else type(answer).__name__
@@ -135,7 +134,7 @@ class Driver:
             raise self._whose.wrong("controller", controller, problem)
         if not is_finite(command):
             whole = np.zeros(self.hand.shape)
-            whole[rows] = command
+            whole[slice(None) if which is None else which] = command
             raise self._whose.not_finite("controller", controller, channels, whole)
         return command
 

@@ -20,7 +20,7 @@ def collect(groups: list[Group], world: World) -> None:
             medium = unit.sensor.medium
             if not medium:
                 continue
-            group.view.mount, group.view.sensor = unit.mount, name
+            group.view.use(unit.mount, name)
             try:
                 emitted = unit.sensor.emit(group.view, unit.state)
                 if emitted is None:

@@ -183,7 +183,7 @@ class Group:
             self.joints, self.joint_rates, command, self.dt, self.drive_state, self.drive_draws
         )
         self._ground_after, self._slide = self._after, None
-        elapsed = np.full((self.rows, 1), self.dt)
+        elapsed = self.row_clock.step
         if self.ground.elements:
             before = self.joints_before[:, self.rolling]
             travel = (self._after[:, self.rolling] - before) * self._radius

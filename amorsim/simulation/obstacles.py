@@ -69,7 +69,7 @@ class ObstacleGroup:
             return
         self.view.tick = self.row_clock.tick
         self.view.body_pose = self.true_pose
-        self.view.mount = np.zeros_like(self.true_pose)
+        self.view.use(np.zeros_like(self.true_pose))
         self.view.twist = self.true_twist
         self.view.free = self.free
         try:

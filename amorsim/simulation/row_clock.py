@@ -37,7 +37,7 @@ class RowClock:
     def advance(self) -> None:
         """Put every row to the next tick."""
         tick = self.tick + 1
-        self.take(tick, np.multiply(tick, self.dt, dtype=np.float64))
+        self.take(tick, np.multiply(tick, self.dt))
         self.counter[:, 2] = tick[:, 0]
 
     def take(self, tick: npt.NDArray[np.int64], time: npt.NDArray[np.float64]) -> None:

@@ -260,7 +260,7 @@ class MotionTrial(Trial[Motion]):
     def step(self, component: Motion, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
         """One proposal."""
         view = session.view
-        view.mount = np.zeros((len(session.rows), 3))
+        view.use(np.zeros((len(session.rows), 3)))
         _watch(given, "view", view, _VIEW)
         with self.who.calling("propose"):
             found = component.propose(view, DT, state, session.draws)

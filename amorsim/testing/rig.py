@@ -231,7 +231,7 @@ class Rig:
         view.joints = self.joints[t][rows]
         view.joint_rates = self.rates[t][rows]
         mount = (self.mounts.x, self.mounts.y, self.mounts.heading)
-        view.mount = np.concatenate([np.asarray(value)[rows] for value in mount], axis=1)
+        view.use(np.concatenate([np.asarray(value)[rows] for value in mount], axis=1), view.sensor)
 
 
 class Session:

@@ -26,7 +26,7 @@ def look(sensor, map_, *poses, aim=None, thing=None, at=(0.0, 0.0, 0.0)):
     rows = np.arange(len(poses)) * len(names)
     view = GroupView(world, rows, 0.1)
     view.body_pose = world.poses[rows]
-    view.mount = np.zeros((len(poses), 3))
+    view.use(np.zeros((len(poses), 3)))
     stacked = am.core.rows.stack([sensor] * len(poses))
     return stacked.sense(view, aim or Aim(), {}, None)
 

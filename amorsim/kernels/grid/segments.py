@@ -27,6 +27,7 @@ __all__ = [
     "RINGS",
     "SAFETY",
     "SegmentIndex",
+    "SortedBeams",
     "bound_scan",
     "bucket_of",
     "side_of",
@@ -63,6 +64,16 @@ class SegmentIndex(NamedTuple):
     walls: Floats
     """(10, M) x0, y0; unit vector along the segment; length; how far its cells reach beyond it; and of those that are
     boxes of occupied cells the grid lines that bound it, as `amorsim.kernels.grid.solids` has them."""
+
+
+class SortedBeams(NamedTuple):
+    """The beams of a scan in the order of their sectors (`bucket_of`)."""
+
+    order: Integers  # (k,) which beam each is
+    cos_b: Floats  # (L,) cosines and sines of their bearings, filled up to whole lanes
+    sin_b: Floats
+    starts: Integers  # beams starts[s] to starts[s + 1] - 1 are in sector s
+    scale: float  # sectors in a quarter turn
 
 
 @inlined
@@ -333,10 +344,7 @@ def bound_scan(
     cos_h: float,
     sin_h: float,
     reach: float,
-    starts: Integers,
-    scale: float,
-    cos_b: Floats,
-    sin_b: Floats,
+    beams: SortedBeams,
     blocks: Integers,
     away: Floats,
     rings: Integers,
@@ -355,13 +363,10 @@ def bound_scan(
         Where the scan is taken from, and its heading, in the map's frame.
     reach
         [m]: walls farther away are passed over.
-    starts, scale
-        The sectors of `bucket_of`: beams starts[s] to starts[s + 1] - 1 are in sector s.
-    cos_b, sin_b
-        (k,): beams in the order of their sectors.
     blocks, away, rings, sides
         Room to work in: two as long as there are blocks, one for each of the `RINGS` and two, and five times `AT_ONCE`.
     """
+    _, cos_b, sin_b, starts, scale = beams
     last = len(starts) - 2
     walls = lines.walls
     left = _MOST * len(cos_b)

@@ -10,8 +10,9 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.actuation import respond
+from amorsim.kernels.kinematics.poses import compose
 
-__all__ = ["drive_wheels", "grow_covariance", "wheel_rates", "wheel_twists"]
+__all__ = ["drive_wheels", "reckon", "wheel_jacobian", "wheel_rates", "wheel_twists"]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -19,7 +20,7 @@ Ints = npt.NDArray[np.int64]
 Column = Any
 
 # Gauss and Legendre's nodes and weights on [0, 1]: exact for polynomials of degree 7. Along a straight step
-# the integrand of `grow_covariance` is of degree 2; on an arc of a [rad] a step the error is about 1e-7 * a**8
+# the integrand of `_grow_row` is of degree 2; on an arc of a [rad] a step the error is about 1e-7 * a**8
 # of the value.
 _NODES = (0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970262)
 _WEIGHTS = (0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692)
@@ -74,6 +75,16 @@ def wheel_twists(
 
 
 @kernel
+def wheel_jacobian(track: Column, out: Floats) -> None:
+    """Motion (forward, left, turn) per metre of travel of a left and a right wheel, into `out` (N, 3, 2)."""
+    for i in range(out.shape[0]):
+        out[i, 0, :] = 0.5
+        out[i, 1, :] = 0.0
+        out[i, 2, 0] = -1.0 / track[i, 0]
+        out[i, 2, 1] = 1.0 / track[i, 0]
+
+
+@kernel
 def wheel_rates(twists: Floats, radius_left: Column, radius_right: Column, track: Column, out: Floats) -> None:
     """Rates [rad/s] of a left and a right wheel at which the body moves with `twists`, into `out` (N, 2).
 
@@ -115,7 +126,7 @@ def _grow_row(
     variance: float,
     out: Floats,
 ) -> None:
-    """`grow_covariance` for one row."""
+    """The covariance of `reckon` for one row."""
     end_x, end_y = _along_arc(forward, left, turn)
     xx = 0.0
     xy = 0.0
@@ -170,9 +181,10 @@ def _grow_row(
 
 
 @kernel
-def grow_covariance(
+def reckon(
+    poses: Column,
     covariance: Column,
-    headings: Floats,
+    displacements: Floats,
     twists: Floats,
     jacobian: Floats,
     before: Floats,
@@ -180,9 +192,10 @@ def grow_covariance(
     rolling: Ints,
     radius: Floats,
     variance: Column,
-    out: Floats,
+    poses_out: Floats,
+    covariance_out: Floats,
 ) -> None:
-    """Covariance of the poses after a step, to first order, into `out` (N, 3, 3).
+    """Poses after a step, into `poses_out` (N, 3), and their covariance, to first order, into `covariance_out`.
 
     White noise acts on the travel of every rolling joint all along the step: where it acts, it displaces the
     body by the `jacobian`, and what is left of the step carries that on. Integrated over the step instead of
@@ -191,12 +204,10 @@ def grow_covariance(
 
     Parameters
     ----------
-    covariance
-        Before the step, (N, 3, 3).
-    headings
-        Poses (N, 3) before the step; only their headings [rad] count.
-    twists
-        The body's motion over the step (forward [m], left [m], turn [rad]), (N, 3).
+    poses, covariance
+        Before the step, (N, 3) and (N, 3, 3).
+    displacements, twists
+        The body's motion over the step: where it ends in its frame at the start, and along which arc, (N, 3).
     jacobian
         The body's motion (forward, left, turn) per metre of travel of each rolling joint, (N, 3, r).
     before, after
@@ -211,7 +222,7 @@ def grow_covariance(
     for i in range(covariance.shape[0]):
         _grow_row(
             covariance[i],
-            headings[i, 2],
+            poses[i, 2],
             twists[i, 0],
             twists[i, 1],
             twists[i, 2],
@@ -221,5 +232,6 @@ def grow_covariance(
             rolling,
             radius[i],
             variance[i, 0],
-            out[i],
+            covariance_out[i],
         )
+    compose(poses, displacements, poses_out)

@@ -11,6 +11,7 @@ together.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,17 @@ _WIDE = 8  # beams
 # Rows of the room to work in for the bodies near a scan: where each is as seen from there, its circle [m], how far off
 # it is [m], and between which turns the beams are that might meet it.
 _X, _Y, _CIRCLE, _AWAY, _RIGHT, _LEFT = range(6)
+
+
+class _Room(NamedTuple):
+    """Arrays that casting works in."""
+
+    edges: Floats  # (vertices of the largest body, 5)
+    starts: Ints  # (_SECTORS + 2,)
+    beams: Floats  # (BEAM_ROWS, k)
+    which: Ints  # (_TOGETHER,)
+    near: Floats  # (6, _TOGETHER)
+    box: Floats  # (4, _WIDE)
 
 
 @part
@@ -181,6 +193,25 @@ def _bounds(beams: Floats, ranges: Floats, limit: float, box: Floats) -> None:
 
 
 @part
+def _has_company(table: BodyHash, replica: int, own: int, x: float, y: float, reach: float, widest: float) -> bool:
+    """Whether any other body may come within `reach` [m] of a place: most rows of many replicas need no beams."""
+    slack = rounding_slack(abs(x) + abs(y))
+    around = reach + widest * (1.0 + 1e-9) + slack
+    row0, rows = window(y, around, table.side, table.rows)
+    col0, cols = window(x, around, table.side, table.cols)
+    for run in range(2 * rows if col0 + cols > table.cols else rows):
+        place, last = run_of_bodies(table, replica, row0, rows, col0, cols, run)
+        for n in range(place, last):
+            away_x = table.disc[n, 0] - x
+            away_y = table.disc[n, 1] - y
+            # Larger than it needs to be by far more than rounding can matter.
+            far = (reach + table.disc[n, 2] + slack) * (1.0 + 1e-8)
+            if table.owner[n] != own and away_x * away_x + away_y * away_y <= far * far:
+                return True
+    return False
+
+
+@part
 def _cast_rows(
     bodies: Bodies,
     body_pose: Floats,
@@ -192,16 +223,12 @@ def _cast_rows(
     cos_b: Floats,
     sin_b: Floats,
     range_max: Floats,
-    edges: Floats,
-    starts: Ints,
-    beams: Floats,
-    which: Ints,
-    near: Floats,
-    box: Floats,
+    room: _Room,
     out: Floats,
     hit: Ints,
 ) -> None:
-    """`cast_bodies` with scratch arrays."""
+    """`cast_bodies`, with room to work in."""
+    edges, starts, beams, which, near, box = room
     in_order = False
     for i in range(out.shape[0]):
         beam_row = min(i, cos_b.shape[0] - 1)
@@ -210,6 +237,8 @@ def _cast_rows(
         limit = range_max[min(i, range_max.shape[0] - 1)]
         origin_x = origins[i, 0]
         origin_y = origins[i, 1]
+        if not _has_company(table, replica[i], own[i], origin_x, origin_y, limit, widest):
+            continue
         cos_h = math.cos(origins[i, 2])
         sin_h = math.sin(origins[i, 2])
         for b in range(beams.shape[1]):
@@ -323,12 +352,14 @@ def cast_bodies(
         cos_b,
         sin_b,
         range_max,
-        np.empty((edge_rows, 5)),
-        np.empty(_SECTORS + 2, dtype=np.int64),
-        np.empty((BEAM_ROWS, beams)),
-        np.empty(_TOGETHER, dtype=np.int64),
-        np.empty((6, _TOGETHER)),
-        np.empty((4, _WIDE)),
+        _Room(
+            np.empty((edge_rows, 5)),
+            np.empty(_SECTORS + 2, dtype=np.int64),
+            np.empty((BEAM_ROWS, beams)),
+            np.empty(_TOGETHER, dtype=np.int64),
+            np.empty((6, _TOGETHER)),
+            np.empty((4, _WIDE)),
+        ),
         out,
         hit,
     )

@@ -8,7 +8,7 @@ at its end. Walls that are boxes of occupied cells need no ray at all (`amorsim.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from amorsim.kernels.raycast.cone_boxes import NEXT, bearing_of, enter_box
 from amorsim.kernels.raycast.cone_cells import SAFETY
 from amorsim.kernels.raycast.rays import direction, march, rounding
 
-__all__ = ["AT_ONCE", "ROOM", "hear_walls"]
+__all__ = ["AT_ONCE", "ROOM", "Cone", "Eye", "WallRoom", "hear_walls"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -34,6 +34,38 @@ _NOWHERE, _FARTHEST = 0x7FF0000000000000, 0x7FFFFFFFFFFFFFFF  # the bits of inf,
 _TINY = 1e-300
 _TOUCH = 1e-3  # [cells]
 _STEPS = 12  # cells that a ray walks before it jumps
+
+
+class Cone(NamedTuple):
+    """A cone of rays, evenly spread from -half_angle to half_angle."""
+
+    half_angle: float
+    edge: Floats  # cosine and sine of half_angle
+    cos_b: Floats  # (1, k) cosines and sines of the rays' bearings
+    sin_b: Floats
+
+
+class Eye(NamedTuple):
+    """The point of a cone in the map's frame, its cell, and the direction of its axis."""
+
+    x: float
+    y: float
+    col: int
+    row: int
+    cos_h: float
+    sin_h: float
+
+
+class WallRoom(NamedTuple):
+    """The walls about a place, as `walls_about` writes them for M walls, and arrays to work in."""
+
+    found: Integers  # (M,)
+    about: Floats  # (6, M + AT_ONCE)
+    away: Floats  # (M,)
+    candidates: Integers  # (M,)
+    rings: Integers  # (RINGS + 2,)
+    f: Floats  # (ROOM,)
+    bits: Integers  # the same memory
 
 
 @part
@@ -209,26 +241,14 @@ def _rays_between(
 
 @part
 def _cast_about(
-    grid: Grid,
-    walls: Floats,
-    m: int,
-    x: float,
-    y: float,
-    col: int,
-    row: int,
-    cos_h: float,
-    sin_h: float,
-    half_angle: float,
-    cos_b: Floats,
-    sin_b: Floats,
-    range_max: float,
-    least: float,
-    casts: bool,
+    grid: Grid, walls: Floats, m: int, eye: Eye, cone: Cone, range_max: float, least: float, casts: bool
 ) -> float:
     """The less of `least` and the distance along the rays that wall `m` bounds nearer.
 
     Less than 0 where rays are needed and none `casts`, or where the point may be within what the wall occupies.
     """
+    x, y, col, row, cos_h, sin_h = eye
+    half_angle, _, cos_b, sin_b = cone
     what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, least * (1.0 + SAFETY))
     if what == PASSED:
         return least
@@ -267,32 +287,22 @@ def _cast_about(
 def hear_walls(
     grid: Grid,
     lines: SegmentIndex,
-    x: float,
-    y: float,
-    col: int,
-    row: int,
-    cos_h: float,
-    sin_h: float,
-    half_angle: float,
-    edge: Floats,
-    cos_b: Floats,
-    sin_b: Floats,
+    eye: Eye,
+    cone: Cone,
     range_max: float,
-    found: Integers,
-    about: Floats,
-    away: Floats,
+    room: WallRoom,
     count: int,
     aside: float,
     casts: bool,
-    f: Floats,
-    bits: Integers,
 ) -> tuple[bool, float]:
     """The least over all rays, from a free cell, by the walls around it; or False if they do not decide it.
 
-    The first `count` of `found`, `about` and `away` are of `lines.walls_about`, found at a place `aside` [m] from here;
-    `about` has `AT_ONCE` columns more. False also if rays are needed and `casts` is not set. `f` (`ROOM`,) is room
-    to work in, and `bits` the same.
+    The room holds `count` walls, found at a place `aside` [m] from here. False also if rays are needed and `casts` is
+    not set.
     """
+    x, y, col, row, cos_h, sin_h = eye
+    half_angle, edge, cos_b, sin_b = cone
+    found, about, away, f, bits = room.found, room.about, room.away, room.f, room.bits
     walls = lines.walls
     step = 2.0 * half_angle / (cos_b.shape[1] - 1)
     # The first distance that is out of range.
@@ -325,9 +335,7 @@ def hear_walls(
             if m == cast:
                 continue
             cast = m
-            nearest = _cast_about(
-                grid, walls, m, x, y, col, row, cos_h, sin_h, half_angle, cos_b, sin_b, range_max, least, casts
-            )
+            nearest = _cast_about(grid, walls, m, eye, cone, range_max, least, casts)
             if nearest < 0.0:
                 return False, 0.0
             least = nearest

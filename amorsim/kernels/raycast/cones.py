@@ -16,10 +16,10 @@ from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SegmentIndex, walls_about
 from amorsim.kernels.raycast.cone_cells import SAFETY, WIDEST, ask_cells
-from amorsim.kernels.raycast.cone_walls import AT_ONCE, ROOM, hear_walls
+from amorsim.kernels.raycast.cone_walls import AT_ONCE, ROOM, Cone, Eye, WallRoom, hear_walls
 from amorsim.kernels.raycast.rays import cell_of, to_frame
 
-__all__ = ["cast_cones", "hear"]
+__all__ = ["cast_cones"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -30,32 +30,20 @@ _FINE = 400  # cells in the range; from here on, looking up walls is always fast
 
 
 @part
-def hear(
+def _hear(
     grid: Grid,
     lines: SegmentIndex,
     origin_x: float,
     origin_y: float,
     yaw: float,
     poses: Floats,
-    half_angle: float,
-    cos_b: Floats,
-    sin_b: Floats,
+    cone: Cone,
     range_max: Floats,
-    edge: Floats,
-    found: Integers,
-    candidates: Integers,
-    about: Floats,
-    away: Floats,
-    rings: Integers,
-    f: Floats,
-    bits: Integers,
+    room: WallRoom,
     out: Floats,
 ) -> None:
-    """Write what `cast_cones` does, with room to work in.
-
-    Two as long as there are walls, (6, walls and `cone_walls.AT_ONCE`), one as long as walls, `RINGS` + 2, and
-    `cone_walls.ROOM`, twice the same memory; `edge` holds cosine and sine of half the cone's angle.
-    """
+    """`cast_cones`, with room to work in."""
+    half_angle, edge, cos_b, sin_b = cone
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
     resolution = grid.resolution
@@ -78,30 +66,11 @@ def hear(
             aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
             if not aside + reach <= here_reach:
                 here_x, here_y, here_reach, aside = x, y, reach + _NEARBY, 0.0
-                count = walls_about(lines, x, y, here_reach, found, about, away, candidates, rings)
-            heard, least = hear_walls(
-                grid,
-                lines,
-                x,
-                y,
-                col,
-                row,
-                cos_h,
-                sin_h,
-                half_angle,
-                edge,
-                cos_b,
-                sin_b,
-                reach,
-                found,
-                about,
-                away,
-                count,
-                aside * (1.0 + SAFETY),
-                is_fine,
-                f,
-                bits,
-            )
+                count = walls_about(
+                    lines, x, y, here_reach, room.found, room.about, room.away, room.candidates, room.rings
+                )
+            eye = Eye(x, y, col, row, cos_h, sin_h)
+            heard, least = hear_walls(grid, lines, eye, cone, reach, room, count, aside * (1.0 + SAFETY), is_fine)
             if heard:
                 out[n] = least
                 continue
@@ -127,31 +96,16 @@ def cast_cones(
     Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
     and `range_max` (N,).
     """
-    edge = np.array([math.cos(half_angle), math.sin(half_angle)])
-    found = np.empty(lines.walls.shape[1], dtype=np.int64)
-    candidates = np.empty(lines.walls.shape[1], dtype=np.int64)
-    about = np.empty((6, lines.walls.shape[1] + AT_ONCE))
-    away = np.empty(lines.walls.shape[1])
-    rings = np.empty(RINGS + 2, dtype=np.int64)
+    cone = Cone(half_angle, np.array([math.cos(half_angle), math.sin(half_angle)]), cos_b, sin_b)
+    walls = lines.walls.shape[1]
     f = np.empty(ROOM)
-    hear(
-        grid,
-        lines,
-        origin_x,
-        origin_y,
-        yaw,
-        poses,
-        half_angle,
-        cos_b,
-        sin_b,
-        range_max,
-        edge,
-        found,
-        candidates,
-        about,
-        away,
-        rings,
+    room = WallRoom(
+        np.empty(walls, dtype=np.int64),
+        np.empty((6, walls + AT_ONCE)),
+        np.empty(walls),
+        np.empty(walls, dtype=np.int64),
+        np.empty(RINGS + 2, dtype=np.int64),
         f,
         f.view(np.int64),
-        out,
     )
+    _hear(grid, lines, origin_x, origin_y, yaw, poses, cone, range_max, room, out)

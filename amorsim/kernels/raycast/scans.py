@@ -11,17 +11,17 @@ its word, goes on by itself from where it is, by `march`.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.grid.grid import Grid, is_occupied
-from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, bound_scan, bucket_of
+from amorsim.kernels.grid.segments import RINGS, SAFETY, SegmentIndex, SortedBeams, bound_scan, bucket_of
 from amorsim.kernels.raycast.rays import cell_of, direction, march, rounding, to_frame
 
-__all__ = ["COARSE", "FINE", "LANES", "ROOM_F", "ROOM_Q", "ROOM_RINGS", "cast_scan", "cast_scans"]
+__all__ = ["cast_scans"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -29,7 +29,6 @@ Integers = NDArray[np.int64]
 _FEW = 12  # beams of a scan, or rows of a table, below which preparing them costs more than it saves
 FINE, COARSE = 256.0, 64.0  # sectors in a quarter turn, of a table for many rows and of one for few
 LANES = 64  # beams that go together
-ROOM_RINGS = RINGS + 2  # whole numbers that a scan needs to put walls in order
 _STEPS = 8  # cells they go at most; few need more
 
 # Where the quantities of these beams start in the one array of numbers and the one of whole numbers. Constant distances
@@ -37,7 +36,7 @@ _STEPS = 8  # cells they go at most; few need more
 _DX, _DY, _BETWEEN_X, _BETWEEN_Y, _NEXT_X, _NEXT_Y, _COL, _ROW, _RANGE = (i * LANES for i in range(9))
 _STATE, _WORD, _PLACE, _STEP_X, _STEP_Y, _FIRST, _SUPER, _TABLE, _PAGE = (i * LANES for i in range(9))
 _LEFT = _FIRST  # in the end, whether a beam has to go on by itself
-ROOM_F, ROOM_Q = 9 * LANES, 9 * LANES
+_ROOM = 9 * LANES
 
 # States: on its way; has entered an occupied cell by a line of either axis; must go on alone, from its place in the
 # word or from the start.
@@ -47,11 +46,21 @@ _ROW_UNIT = 256
 _BEYOND_WORD = ~0x0707
 
 
+class _Room(NamedTuple):
+    """Arrays that a scan works in."""
+
+    blocks: Integers  # as long as the lines have blocks, like `away`
+    away: Floats
+    rings: Integers
+    nearness: Floats  # one for each beam, filled up to whole lanes
+    f: Floats
+    q: Integers
+
+
 @part
-def sort_beams(
-    cos_b: Floats, sin_b: Floats, scale: float, order: Integers, starts: Integers, cos_s: Floats, sin_s: Floats
-) -> None:
+def _sort_beams(cos_b: Floats, sin_b: Floats, into: SortedBeams) -> None:
     """Write beams (k,) in the order of their sectors, and at which of them each sector starts."""
+    order, cos_s, sin_s, starts, scale = into
     starts[:] = 0
     for k in range(cos_b.shape[0]):
         starts[bucket_of(cos_b[k], sin_b[k], 0.0, scale) + 1] += 1
@@ -78,8 +87,7 @@ def _aim(
     cos_h: float,
     sin_h: float,
     first: int,
-    cos_s: Floats,
-    sin_s: Floats,
+    beams: SortedBeams,
     nearness: Floats,
     beyond: float,
     slack: float,
@@ -94,6 +102,7 @@ def _aim(
     resolution = grid.resolution
     start_x = x / resolution
     start_y = y / resolution
+    cos_s, sin_s = beams.cos_b, beams.sin_b
     doubt = 2.0 * rounding(grid, 1.0, 1.0)
     for i in range(LANES):
         # Unsigned, for a number that could be negative would be looked at first, and what it counts gathered.
@@ -235,39 +244,22 @@ def _measure(
 
 
 @part
-def cast_scan(
+def _cast_scan(
     grid: Grid,
     lines: SegmentIndex,
     x: float,
     y: float,
     heading: float,
     reach: float,
-    cos_s: Floats,
-    sin_s: Floats,
-    order: Integers,
-    starts: Integers,
-    scale: float,
-    blocks: Integers,
-    away: Floats,
-    rings: Integers,
-    nearness: Floats,
-    f: Floats,
-    q: Integers,
+    beams: SortedBeams,
+    room: _Room,
     out: Floats,
 ) -> None:
-    """Write the distances (k,) of a scan from a pose in the map's frame, by beams in the order of their sectors.
-
-    Parameters
-    ----------
-    cos_s, sin_s
-        Of the beams' bearings in that order, filled up to whole lanes, (L,).
-    order, starts, scale
-        Which beam each is (k,), and the sectors (`amorsim.kernels.grid.segments.bucket_of`).
-    blocks, away, rings, nearness, f, q
-        Room to work in: two as long as the lines have blocks, `ROOM_RINGS`, (L,), `ROOM_F` and `ROOM_Q`.
-    """
+    """Write the distances (k,) of a scan from a pose in the map's frame."""
     resolution = grid.resolution
-    beams = out.shape[0]
+    order, cos_s, sin_s = beams.order, beams.cos_b, beams.sin_b
+    nearness, f, q = room.nearness, room.f, room.q
+    count = out.shape[0]
     cos_h = math.cos(heading)
     sin_h = math.sin(heading)
     is_nan = x != x or y != y or cos_h != cos_h
@@ -275,30 +267,28 @@ def cast_scan(
     col = cell_of(x, resolution) if inside else -1
     row = cell_of(y, resolution) if inside else -1
     if is_nan or is_occupied(grid, row, col):
-        for k in range(beams):
+        for k in range(count):
             out[k] = np.nan if is_nan else 0.0
         return
     slack = 2.0 * rounding(grid, 1.0, 1.0)
     # A beam no nearer than this has nothing within the range.
     beyond = 1.0 / (reach * (1.0 + 2.0 * SAFETY))
-    bounded = lines.walls.shape[1] > 0 and beams >= _FEW and reach > resolution
+    bounded = lines.walls.shape[1] > 0 and count >= _FEW and reach > resolution
     if bounded:
         nearness[:] = beyond
-        bounded = bound_scan(
-            lines, x, y, cos_h, sin_h, reach, starts, scale, cos_s, sin_s, blocks, away, rings, f, nearness
-        )
-    for first in range(0, beams, LANES):
-        count = min(LANES, beams - first)
+        bounded = bound_scan(lines, x, y, cos_h, sin_h, reach, beams, room.blocks, room.away, room.rings, f, nearness)
+    for first in range(0, count, LANES):
+        now = min(LANES, count - first)
         if bounded:
-            _aim(grid, x, y, cos_h, sin_h, first, cos_s, sin_s, nearness, beyond, slack, f, q)
+            _aim(grid, x, y, cos_h, sin_h, first, beams, nearness, beyond, slack, f, q)
             _fetch(grid, f, q)
             _walk(slack, f, q)
-            some_left = _measure(resolution, x, y, reach, beyond, first, count, nearness, f, q)
-            for i in range(count):
+            some_left = _measure(resolution, x, y, reach, beyond, first, now, nearness, f, q)
+            for i in range(now):
                 out[np.uint64(order[np.uint64(first) + np.uint64(i)])] = f[i + _RANGE]
             if not some_left:
                 continue
-        for i in range(count):
+        for i in range(now):
             start_col = col
             start_row = row
             if bounded:
@@ -346,19 +336,21 @@ def cast_scans(
     """
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
-    beams = out.shape[1]
+    count = out.shape[1]
     scale = FINE if cos_b.shape[0] == 1 and poses.shape[0] >= _FEW else COARSE
-    starts = np.empty(int(4.0 * scale) + 1, dtype=np.int64)
-    order = np.arange(beams)
-    lanes = (beams + LANES - 1) // LANES * LANES
-    cos_s = np.ones(lanes)
-    sin_s = np.zeros(lanes)
-    nearness = np.empty(lanes)
-    blocks = np.empty(lines.boxes.shape[1], dtype=np.int64)
-    away = np.empty(lines.boxes.shape[1])
-    rings = np.empty(ROOM_RINGS, dtype=np.int64)
-    f = np.empty(ROOM_F)
-    q = np.empty(ROOM_Q, dtype=np.int64)
+    lanes = (count + LANES - 1) // LANES * LANES
+    beams = SortedBeams(
+        np.arange(count), np.ones(lanes), np.zeros(lanes), np.empty(int(4.0 * scale) + 1, dtype=np.int64), scale
+    )
+    blocks = lines.boxes.shape[1]
+    room = _Room(
+        np.empty(blocks, dtype=np.int64),
+        np.empty(blocks),
+        np.empty(RINGS + 2, dtype=np.int64),
+        np.empty(lanes),
+        np.empty(_ROOM),
+        np.empty(_ROOM, dtype=np.int64),
+    )
     sorted_row = -1
     for n in range(poses.shape[0]):
         x, y = to_frame(poses[n, 0], poses[n, 1], origin_x, origin_y, cos_yaw, sin_yaw)
@@ -366,25 +358,6 @@ def cast_scans(
         reach = range_max[n if range_max.shape[0] > 1 else 0]
         b = n if cos_b.shape[0] > 1 else 0
         if b != sorted_row:
-            sort_beams(cos_b[b], sin_b[b], scale, order, starts, cos_s, sin_s)
+            _sort_beams(cos_b[b], sin_b[b], beams)
             sorted_row = b
-        cast_scan(
-            grid,
-            lines,
-            x,
-            y,
-            heading,
-            reach,
-            cos_s,
-            sin_s,
-            order,
-            starts,
-            scale,
-            blocks,
-            away,
-            rings,
-            nearness,
-            f,
-            q,
-            out[n],
-        )
+        _cast_scan(grid, lines, x, y, heading, reach, beams, room, out[n])

@@ -21,7 +21,7 @@ _HALF = np.uint64(32)
 
 # Arrays in a kernel call: a fixed number, because each number would be compiled separately.
 _BATCH = 8
-_NOTHING = np.empty((0, 0))
+_PADDING = [np.empty((0, 0))] * _BATCH
 
 
 @part
@@ -57,6 +57,6 @@ def _absorb(
 def absorb(values: Sequence[npt.NDArray[np.float64]], out: npt.NDArray[np.uint64]) -> None:
     """Mix the bits of arrays (N, k), C-contiguous and writeable, into the fingerprints `out` (N, 2), in order."""
     for start in range(0, len(values), _BATCH):
-        batch = [*values[start : start + _BATCH], *(_NOTHING,) * _BATCH]
-        a, b, c, d, e, f, g, h = batch[:_BATCH]
+        batch = [*values[start : start + _BATCH]]
+        a, b, c, d, e, f, g, h = batch + _PADDING[len(batch) :]
         _absorb(a, b, c, d, e, f, g, h, out)

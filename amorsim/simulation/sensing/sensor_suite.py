@@ -23,9 +23,9 @@ class SensorSuite:
     """The sensors of `rows` robots, laid out when their parameters are set."""
 
     def __init__(self, units: Sequence[SensorUnit], rows: int) -> None:
-        self._units = units
         ends = np.cumsum([0, *(rows * unit.size for unit in units)]).tolist()
-        self._places = [slice(begin, end) for begin, end in itertools.pairwise(ends)]
+        places = itertools.starmap(slice, itertools.pairwise(ends))
+        self._laid_out = list(zip(units, places, strict=True))
         self._values = ends[-1]
         self._noise = NoiseProgram([unit.size for unit in units], [unit.chain.steps or () for unit in units])
 
@@ -33,13 +33,11 @@ class SensorSuite:
         """Read the sensors that are due, and deliver the readings that arrive."""
         samples: list[tuple[SensorUnit, slice, Sample]] = []
         values = np.zeros(self._values)  # of all devices; zeros for those that are not due
-        for unit, place in zip(self._units, self._places, strict=True):
-            due, count = unit.due(row_clock)
-            if count == 0:
+        for unit, place in self._laid_out:
+            sample = unit.look(view, row_clock)
+            if sample is None:
                 unit.wait(row_clock)
-                continue
-            sample = unit.look(view, row_clock, due, count)
-            if unit.chain.steps is None:  # now, because its elements may use the view while it is set to this sensor
+            elif unit.chain.steps is None:  # now, because its elements may use the view while it is set to this sensor
                 unit.take(sample, unit.corrupted(sample), row_clock)
             else:
                 values[place] = sample.values.ravel()
@@ -49,7 +47,7 @@ class SensorSuite:
                 unit.check(sample.values, "sense()")
         measured = self._noise.apply(values)
         if has_nan(measured):
-            for unit, place, sample in samples:
-                unit.check_noise(measured[place].reshape(sample.values.shape))
+            for unit, place, _ in samples:
+                unit.check_noise(measured[place].reshape(unit.shape))
         for unit, place, sample in samples:
-            unit.take(sample, measured[place].reshape(sample.values.shape), row_clock)
+            unit.take(sample, measured[place].reshape(unit.shape), row_clock)

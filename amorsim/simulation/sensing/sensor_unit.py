@@ -26,6 +26,7 @@ Array = npt.NDArray[np.float64]
 Ticks = npt.NDArray[np.int64]
 
 _AHEAD = Aim()
+_NOTHING_KEPT: list[State] = []
 _HELD = ("true", "measured", "stamp", "last", "age", "fresh")
 
 
@@ -56,7 +57,8 @@ class SensorUnit:
         self.sensor: Sensor = specified.sensor
         self.state: State = {}
         self.mount: Array = np.zeros((1, 3))
-        self._shape = 1, size
+        self.shape = 1, size
+        self._is_prompt = False
         self._rate: Array | None = None
         self._delay: Ticks = np.zeros((1, 1), dtype=np.int64)  # latency [ticks]
         self._latency: Array = np.zeros((1, 1))
@@ -85,12 +87,14 @@ class SensorUnit:
         """Take the true parameters of every row, and the chains, rates and latencies."""
         self.sensor = stack([unit.sensor for unit in true])
         self.mount = np.array([[unit.mount.x, unit.mount.y, unit.mount.heading] for unit in true])
-        self._shape = len(true), self.size
+        self.shape = len(true), self.size
         self.chain.set_parameters([unit.noise for unit in true])
         rates = [math.inf if unit.rate is None else unit.rate for unit in true]
         self._rate = None if all(rate * dt >= 1 - delivery.TOLERANCE for rate in rates) else np.array([rates]).T
         self._latency = np.array([[unit.latency] for unit in true])
         self._slots = samples_under_way(self._latency + self.chain.longest_delay(), dt) + 1
+        # Whether it reads in every step, and every reading arrives at once.
+        self._is_prompt = self._rate is None and self._slots == 1
         self._delay = np.ceil(self._latency / dt - delivery.TOLERANCE).astype(np.int64)
 
     def start(self, context: Context) -> None:
@@ -113,11 +117,6 @@ class SensorUnit:
                 latest=np.zeros((rows, 1), dtype=np.int64),
             )
 
-    @property
-    def is_prompt(self) -> bool:
-        """Whether it reads in every step, and every reading arrives at once."""
-        return self._rate is None and self._slots == 1
-
     def due(self, row_clock: RowClock) -> tuple[npt.NDArray[np.bool_], int]:
         """The rows that read at this tick, the first at or after each due time `(N, 1)`, and their number."""
         if self._rate is None:
@@ -125,18 +124,18 @@ class SensorUnit:
         due = np.empty_like(row_clock.always)
         return due, delivery.due_rows(row_clock.tick, self._rate, row_clock.dt, due)
 
-    def look(self, view: GroupView, row_clock: RowClock, due: npt.NDArray[np.bool_], count: int) -> Sample:
-        """Sense for all rows, of which `count` are due."""
-        if count == len(due):
-            kept, last = [], row_clock.tick
-        else:
-            kept = [{k: v.copy() for k, v in state.items()} for state in (self.state, *self.chain.states)]
-            last = np.where(due, row_clock.tick, self.last)
-        if self._rate is None:
-            elapsed = row_clock.elapsed
-        else:
+    def look(self, view: GroupView, row_clock: RowClock) -> Sample | None:
+        """Sense, if any row is due."""
+        due, kept, last, elapsed = row_clock.always, _NOTHING_KEPT, row_clock.tick, row_clock.elapsed
+        if self._rate is not None:
+            due, count = self.due(row_clock)
+            if count == 0:
+                return None
             elapsed = np.where(self.last < 0, 0.0, (row_clock.tick - self.last) * row_clock.dt)
-        view.mount, view.sensor = self.mount, self.name
+            if count < len(due):
+                kept = [{k: v.copy() for k, v in state.items()} for state in (self.state, *self.chain.states)]
+                last = np.where(due, row_clock.tick, self.last)
+        view.use(self.mount, self.name)
         try:
             if self.chain.aims:
                 before = {key: value.copy() for key, value in self.state.items()}
@@ -151,7 +150,7 @@ class SensorUnit:
                 true = values
         except RAISED as error:
             self.blame(error)
-        if problem := array_problem(values, "values", self._shape, "sense()"):
+        if problem := array_problem(values, "values", self.shape, "sense()"):
             raise self.whose.wrong(self._what, self.sensor, problem)
         return Sample(due, true, values, side, elapsed, last, kept)
 
@@ -174,11 +173,14 @@ class SensorUnit:
             for state, old in zip((self.state, *self.chain.states), sample.kept, strict=True):
                 for key, before in old.items():
                     state[key] = _choose(sample.due, state[key], before)
-        self.deliver(sample.due, sample.true, measured, sample.last, row_clock)
+        if self._is_prompt:
+            self._hold(sample.true, measured, sample.last, sample.last, row_clock.now, row_clock.always)
+        else:
+            self._deliver(sample.due, sample.true, measured, sample.last, row_clock)
 
     def check(self, values: Any, by: str) -> None:
         """Raise unless values are numbers `(N, k)`; inf is valid, for beams without a return."""
-        if problem := array_problem(values, "values", self._shape, by):
+        if problem := array_problem(values, "values", self.shape, by):
             raise self.whose.wrong(self._what, self.sensor, problem)
         if np.isnan(values).any():
             told = np.where(np.isinf(values), 0.0, values)
@@ -192,14 +194,11 @@ class SensorUnit:
         """Raise the sensor's exception as `Whose.blame` does."""
         self.whose.blame(self._what, self.sensor, error)
 
-    def deliver(
+    def _deliver(
         self, due: npt.NDArray[np.bool_], true: Array, measured: Array, last: Ticks, row_clock: RowClock
     ) -> None:
         """Update the robots' readings after this tick's samples; rows that are not due have no sample."""
         tick = row_clock.tick
-        if self.is_prompt:
-            self._hold(true, measured, tick, last, row_clock.now, row_clock.always)
-            return
         before = delivery.Reading(self.true, self.measured, self.stamp, self.age, self.fresh)
         after = _room_for(*self.true.shape)
         true, measured = _floats(true), _floats(measured)
@@ -212,7 +211,7 @@ class SensorUnit:
 
     def wait(self, row_clock: RowClock) -> None:
         """Deliver the readings that arrive at a tick at which no row is due."""
-        self.deliver(np.zeros_like(row_clock.always), self.true, self.measured, self.last, row_clock)
+        self._deliver(np.zeros_like(row_clock.always), self.true, self.measured, self.last, row_clock)
 
     # ------------------------------------------------------------------------------------ for snapshots and resets
 

@@ -50,9 +50,9 @@ class GroupView:
         self.joints: Array = np.zeros((self.rows, 0))
         self.joint_rates: Array = np.zeros((self.rows, 0))
         self.free: Array = np.ones((self.rows, 1))
-        self.sensor = ""  # the name of the sensor in use
+        self.mount: Array = np.zeros((self.rows, 3))  # of the sensor in use, set by `use` like its name
+        self.sensor = ""
         self._pose: Array | None = None
-        self._mount: Array = np.zeros((self.rows, 3))
 
     @property
     def names(self) -> Sequence[str]:
@@ -64,21 +64,15 @@ class GroupView:
         """The threads that share the rows of long work."""
         return self._world.workers
 
-    @property
-    def mount(self) -> Array:
-        """The true mounts `(N, 3)` of the sensor in use."""
-        return self._mount
-
-    @mount.setter
-    def mount(self, mount: Array) -> None:
-        self._mount = mount
-        self._pose = None
+    def use(self, mount: Array, sensor: str = "") -> None:
+        """Look from true mounts `(N, 3)`, as the sensor of a name."""
+        self.mount, self.sensor, self._pose = mount, sensor, None
 
     @property
     def pose(self) -> Array:
         """The true poses `(N, 3)` of the sensor's mount in the world."""
         if self._pose is None:
-            self._pose = compose(self.body_pose, self._mount)
+            self._pose = compose(self.body_pose, self.mount)
         return self._pose
 
     def cast(
@@ -246,10 +240,9 @@ class GroupView:
 
     def _cones(self, origins: Array, half_angle: float, limits: Array, traversal: str) -> Array:
         """The nearest returns `(N * m,)` in cones of one width."""
-        bearings = cone_bearings(half_angle)
         if traversal == "bresenham":
-            return np.asarray(self.cast(origins, bearings, limits[:, None], traversal).min(axis=1))
-        table = self._table(bearings)
+            return np.asarray(self.cast(origins, cone_bearings(half_angle), limits[:, None], traversal).min(axis=1))
+        table = _cone_directions(half_angle)
         out = np.empty(len(origins))
         world = self._world
 
@@ -290,6 +283,12 @@ def cone_bearings(half_angle: float) -> Array:
     """The rays of a cone `(1, k)`: both edges, and between them at most 0.05 degrees apart."""
     count = max(2, math.ceil(2.0 * half_angle / CONE_STEP - 1e-9) + 1)
     return np.linspace(-half_angle, half_angle, count)[None, :]
+
+
+@functools.lru_cache(maxsize=64)
+def _cone_directions(half_angle: float) -> Table:
+    """Cosines and sines of a cone's rays."""
+    return directions_of(cone_bearings(half_angle))
 
 
 def directions_of(bearings: Array) -> Table:
