@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from typing import Any, NotRequired, TypedDict
 
-from amorsim.ui.forms.description import Choice, FieldForm, Widget
+from amorsim.ui.forms.description import FieldForm, Widget
 
 __all__ = [
     "EventLine",
