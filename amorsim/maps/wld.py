@@ -25,7 +25,7 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import attrs
 import numpy as np
@@ -37,7 +37,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.reading import read_bytes, reason
 
-__all__ = ["LineWorld", "Wld", "parse_world"]
+__all__ = ["LineWorld", "WallLine", "Wld", "direction", "in_millimetres", "parse_world"]
 
 _PUSH_SIGNS = {"clockwise": -1.0, "anticlockwise": 1.0}
 # Farther out, a double no longer resolves a thousandth of a 1 mm cell.
@@ -55,19 +55,30 @@ _Place = tuple[float, float, float]
 """Where a frame is in the world: x [mm], y [mm], heading [deg, anticlockwise]."""
 
 
+class WallLine(NamedTuple):
+    """Where a wall is written: the line, counted from 1, its frame, and whether it is four numbers and not a word's."""
+
+    line: int
+    frame: _Place
+    is_plain: bool
+
+
 @attrs.frozen(kw_only=True, eq=False)
 class LineWorld:
     """The content of a line world, in SI units.
 
     `segments` are the walls, (M, 4) world metres ``x1 y1 x2 y2``; `extent` is the smallest
     ``(xmin, ymin, xmax, ymax)`` [m] that holds them and the size given; `start` is the robot's
-    ``(x, y, heading)`` [m, m, rad] or None; `warnings` tell which lines were left out and why.
+    ``(x, y, heading)`` [m, m, rad] or None; `warnings` tell which lines were left out and why. `lines` say where each
+    wall is written, and `outside` is the last line after which no frame is open.
     """
 
     segments: NDArray[np.float64]
     extent: tuple[float, float, float, float]
     start: tuple[float, float, float] | None
     warnings: tuple[str, ...]
+    lines: tuple[WallLine, ...]
+    outside: int
 
 
 @attrs.frozen(kw_only=True)
@@ -133,16 +144,16 @@ class Wld(MapLoader):
             raise MapError("the map was not made from lines, and a line world holds nothing else; save it as .png")
         left, bottom, _ = world.origin
         width, height = world.size
-        lines = [f"origin {_mm(left)} {_mm(bottom)}", f"width {_mm(width)}", f"height {_mm(height)}"]
+        lines = [f"origin {in_millimetres(left)} {in_millimetres(bottom)}", f"width {in_millimetres(width)}", f"height {in_millimetres(height)}"]
         if world.start is not None:
             x, y, heading = world.start
-            lines.append(f"position {_mm(x)} {_mm(y)} {math.degrees(heading)!r}")
-        lines += [" ".join(map(_mm, wall)) for wall in world.segments.tolist()]
+            lines.append(f"position {in_millimetres(x)} {in_millimetres(y)} {math.degrees(heading)!r}")
+        lines += [" ".join(map(in_millimetres, wall)) for wall in world.segments.tolist()]
         path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
         return cls(resolution=world.resolution)
 
 
-def _mm(metres: float) -> str:
+def in_millimetres(metres: float) -> str:
     """A length in the file's millimetres, such that dividing by 1000 gives the same number, where there is one."""
     near = metres * 1000
     for value in (float(round(near)), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
@@ -197,12 +208,15 @@ class _Reader:
         self._origin: tuple[float, float] | None = None
         self._start: _Place | None = None
         self._warnings: list[str] = []
+        self._lines: list[WallLine] = []
+        self._outside = 0
 
     def read(self, number: int, line: str) -> None:
         """Take in one line."""
         self._line = number
         words = _words(line)
         if not words:
+            self._outside = self._outside if self._outer else number
             return
         try:
             word = words[0].lower()
@@ -214,6 +228,8 @@ class _Reader:
                 raise _LineError(f"{words[0]!r} is no statement.{did_you_mean(word, _STATEMENTS)}")
         except _LineError as complaint:
             self._warn(f"left out {' '.join(words)!r}: {complaint}")
+        if not self._outer:
+            self._outside = number
 
     def finish(self) -> LineWorld:
         """The world read so far, in metres."""
@@ -228,7 +244,14 @@ class _Reader:
             start = (x / 1000, y / 1000, math.radians(180 - (180 - degrees) % 360))
             if not (extent[0] <= start[0] <= extent[2] and extent[1] <= start[1] <= extent[3]):
                 self._warnings.append(f"the position ({start[0]:g} m, {start[1]:g} m) is outside the world")
-        return LineWorld(segments=segments, extent=extent, start=start, warnings=tuple(self._warnings))
+        return LineWorld(
+            segments=segments,
+            extent=extent,
+            start=start,
+            warnings=tuple(self._warnings),
+            lines=tuple(self._lines),
+            outside=self._outside,
+        )
 
     def _extent(self, segments: NDArray[np.float64]) -> tuple[float, float, float, float]:
         xs, ys = segments[:, 0::2].ravel(), segments[:, 1::2].ravel()
@@ -275,11 +298,12 @@ class _Reader:
     def _placed(self, x: float, y: float, frame: _Place | None = None) -> tuple[float, float]:
         """World position [mm] of a point of a frame (the current one if none is given)."""
         left, bottom, degrees = self._frame if frame is None else frame
-        cosine, sine = _direction(degrees)
+        cosine, sine = direction(degrees)
         return left + x * cosine - y * sine, bottom + x * sine + y * cosine
 
     def _add_wall(self, x1: float, y1: float, x2: float, y2: float, frame: _Place | None = None) -> None:
         self._walls.append((*self._placed(x1, y1, frame), *self._placed(x2, y2, frame)))
+        self._lines.append(WallLine(self._line, self._frame, frame is None))
 
     def _read_wall(self, words: list[str]) -> None:
         if len(words) not in _WALL_COUNTS and all(map(_is_numeric, words)):
@@ -387,7 +411,7 @@ def _without_id(words: list[str], count: int) -> list[str]:
     return words[1:] if named else words
 
 
-def _direction(degrees: float) -> tuple[float, float]:
+def direction(degrees: float) -> tuple[float, float]:
     """Cosine and sine, exact at right angles: a wall turned by 90° stays on its line of cells."""
     turn = degrees % 360
     if turn % 90 == 0:
