@@ -16,7 +16,7 @@ Stamp = tuple[int, int, int, bytes] | None
 Stamps = dict[Path, Stamp]
 
 BETWEEN_LOOKS = 0.25  # [s]
-_SMALL = 256 * 1024  # [bytes] up to which the content is compared too: a clock may be too coarse for two quick changes
+_SMALL = 64 * 1024  # [bytes] up to which the content is compared too: a clock may be too coarse for two quick changes
 
 
 def stamps_of(files: Iterable[Path]) -> Stamps:

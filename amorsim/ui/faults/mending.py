@@ -36,7 +36,9 @@ class FaultyFile(TypedDict):
 
     ok: bool
     number: int  # of this answer; greater than of those before
-    status: str  # "faulty", "starting" where it has no faults, or "open" once its simulation is to be seen
+    # "reading" before what can be drawn is known, "faulty", "starting" where it has no faults, or "open" once its
+    # simulation is to be seen.
+    status: str
     file: str
     faults: list[FaultLine]
     still: Still | None  # none before it is read, or if nothing of it can be
@@ -87,8 +89,7 @@ class Mending:
         self._numbers = itertools.count(1)
         self._windows: set[str] = set()
         self._watching: asyncio.Task[None] | None = None
-        self._shown = self._told(0, "faulty", faults)
-        self._show("faulty", faults)
+        self._shown = self._told(1, "reading", faults)
 
     def start(self) -> None:
         """Watch the file from now on."""

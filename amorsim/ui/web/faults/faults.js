@@ -137,7 +137,7 @@ export class FaultsPage {
     this.tell(said.status === "starting" ? STARTING : "");
     this.list.replaceChildren(faultList(faults, file));
     this.stage.show(still, (name) => this.image(name));
-    say(this.lack, lackOf(still));
+    say(this.lack, said.status === "reading" ? "the drawing follows; after installing, this takes a minute once" : lackOf(still));
   }
 
   /** @param {string} name */

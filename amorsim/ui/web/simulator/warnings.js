@@ -42,7 +42,7 @@ export class Warnings {
 
   /** The scenario's file has changed: offer to load it again, which ends this simulation. */
   offerReload() {
-    const button = h("button", { class: "holders-only", title: "ends this simulation" }, "load it");
+    const button = h("button", { class: "holders-only", title: "ends this simulation" }, "load again");
     button.addEventListener("click", async () => {
       button.disabled = true;
       const said = await this.ask({ do: "reload" });
