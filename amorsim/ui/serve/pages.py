@@ -93,6 +93,13 @@ class Pages:
         self.first = self.first or page
         return page
 
+    def replace(self, page: Page, session: Talks) -> Page:
+        """Show another session in the place of a page's, from the next window on."""
+        new = attrs.evolve(page, session=session)
+        self._pages[page.kind, page.name] = new
+        self.first = new if self.first is page else self.first
+        return new
+
     def find(self, kind: str, name: str) -> Page | None:
         """The page of a kind and name, or None."""
         return self._pages.get((kind, name))

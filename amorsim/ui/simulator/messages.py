@@ -133,6 +133,8 @@ COMMANDS: Mapping[str, Command] = {
     "save_run": Command(may={"name": _either(_text(LONGEST_PLACE), _NOTHING)}, controls=True),
     # A simulation that hangs or has gone; `without` are robots that go over to the hand.
     "restart": Command(may={"without": _either(_list_of(_NAME, MOST_ROBOTS), _NOTHING)}, controls=True),
+    # The scenario's file again, once it has changed.
+    "reload": Command(controls=True),
 }
 
 

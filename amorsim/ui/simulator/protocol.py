@@ -23,6 +23,7 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 | ``save_scenario`` | ``file`` |
 | ``save_run`` | ``folder``, ``same`` |
 | ``restart`` | ``again`` |
+| ``reload`` | ``path`` of the page to go to: of the new simulation, or of the faults of the file |
 | ``controls`` | ``holder``, ``asking`` |
 """
 
@@ -110,6 +111,8 @@ class State(TypedDict):
     reason: str  # why not
     fault: EventLine | None
     holder: NotRequired[str]  # the window that has the controls
+    changed: NotRequired[bool]  # whether the scenario's file, or one that it names, is another one by now
+    moved: NotRequired[str]  # the page of the simulation that took this one's place
 
 
 class Past(TypedDict):

@@ -191,6 +191,10 @@ export class Simulator {
   async askState() {
     const state = await this.connection.ask({ do: "state" });
     if (!state.ok) return;
+    if (state.moved) {
+      location.replace(state.moved);
+      return;
+    }
     this.state = state;
     this.timebar.setState(state);
     this.warnings.show(state);

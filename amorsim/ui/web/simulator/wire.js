@@ -91,7 +91,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "places" | "save_scenario" | "save_run" | "restart"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
@@ -340,6 +340,8 @@ export const BLOCKS = [
  * @property {string} reason
  * @property {EventLine | null} fault
  * @property {string} holder
+ * @property {boolean} changed
+ * @property {string} moved
  */
 
 /**
