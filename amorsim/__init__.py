@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
     from amorsim.contracts import (
         Aim,
+        Beliefs,
         Clock,
         Context,
         Controller,
@@ -103,7 +104,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
+        "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
         "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo Sensor "
         "SensorModel Sightings State View parameter"
     ),
@@ -148,6 +149,7 @@ __all__ = [
     "PHASES",
     "Aim",
     "AmorsimError",
+    "Beliefs",
     "Clock",
     "ComponentError",
     "ContactError",

@@ -16,6 +16,7 @@ never ``@``, ``dot`` or a sum over the rows. `amorsim.testing.check_component` t
 from __future__ import annotations
 
 import abc
+import types
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Protocol, cast
@@ -34,6 +35,7 @@ from amorsim.core.shapes import Shape
 
 __all__ = [
     "Aim",
+    "Beliefs",
     "BodyStates",
     "Clock",
     "Context",
@@ -70,6 +72,8 @@ __all__ = [
 
 Array = npt.NDArray[np.float64]
 State = dict[str, npt.NDArray[Any]]
+Beliefs = Mapping[str, npt.NDArray[Any]]
+"""What an estimator believes besides the pose: arrays by name, first axis the row; nan where there is nothing."""
 
 
 # ------------------------------------------------------------------------------------- what components are given
@@ -559,6 +563,22 @@ class Estimator(Component, abc.ABC):
     ) -> Estimate:
         """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the previous one (0 at the start)."""
 
+    def beliefs(self, state: State) -> Beliefs:
+        """What else it believes after the last update: innovations, verdicts of gates, biases ...; nothing by default.
+
+        Called only when a recorder or a viewer asks, once a step at most, so compute here what `update` does not need.
+        Names and shapes are the same in every step: (N, ...), of float64, int64 or bool, first axis the row. Values are
+        finite, or nan where there is nothing. Return arrays that later steps do not write into. Do not change `state`.
+        """
+        return {}
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What it uses: a sensor or another source, what that says about the state, and how far it is trusted.
+
+        Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
+        """
+        return ()
+
 
 class Controller(Component, abc.ABC):
     """Computes a command from readings and estimate. A plain function for one robot works as well."""
@@ -652,6 +672,8 @@ class Frame(NamedTuple):
     robot: RobotModel  # the nominal one
     parts: Sequence[str] = ()  # names of each robot's parts
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, if there are parts
+    # Of the estimators that have any, by name. Computed when first looked up, which must be in the frame's own step.
+    beliefs: Mapping[str, Beliefs] = types.MappingProxyType({})
 
 
 class ObstacleFrame(NamedTuple):

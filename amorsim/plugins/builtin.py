@@ -79,6 +79,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.motion("sliding_door", "amorsim.motions.doors:SlidingDoor")
 
     registry.estimator("dead_reckoning", "amorsim.estimators.dead_reckoning:DeadReckoning")
+    registry.estimator("ekf", "amorsim.estimators.ekf:Ekf")
 
     registry.controller("wander", "amorsim.controllers.wander:Wander")
     registry.controller("goto", "amorsim.controllers.goto:GoTo")
@@ -107,6 +108,18 @@ def amorsim_register(registry: Registry) -> None:
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
     for scenario in (
-        *("demo", "car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard", "crowd", "doors", "swarm"),
+        *(
+            "demo",
+            "car-park",
+            "synchro-hall",
+            "khepera-maze",
+            "line",
+            "convoy",
+            "yard",
+            "crowd",
+            "doors",
+            "swarm",
+            "landmarks",
+        ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

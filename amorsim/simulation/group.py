@@ -348,6 +348,7 @@ class Group:
             robot=self.robot,
             parts=tuple(part.name for part in parts),
             part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
+            beliefs=self.estimators.beliefs(),
         )
 
     def states(self) -> Mapping[str, State]:
