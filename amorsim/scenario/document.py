@@ -17,6 +17,8 @@ from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.bodies import SHAPES
+from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.copies import Copies
 from amorsim.scenario.editing import Editor, Splice
 from amorsim.scenario.elsewhere import copied, named_files, near
@@ -24,11 +26,10 @@ from amorsim.scenario.faults import Book, shown
 from amorsim.scenario.layout import MISSING, Path_, changed, found_at
 from amorsim.scenario.lines import with_lines
 from amorsim.scenario.model_files import check_model, read_model
-from amorsim.scenario.models import merge_models
+from amorsim.scenario.models import are_of_one_kind, merge_models
 from amorsim.scenario.names_in_lists import index_of
 from amorsim.scenario.origins import KINDS, Origin, Origins, kind_of, lifted
 from amorsim.scenario.partial import Partial, read_partial
-from amorsim.scenario.read import book_of, read_values
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import are_same, plain
@@ -63,6 +64,17 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         raise DocumentError(f"{path}: not a text file in UTF-8: {byte}") from None
     except (OSError, ValueError) as error:
         raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
+
+
+def _keys(at: Path_) -> tuple[str, ...]:
+    return tuple(map(str, at))
+
+
+def _is_another(at: Path_, holder: dict[str, Any], value: Any) -> bool:
+    """Whether a value makes another component or another shape of its table, of which nothing else stays."""
+    if at[-1] == "use":
+        return bool(holder.get("use", value) != value)
+    return at[-2:-1] == ("shape",) and at[-1] in SHAPES and at[-1] not in holder
 
 
 def _are_equal(one: Any, other: Any) -> bool:
@@ -110,6 +122,11 @@ class Document:
         return self._path
 
     @property
+    def values(self) -> dict[str, Any]:
+        """The tables of the file, as `tomllib` reads them; they must not be changed."""
+        return self._editor.values
+
+    @property
     def text(self) -> str:
         """The file's text, as `save` would write it."""
         return self._bom + self._editor.text
@@ -133,7 +150,7 @@ class Document:
         if value is MISSING:
             origin = self._origins.find(values, at)
             if origin is None:
-                raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+                raise DocumentError("nothing says it: neither the file, nor a model, nor a default", path)
             value = origin.value
         return plain(value)
 
@@ -148,7 +165,7 @@ class Document:
         at = self._at(path)
         origin = self._origins.find(self._editor.values, at)
         if origin is None:
-            raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+            raise DocumentError("nothing says it: neither the file, nor a model, nor a default", path)
         if origin.source == "file":
             statements = self._editor.statements
             origin = attrs.evolve(origin, line=line_of(statements, self._editor.layout, at))
@@ -170,27 +187,56 @@ class Document:
         with self._changing():
             self._set(self._at(path), value)
 
+    def _override(self, path: Sequence[str], value: Any) -> Path_:
+        """Set the value at a path given by its parts; returns the path of what was made for it.
+
+        That is the path of the value, or of the first table on the way that neither the file nor a model says.
+        """
+        at, value = self._at(path), plain(value)
+        merged = self._origins.merged(self._editor.values, at)
+        made = next((at[:length] for length in range(1, len(at)) if found_at(merged, at[:length]) is MISSING), at)
+        with self._changing():
+            self._set(at, value)
+        return made
+
     def _set(self, at: Path_, value: Any) -> None:
         values = self._editor.values
         written = found_at(values, at)
         if are_same(written, value):
             return
+        merged = self._origins.merged(values, at)
+        if whole := self._whole_over(at, merged):
+            self._editor.set(at[:whole], plain(changed(found_at(merged, at[:whole]), at[whole:], value)))
+            return
         for length, part in enumerate(at):
             if isinstance(part, int) and found_at(values, at[:length]) is MISSING:  # in a list of the model's
-                there = found_at(self._origins.merged(values, at), at[:length])
+                there = found_at(merged, at[:length])
                 self._editor.set(at[:length], plain(changed(there, at[length:], value)))
                 return
-        holder = found_at(values, at[:-1])
-        if at[-1] == "use" and isinstance(holder, dict) and holder.get("use", value) != value:
-            self._editor.set(at[:-1], {"use": value})
+        holder, there = found_at(merged, at[:-1]), found_at(merged, at)
+        if isinstance(holder, dict) and _is_another(at, holder, value):
+            self._editor.set(at[:-1], {at[-1]: value})
         elif isinstance(value, dict) and isinstance(written, dict):
             self._set_table(at, written, value)
+        elif isinstance(value, dict) and isinstance(there, dict) and are_of_one_kind(_keys(at), there, value):
+            self._set_table(at, {}, value)
         elif not isinstance(value, dict) and self._is_inherited(at, value):
             if written is not MISSING:
                 self._drop(at)
         else:
             self._editor.set(at, value)
             self._drop_list(at)
+
+    def _whole_over(self, at: Path_, merged: dict[str, Any]) -> int:
+        """How many parts lead to the table of the model's over a path that the file can only say as a whole, or 0."""
+        for length in range(self._models_begin + 1, len(at)):
+            table = found_at(merged, at[:length])
+            if found_at(self._editor.values, at[:length]) is not MISSING or not isinstance(table, dict):
+                continue
+            is_other = at[length] == "model" or _is_another(at[: length + 1], table, None)
+            if not is_other and not are_of_one_kind(_keys(at[:length]), table, {str(at[length]): None}):
+                return length
+        return 0
 
     def _drop_list(self, at: Path_) -> None:
         """Leave out the list that a path leads into, where it is the model's again."""
@@ -212,8 +258,26 @@ class Document:
             if key not in written and isinstance(inherited, dict) and are_same(inherited.get(key), item):
                 continue
             self._set((*at, key), item)
-        if found_at(self._editor.values, at) is MISSING:
+        inherited = found_at(self._origins.merged(self._editor.values, at), at)
+        if inherited is MISSING:
             self._editor.set(at, {})
+            return
+        for key, item in inherited.items():
+            if key not in value and key != "use":
+                self._take_away((*at, key), item)
+
+    def _take_away(self, at: Path_, inherited: Any) -> None:
+        """Say that what the model says at a path does not hold, as far as a file can: its default does."""
+        default = self._origins.default(self._editor.values, at)
+        if at[-2] in ("sensors", "estimators") and len(at) == self._models_begin + 2:
+            self._editor.set(at, False)
+        elif isinstance(inherited, dict):
+            self._set_table(at, {}, {})
+        elif default is not None:
+            if not are_same(default, inherited):
+                self._editor.set(at, default)
+        elif at[-1] in ("noise", "ground"):
+            self._editor.set(at, [])
 
     def _is_inherited(self, at: Path_, value: Any) -> bool:
         """Whether a value holds at a path if the file says nothing of it, and the file need not say it."""
@@ -245,7 +309,7 @@ class Document:
         if not at or found_at(self._editor.values, at) is MISSING:
             origin = self._origins.find(self._editor.values, at) if at else None
             where = "" if origin is None or origin.file is None else f"; {origin.file} does, of which the robot is made"
-            raise DocumentError(f"{path}: the file says nothing of it{where}")
+            raise DocumentError(f"the file says nothing of it{where}", path)
         with self._changing():
             self._editor.remove(at)
 
@@ -269,7 +333,7 @@ class Document:
         at, value = self._at(path), plain(value)
         there = found_at(self._editor.values, at)
         if there is not MISSING and not isinstance(there, list):
-            raise DocumentError(f"{path}: expected a list, to which something can be added; it is {shown(there)}")
+            raise DocumentError(f"expected a list, to which something can be added; it is {shown(there)}", path)
         count = 0 if there is MISSING else len(there)
         place = self._place(path, count if index is None else index, count + 1)
         with self._changing():
@@ -290,7 +354,7 @@ class Document:
         at = self._at(path)
         there = found_at(self._editor.values, at[:-1]) if at else MISSING
         if not isinstance(there, list):
-            raise DocumentError(f"{path}: expected an item of a list, as 'robots.rover'")
+            raise DocumentError("expected an item of a list, as 'robots.rover'", path)
         place = self._place(path, index, len(there))
         with self._changing():
             self._editor.move(at, place)
@@ -299,7 +363,8 @@ class Document:
     @staticmethod
     def _place(path: str, index: int, count: int) -> int:
         if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < count:
-            raise DocumentError(f"{path}: index: expected a whole number from 0 to {count - 1}, got {shown(index)}")
+            problem = f"index: expected a whole number from 0 to {count - 1}, got {shown(index)}"
+            raise DocumentError(problem, path)
         return index
 
     @property
@@ -321,12 +386,12 @@ class Document:
             if isinstance(place, list):
                 index = index_of(place, part)
                 if isinstance(index, str):
-                    raise DocumentError(f"{'.'.join(map(str, (*at, part)))}: {index}")
+                    raise DocumentError(index, ".".join(map(str, (*at, part))))
                 place, at = place[index], (*at, index)
                 continue
             if place is not MISSING and not isinstance(place, dict):
-                where = ".".join(map(str, at))
-                raise DocumentError(f"{'.'.join(parts[: number + 1])}: nothing is under {where}: it is {shown(place)}")
+                problem = f"there is nothing under {'.'.join(map(str, at))}: it is {shown(place)}"
+                raise DocumentError(problem, ".".join(map(str, (*at, part))))
             place = place.get(part, MISSING) if place is not MISSING else MISSING
             at = (*at, part)
         return at
@@ -408,7 +473,7 @@ class Document:
         kind = kind_of(written.values)
         values: dict[str, Any] = {}
         if kind == "scenario":
-            values = read_values(tables, book, (), self._registry, maps, True, False)
+            values = read_values(tables, book, self._registry, maps, True, False)
         else:
             check_model(written.values, kind, book)
             source = book.source(())
