@@ -12,10 +12,12 @@ import attrs
 from amorsim.core.errors import DocumentError, Fault
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
+from amorsim.scenario.elsewhere import named_files
 from amorsim.scenario.faults import Book, Source
+from amorsim.scenario.layout import Path_
 from amorsim.scenario.toml_values import as_toml, keys_as_toml, parse_value
 
-__all__ = ["overridden"]
+__all__ = ["overridden", "override"]
 
 _EXPECTED = "expected PATH=VALUE, as in simulation.dt=0.05 or robots.0.controller.speed=0.2"
 
@@ -58,6 +60,30 @@ def overridden(
             return source
         source = "".join(f"{keys_as_toml((key,))} = {as_toml(value)}\n" for key, value in source.items())
     document = Document(source, path, registry=registry)
+    _apply(document, settings, book)
+    return document.values
+
+
+def override(document: Document, overrides: Iterable[str], registry: Registry) -> None:
+    """Make settings in a document that is to be saved; files that they name are those that they mean from here.
+
+    Raises
+    ------
+    ScenarioError
+        With what is wrong with the settings.
+    """
+    book = Book(Source(file="", folder=Path()))
+    for made in _apply(document, _parsed(overrides, book), book):
+        for named in list(named_files(document.values, registry, Path.cwd())):
+            if named.at[: len(made)] == made:
+                whole = named.said(os.path.abspath(named.name))  # noqa: PTH100 - a link keeps its name
+                document.set(".".join(map(str, named.at)), whole)
+    book.raise_if_any()
+
+
+def _apply(document: Document, settings: Iterable[_Setting], book: Book) -> list[Path_]:
+    """Make settings in a document, and note where they were made and what is wrong with them."""
+    places = []
     for setting in sorted(settings, key=lambda setting: not setting.chooses_model):
         try:
             made = document._override(setting.path, _whole(setting))
@@ -69,7 +95,8 @@ def overridden(
         else:
             # Relative paths of the command line start where it was typed.
             book.set_source(tuple(map(str, made)), Source(file=setting.file, folder=Path.cwd()))
-    return document.values
+            places.append(made)
+    return places
 
 
 def _parsed(texts: Iterable[str], book: Book) -> list[_Setting]:
