@@ -16,6 +16,7 @@ from amorsim.scenario.faults import Book, Branch, Node, Source, shown
 from amorsim.scenario.written import Written, read_written
 
 __all__ = [
+    "ERROR_KEYS",
     "FORMAT",
     "LOOKS",
     "MODEL_KEYS",
@@ -44,7 +45,7 @@ MODEL_KEYS = (
     "errors",
     *LOOKS,
 )
-_ERROR = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
+ERROR_KEYS = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")
 
@@ -230,7 +231,7 @@ def _merge(
 def are_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
     """Whether a table that lies over another is merged with it key by key, and does not replace it."""
     # Half of one shape, or of one error, and half of another is none.
-    if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= _ERROR):
+    if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= ERROR_KEYS):
         return False
     return all(new.get(key, old.get(key)) == old.get(key) for key in ("use", "model"))
 

@@ -14,7 +14,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.cli.app import app
-from amorsim.scenario import models, read, robots
+from amorsim.scenario import contents, models, robots
 from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
 
 DOCS = ROOT / "docs"
@@ -149,8 +149,8 @@ def test_every_column_is_described(page: Page) -> None:
 def test_every_key_of_a_scenario_is_described() -> None:
     text = (DOCS / "reference" / "scenario.md").read_text(encoding="utf-8")
     keys = {
-        *read._KEYS,
-        *read._TIMES,
+        *contents._KEYS,
+        *contents._TIMES,
         *robots._ROBOT_KEYS,
         *robots._OBSTACLE_KEYS,
         *robots._ZONE_KEYS,

@@ -165,7 +165,10 @@ def test_undo_and_redo_go_through_all_changes(document):
     [
         (lambda document: document.get("robots.rovr.pose"), "Did you mean 'rover'?"),
         (lambda document: document.get("robots.2"), "there is no '2' among these, but 2 of them: rover, scout"),
-        (lambda document: document.set("robots.rover.name.first", 1), "nothing is under robots.0.name: it is 'rover'"),
+        (
+            lambda document: document.set("robots.rover.name.first", 1),
+            "there is nothing under robots.0.name: it is 'rover'",
+        ),
         (lambda document: document.set("", 1), "expected a path"),
         (lambda document: document.set("simulation..dt", 1), "expected a path"),
         (lambda document: document.set("simulation.dt", object()), "expected a number, a text"),

@@ -178,7 +178,8 @@ class Child:
             return
         self._busy_since = None
         builder = SceneBuilder(simulation)
-        self._player, self._does = player, Commands(player, builder, self._is_ending.is_set, passing=recipe.passing)
+        does = Commands(player, builder, self._is_ending.is_set, changes=recipe.changes, passing=recipe.passing)
+        self._player, self._does = player, does
         self._folder, self._tick = str(player.folder or ""), player.newest
         remarks = [
             f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text

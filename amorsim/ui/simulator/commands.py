@@ -6,20 +6,13 @@ import base64
 import functools
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, RunError, did_you_mean
-from amorsim.core.whole_files import copy_file
-from amorsim.plugins.manager import default_registry
-from amorsim.scenario.maps import companions_of
-from amorsim.scenario.names import name_from, rename_maps
-from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import resolved_table, write_table
+from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.ui.forms.description import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.forms.origins import Origins
@@ -28,6 +21,7 @@ from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player
 from amorsim.ui.simulator.protocol import State
+from amorsim.ui.simulator.saved_scenario import save_scenario
 from amorsim.ui.simulator.scenes import SceneBuilder
 
 __all__ = ["Commands"]
@@ -41,7 +35,8 @@ MOST_STEPS_AT_ONCE = 1000
 class Commands:
     """Carries out commands on a player, and knows whether it runs.
 
-    `is_ending` is asked whether to leave off. Files of the folder `passing` are not there for long (see `Recipe`).
+    `is_ending` is asked whether to leave off. The scenario was read with `changes`, and files of the folder `passing`
+    are not there for long (see `Recipe`).
     """
 
     def __init__(
@@ -50,9 +45,11 @@ class Commands:
         builder: SceneBuilder,
         is_ending: Callable[[], bool] = lambda: False,
         *,
+        changes: Sequence[str] = (),
         passing: str = "",
     ) -> None:
         self._is_ending = is_ending
+        self._changes = changes
         self._passing = passing
         self.player = player
         self.pace = Pace()
@@ -333,24 +330,7 @@ class Commands:
 
     def _write_scenario(self, command: Table) -> None:
         """Write the scenario with what was changed into `file`, which the session has looked at."""
-        simulation = self.player.simulation
-        names = [robot.name for robot in simulation.scenario.robots]
-        robots = [simulation.robot(name).nominal for name in names]
-        scenario = attrs.evolve(simulation.scenario, robots=robots, seed=simulation.seed)
-        path = Path(str(command["file"]))
-        document = resolved_table(scenario)
-        _copy_maps(document, scenario, self._not_the_users(scenario), path)
-        name_from(path.parent, document, scenario)
-        write_table(document, path)
-
-    def _not_the_users(self, scenario: Scenario) -> list[Path]:
-        """The folders whose files a scenario of the user's should not name: they pass, or belong to a program."""
-        registry = default_registry()
-        bundled = {registry.file("scenario", name).parent for name in registry.names("scenario")}
-        folders = {Path(self._passing)} if self._passing else set()
-        if scenario.source is not None:
-            folders |= {scenario.source.parent} & bundled
-        return sorted(folders)
+        save_scenario(self.player.simulation, Path(str(command["file"])), changes=self._changes, passing=self._passing)
 
     def _remark(self, command: Table) -> None:
         self.player.remark(
@@ -366,46 +346,6 @@ def _value_at(robot: Any, path: str) -> Any:
         return value_at(robot, path)
     except (LookupError, AttributeError) as error:
         raise AmorsimError(f"{path}: {error.args[0]}") from None
-
-
-def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: list[Path], path: Path) -> None:
-    """Copy the maps that lie in some folders next to the file that is to be, named after it, and name the copies.
-
-    Maps of several files stay where they are.
-    """
-    copies: dict[str, str] = {}
-    maps = [scenario.map, *(robot.knowledge.map for robot in scenario.robots if robot.knowledge.map is not None)]
-    whole = {str(found.source.path.absolute()) for found in maps if not companions_of(found.source)}
-
-    def kept(name: str) -> str:
-        file = Path(name)
-        if name not in whole or not any(file.is_relative_to(folder) for folder in folders):
-            return name
-        if name not in copies:
-            number, copy = 1, path.with_suffix(file.suffix)
-            while not _is_copied(file, copy):
-                number += 1
-                copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
-            copies[name] = str(copy)
-        return copies[name]
-
-    rename_maps(document, kept)
-
-
-def _is_copied(file: Path, copy: Path) -> bool:
-    """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
-    try:
-        copy.touch(exist_ok=False)
-    except FileExistsError:
-        return False
-    except OSError as error:
-        raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
-    try:
-        copy_file(file, copy)
-    except RunError:
-        copy.unlink(missing_ok=True)
-        raise
-    return True
 
 
 def _is_within(path: str, other: str) -> bool:
