@@ -201,7 +201,7 @@ def number_of(value: Any) -> Any:
     (kind, values), *others = [*value.items(), ("", ())]
     if len(others) != 1 or not isinstance(values, (list, tuple)):
         raise AmorsimError("expected {normal = [MEAN, STANDARD DEVIATION]} or {uniform = [LOW, HIGH]}")
-    return Distribution(kind=kind, values=tuple(values))  # type: ignore[arg-type] - it checks how many there are
+    return Distribution(kind=kind, values=tuple(values))
 
 
 def deviation_of(table: Mapping[str, Any]) -> dict[str, Any]:
