@@ -9,7 +9,10 @@ with ``error``, a text for the user. Besides, answers have
 |---|---|
 | ``state`` | `State` |
 | ``scene`` | ``scene``: a `Scene` |
-| ``parameters`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true |
+| ``parameters`` | ``parameters``: list of `ParameterForm`, ``chains``: list of `ChainForm`, ``targets``: list of \
+`TargetForm`, ``sensors``: list of `SensorShape`, true |
+| ``noises`` | ``choices``: list of `Choice` |
+| ``add`` | ``path`` of the element |
 | ``history`` | `History` |
 | ``events`` | ``epoch``, ``events``: list of `EventLine`, ``next`` |
 | ``image`` | ``png``: base64 |
@@ -30,12 +33,15 @@ from __future__ import annotations
 
 from typing import Any, NotRequired, TypedDict
 
+from amorsim.ui.forms.chains import ChainForm, ElementForm, TargetForm
 from amorsim.ui.forms.description import Choice, FieldForm, Widget
 
 __all__ = [
+    "ChainForm",
     "Channel",
     "Choice",
     "Drawing",
+    "ElementForm",
     "EventLine",
     "FieldForm",
     "Floor",
@@ -53,6 +59,7 @@ __all__ = [
     "Scene",
     "SensorShape",
     "State",
+    "TargetForm",
     "Widget",
 ]
 
@@ -240,6 +247,7 @@ class ParameterForm(TypedDict):
     value: Any  # a number, or what else the widget shows
     scenario: Any  # what the scenario says
     is_changed: bool  # whether the scenario says something else
+    is_added: bool  # whether it is of an element of noise that the scenario does not have
     fixed: str
     drawn: str
     drawn_value: float | None
