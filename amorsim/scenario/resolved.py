@@ -34,7 +34,7 @@ from amorsim.scenario.spec import (
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
 
-__all__ = ["resolved", "resolved_table"]
+__all__ = ["chain_table", "resolved", "resolved_table"]
 
 
 def resolved(scenario: Scenario) -> dict[str, Any]:
@@ -57,6 +57,22 @@ def resolved_table(
     """
     writer = _Writer(registry or default_registry(), maps_in_files)
     table = writer.scenario(scenario)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+def chain_table(robot: Robot, path: str, registry: Registry) -> list[dict[str, Any]]:
+    """A chain of noise of a robot, ``"ground"`` or ``"sensors.NAME.noise"``, as a list of tables.
+
+    What is raised is as for `resolved_table`.
+    """
+    writer = _Writer(registry, maps_in_files=True)
+    if path == "ground":
+        table = writer.chain(robot.ground, path, "m")
+    else:
+        mounted = robot.sensors[path.split(".")[1]]
+        table = writer.chain(mounted.noise, path, mounted.sensor.unit, mounted.sensor.columns())
     if writer.faults:
         raise ScenarioError(writer.faults)
     return table
@@ -202,7 +218,7 @@ class _Writer:
         written["on_collision"] = robot.on_collision
         written.update(write_fields(robot, names=LOOKS))
         if robot.ground:
-            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
+            written["ground"] = self.chain(robot.ground, f"{path}.ground", "m")
         written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
         written["sensors"] = {
             name: self.sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
@@ -230,12 +246,13 @@ class _Writer:
         written["mount"] = write_fields(mounted.mount)
         written.update(write_fields(mounted, names=("rate", "latency")))
         if mounted.noise:
-            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
+            written["noise"] = self.chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
         return written
 
-    def _chain(
+    def chain(
         self, chain: tuple[NoiseElement, ...], path: str, unit: str, columns: Mapping[str, str] = _ONE_QUANTITY
     ) -> list[dict[str, Any]]:
+        """A chain's tables."""
         written = []
         for i, element in enumerate(chain):
             fields = self._component("noise", element.noise, f"{path}.{i}", columns.get(element.column, unit))
@@ -271,7 +288,7 @@ class _Writer:
         written: dict[str, Any] = {"name": zone.name, "shape": self._shape(zone.shape, path)}
         written["pose"] = write_fields(zone.pose)
         if zone.ground:
-            written["ground"] = self._chain(zone.ground, f"{path}.ground", "m")
+            written["ground"] = self.chain(zone.ground, f"{path}.ground", "m")
         return written
 
     def _shape(self, shape: Any, path: str) -> dict[str, Any]:

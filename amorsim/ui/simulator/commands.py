@@ -13,6 +13,9 @@ from typing import Any
 import numpy as np
 
 from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.scenario.chains import chain_at, is_chain, tables_of
+from amorsim.scenario.spec import Robot
+from amorsim.ui.forms.chains import chains_of, noises_for, targets_of, with_element, without
 from amorsim.ui.forms.description import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.forms.origins import Origins
@@ -76,6 +79,9 @@ class Commands:
             "stop": self._stop,
             "set": self._set,
             "restore": self._restore,
+            "noises": self._noises,
+            "add": self._add,
+            "remove": self._remove,
             "changes": self._all_changes,
             "folder": lambda _: {"folder": str(player.folder) if player.folder else ""},
             "forgive": lambda _: player.forgive(),
@@ -166,8 +172,13 @@ class Commands:
     def _parameters(self, command: Table) -> Answer:
         robot = self._robot(command)
         simulation = self.player.simulation
-        forms = forms_of(simulation, robot, self._origins)
-        return {"parameters": forms, "sensors": sensor_shapes(simulation.robot(robot).true)}
+        handle = simulation.robot(robot)
+        return {
+            "parameters": forms_of(simulation, robot, self._origins),
+            "chains": chains_of(handle.nominal, self._specified(robot)),
+            "targets": targets_of(handle.nominal),
+            "sensors": sensor_shapes(handle.true),
+        }
 
     @functools.cached_property
     def _origins(self) -> Origins:
@@ -307,16 +318,45 @@ class Commands:
     def _restore(self, command: Table) -> None:
         """Set what was changed to what the scenario says: all of a robot, or what is at a path and in it."""
         robot = self._robot(command)
-        specified = next(one for one in self.player.simulation.scenario.robots if one.name == robot)
+        specified = self._specified(robot)
         paths = [path for name, path in self.player.changes if name == robot]
         if (wanted := command.get("path")) is not None:
-            paths = [path for path in paths if path == wanted or _is_within(wanted, path) or _is_within(path, wanted)]
+            # A number of an error goes with the error, but one of an element alone, and not with its chain.
+            paths = [path for path in paths if _is_at(path, wanted) or (_is_at(wanted, path) and not is_chain(path))]
+            paths = paths or [wanted]
         for path in paths:
-            value = _value_at(specified, path)
+            if wanted is None and (robot, path) not in self.player.changes:  # it went with a chain
+                continue
+            value = tables_of(specified, path) if is_chain(path) else _value_at(specified, path)
             if value is None and path.endswith(".value"):  # of an error: the scenario has none
                 continue
             self._give("set", robot, value, path)
             self.player.forget_change(robot, path)
+
+    def _specified(self, robot: str) -> Robot:
+        """A robot as the scenario has it."""
+        return next(one for one in self.player.simulation.scenario.robots if one.name == robot)
+
+    def _noises(self, command: Table) -> Answer:
+        nominal = self.player.simulation.robot(self._robot(command)).nominal
+        return {"choices": noises_for(nominal, _chain_path(command))}
+
+    def _add(self, command: Table) -> Answer:
+        """Put an element into a chain of noise."""
+        robot, path, value = self._robot(command), _chain_path(command), command.get("value")
+        if not isinstance(value, dict):
+            raise AmorsimError(f"value: expected a table, as {{'use': 'gaussian', 'std': 0.01}}, got {value!r}")
+        index = None if command.get("index") is None else self._whole(command, "index")
+        handle = self.player.simulation.robot(robot)
+        self._give("set", robot, with_element(handle.nominal, path, value, index), path)
+        elements = chain_at(self.player.simulation.robot(robot).nominal, path)
+        return {"path": f"{path}.{elements[-1 if index is None else min(index, len(elements) - 1)].name}"}
+
+    def _remove(self, command: Table) -> None:
+        """Take an element out of a chain of noise."""
+        robot = self._robot(command)
+        path, tables = without(self.player.simulation.robot(robot).nominal, str(command.get("path")))
+        self._give("set", robot, tables, path)
 
     def _all_changes(self, _: Table) -> Answer:
         return {"changes": [[robot, path, value] for (robot, path), value in self.player.changes.items()]}
@@ -348,5 +388,13 @@ def _value_at(robot: Any, path: str) -> Any:
         raise AmorsimError(f"{path}: {error.args[0]}") from None
 
 
-def _is_within(path: str, other: str) -> bool:
-    return path.startswith(f"{other}.")
+def _is_at(path: str, other: str) -> bool:
+    """Whether a path is another one, or leads into it."""
+    return path == other or path.startswith(f"{other}.")
+
+
+def _chain_path(command: Table) -> str:
+    path = command.get("path")
+    if not is_chain(path):
+        raise AmorsimError(f"path: expected 'ground' or a sensor's chain, as 'sensors.laser.noise', got {path!r}")
+    return str(path)
