@@ -59,6 +59,27 @@ def test_any_cells_come_back(tmp_path_factory, cells, origin, ending) -> None:
     assert (again.origin, again.resolution) == (plan.origin, plan.resolution)
 
 
+@settings(max_examples=30, deadline=None)
+@given(
+    classes=hnp.arrays(np.uint8, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.integers(0, 2)),
+    as_what=st.sampled_from([0, 1]),
+    ending=st.sampled_from(["png", "tif"]),
+)
+def test_unknown_cells_come_back(tmp_path_factory, classes, as_what, ending) -> None:
+    path = tmp_path_factory.mktemp("maps") / f"any.{ending}"
+    unknown = classes == 2
+    plan = am.Map.from_array(np.where(unknown, as_what, classes), unknown=unknown, resolution=0.05)
+    again = am.save_map(plan, path)
+    assert np.array_equal(again.to_array(), plan.to_array())
+    assert np.array_equal(again.unknown_array(), unknown)
+
+
+def test_unknown_cells_are_not_lost_silently(tmp_path: Path) -> None:
+    plan = am.Map.from_array([[0, 1]], unknown=[[1, 0]], resolution=0.05)
+    with pytest.raises(am.MapError, match="has other cells"):
+        am.save_map(plan, tmp_path / "plan.bmp")
+
+
 def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
     room = am.Map.from_segments(WALLS, resolution=0.01)
     again = am.save_map(room, tmp_path / "room.png")
@@ -70,7 +91,7 @@ def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
     ("name", "words"),
     [
         ("plan.wld", "not made from lines"),
-        ("plan.xyz", r"no format of maps is known by this extension, but: \.bmp, \.png, \.wld"),
+        ("plan.xyz", r"no format of maps is known by this extension, but: \.bmp, .*\.png, .*\.wld"),
         ("plan", "no format of maps"),
         ("none/plan.png", "No such file"),
     ],
