@@ -69,6 +69,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.map_loader("wld", "amorsim.maps.wld:Wld")
     registry.map_loader("bmp", "amorsim.maps.bmp:Bitmap")
     registry.map_loader("ros", "amorsim.maps.ros:Ros")
+    registry.map_loader("movingai", "amorsim.maps.movingai:MovingAI")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")
