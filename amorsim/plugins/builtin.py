@@ -71,6 +71,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.map_loader("ros", "amorsim.maps.ros:Ros")
     registry.map_loader("movingai", "amorsim.maps.movingai:MovingAI")
     registry.map_loader("geojson", "amorsim.maps.geojson:GeoJson")
+    registry.map_loader("svg", "amorsim.maps.svg:Svg")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")
