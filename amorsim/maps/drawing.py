@@ -29,7 +29,8 @@ class Drawing:
     """The lines so far, in metres, and what was left out, each kind counted."""
 
     def __init__(self, error: float) -> None:
-        self._error = error
+        self.error = error
+        """The farthest [m] that a chord may be from its curve."""
         self._parts: list[Points] = []
         self._count = 0
         self._left_out: dict[str, int] = {}
@@ -63,7 +64,7 @@ class Drawing:
         degree = len(controls) - 1
         # A chord over a step h is off by h² / 8 of the largest second derivative, which is at a control point of it.
         bends = np.hypot(*(controls[:-2] - 2.0 * controls[1:-1] + controls[2:]).T)
-        t = self._steps(math.sqrt(degree * (degree - 1) * float(bends.max()) / (8.0 * self._error)))[:, None]
+        t = self._steps(math.sqrt(degree * (degree - 1) * float(bends.max()) / (8.0 * self.error)))[:, None]
         levels = [np.broadcast_to(control, (len(t), 2)) for control in controls]
         while len(levels) > 1:  # de Casteljau, for all t at once
             levels = [one * (1.0 - t) + other * t for one, other in itertools.pairwise(levels)]
@@ -74,7 +75,7 @@ class Drawing:
         centre, (one, other) = np.asarray(middle, np.float64), np.asarray(axes, np.float64)
         is_square = float(one[0] * other[0] + one[1] * other[1]) == 0.0
         radius = max(math.hypot(*one), math.hypot(*other)) if is_square else math.hypot(*one, *other)
-        t = first + sweep * self._steps(abs(sweep) * math.sqrt(radius / (8.0 * self._error)))[:, None]
+        t = first + sweep * self._steps(abs(sweep) * math.sqrt(radius / (8.0 * self.error)))[:, None]
         self.add_lines(centre + one * np.cos(t) + other * np.sin(t))
 
     def add_area(self, rings: Sequence[Points], side: float) -> None:
@@ -84,7 +85,7 @@ class Drawing:
         low, high = np.minimum(starts[:, 1], ends[:, 1]), np.maximum(starts[:, 1], ends[:, 1])
         # The rows whose middles an edge crosses, its lower end counted and its upper one not.
         first, after = np.ceil(low / side - 0.5), np.ceil(high / side - 0.5)
-        self._refuse_too_many(float((after - first).sum()) / 2.0)
+        self.refuse_too_many(float((after - first).sum()) / 2.0)
         counts = (after - first).astype(np.int64)
         edge = np.repeat(np.arange(len(starts)), counts)
         row = first[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -97,15 +98,16 @@ class Drawing:
 
     def _steps(self, pieces: float) -> Points:
         """Parameters from 0 to 1 for that many pieces at least."""
-        self._refuse_too_many(pieces)
+        self.refuse_too_many(pieces)
         return np.linspace(0.0, 1.0, max(1, math.ceil(pieces)) + 1)
 
     def _add(self, lines: Points) -> None:
-        self._refuse_too_many(len(lines))
+        self.refuse_too_many(len(lines))
         self._count += len(lines)
         self._parts.append(lines)
 
-    def _refuse_too_many(self, more: float) -> None:
+    def refuse_too_many(self, more: float) -> None:
+        """Raise an error if there is no room for so many more lines."""
         # Also true of a number that overflowed to nan.
         if not self._count + more <= _MOST_LINES:
             raise MapError(

@@ -72,6 +72,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.map_loader("movingai", "amorsim.maps.movingai:MovingAI")
     registry.map_loader("geojson", "amorsim.maps.geojson:GeoJson")
     registry.map_loader("svg", "amorsim.maps.svg:Svg")
+    registry.map_loader("dxf", "amorsim.maps.dxf:Dxf")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")
