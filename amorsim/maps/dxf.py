@@ -184,8 +184,8 @@ class _Walls:
 
 def _parse(path: Path) -> Any:
     try:
-        import ezdxf
         from ezdxf import recover
+        from ezdxf.lldxf.const import DXFError
     except ImportError as error:
         raise MapError("DXF drawings are read by ezdxf: pip install 'amorsim[drawings]'") from error
     try:
@@ -197,7 +197,7 @@ def _parse(path: Path) -> Any:
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)  # what it mends is nothing for a user
     try:
         return recover.read(io.BytesIO(data))[0]
-    except ezdxf.DXFError as error:
+    except DXFError as error:
         raise MapError(f"this is no whole DXF drawing: {str(error)[:200]}") from error
     except Exception as error:  # a damaged file makes it raise nearly anything
         raise MapError(f"ezdxf cannot read it: {type(error).__name__}: {str(error)[:200]}") from error
