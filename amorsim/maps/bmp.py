@@ -29,7 +29,7 @@ _NO_RESOLUTION = (
 )
 _MID_GREY = 0.5
 _LOSSY = "the colours of a JPEG are not exact, so all that is darker than mid grey is occupied (threshold = 0.5)"
-_MOST_CELLS = 2 * 10**8  # of a picture that is stretched
+_MOST_CELLS = 10**8  # of a picture that is stretched
 _SAVED_AS = {".jpg": "JPEG", ".jpeg": "JPEG", ".pgm": "PPM", ".pnm": "PPM", ".pbm": "PPM", ".ppm": "PPM"}
 
 
