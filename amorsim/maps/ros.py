@@ -72,9 +72,9 @@ class Ros(MapLoader):
         about = _about(path)
         image, remarks = _image_of(about, path)
         try:
-            picture = open_picture(image)
+            picture = open_picture(path.parent / image)
         except MapError as error:
-            raise MapError(f"{path}: line {about.lines['image']}: image {image}: {error}") from error
+            raise MapError(f"{path}: line {about.lines['image']}: image {about.image}: {error}") from error
         try:
             classes = _classes(picture, about, self.unknown == "occupied")
             return Map.from_array(
@@ -136,11 +136,11 @@ def _about(path: Path) -> MapYaml:
 
 
 def _image_of(about: MapYaml, path: Path) -> tuple[Path, tuple[str, ...]]:
-    """The picture's path, and a remark if it is not where the file says but next to the file."""
-    image = path.parent / about.image
-    beside = path.parent / Path(about.image.replace("\\", "/")).name
-    if not is_file(image) and image != beside and is_file(beside):
-        return beside, (f"there is no {about.image}; {beside.name}, next to the file, is taken for it",)
+    """The picture, relative to the file's folder, and a remark if it is only found next to the file."""
+    image = Path(about.image)
+    beside = Path(image.name if "\\" not in about.image else about.image.rpartition("\\")[2])
+    if not is_file(path.parent / image) and image != beside and is_file(path.parent / beside):
+        return beside, (f"there is no {about.image}; {beside}, next to the file, is taken for it",)
     return image, ()
 
 

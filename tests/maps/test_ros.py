@@ -229,14 +229,26 @@ def test_any_cells_come_back(tmp_path_factory, kinds, as_what, origin, resolutio
     assert sorted(file.suffix for file in path.parent.iterdir()) == [".pgm", ".yaml"]
 
 
-def test_a_copy_takes_the_picture_along(tmp_path: Path) -> None:
+def test_the_picture_is_named_relative_to_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from amorsim.scenario.maps import companions_of
+
+    (tmp_path / "maps").mkdir()
+    write(tmp_path / "maps", [[0, 255]])
+    monkeypatch.chdir(tmp_path)
+    world = am.load_map("maps/lab.yaml")
+    assert companions_of(world.source) == [tmp_path / "maps" / "lab.png"]
+
+
+@pytest.mark.parametrize("folder", ["run", "{}/run"])
+def test_a_copy_takes_the_picture_along(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str) -> None:
     from amorsim.scenario.copies import Copies
     from amorsim.testing import check_component
 
     path = write(tmp_path, np.full((40, 40), 255), resolution=0.1)
     check_component(Ros(), path=path)
     world = am.load_map(path)
-    name = Copies(tmp_path / "run").of_map(world.source)
+    monkeypatch.chdir(tmp_path)
+    name = Copies(Path(folder.format(tmp_path))).of_map(world.source)
     again = am.load_map(tmp_path / "run" / name)
     assert have_same_cells(world, again)
     assert sorted(file.name for file in (tmp_path / "run").rglob("*.*")) == ["lab.png", "lab.yaml"]
