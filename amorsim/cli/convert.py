@@ -56,13 +56,10 @@ def command(
 
 def _in_words(lost: Lost) -> str:
     """What was lost, in words."""
-    if lost.is_nothing:
-        return "read back, the cells are the same"
-    parts = []
-    if lost.cells:
-        parts.append(f"{lost.cells} of {lost.of} cells differ")
+    unchanged = "no cell differs" if lost.farthest else "the cells are the same"
+    parts = [f"{lost.cells} of {lost.of} cells differ" if lost.cells else unchanged]
     if lost.farthest is None:
-        parts.append("there are too many to say how far they are off")
+        parts.append("which are too many to say how far they are off")
     elif lost.farthest:
         parts.append(f"walls are off by {lost.farthest:.3g} m at the most")
     if lost.unknown:

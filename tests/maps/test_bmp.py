@@ -346,6 +346,21 @@ def test_a_missing_file_is_said(tmp_path: Path) -> None:
         Bitmap().load(tmp_path / "none.bmp")
 
 
+_GIF = struct.pack("<HHBBB", 65535, 65535, 0, 0, 0) + b"," + struct.pack("<HHHHB", 0, 0, 65535, 65535, 0)
+_BMP = struct.pack("<IHHI", 62, 0, 0, 62) + struct.pack("<IiiHHIIiiII", 40, 40000, 40000, 1, 1, 0, 0, 0, 0, 2, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "header"),
+    [("a.pgm", b"P5\n40000 40000\n255\n"), ("a.gif", b"GIF89a" + _GIF + b"\x02"), ("a.bmp", b"BM" + _BMP)],
+)
+def test_a_header_of_a_billion_pixels_is_refused(tmp_path: Path, name: str, header: bytes) -> None:
+    path = tmp_path / name
+    path.write_bytes(header + bytes(100))
+    with pytest.raises(MapError, match=f"{name}: it is too large to unpack"):
+        Bitmap().load(path)
+
+
 @pytest.mark.parametrize("side", [14_000, 40_000])
 def test_an_image_that_unpacks_to_too_much_is_refused(tmp_path: Path, side: int) -> None:
     """It is refused by its header: nothing follows that could be unpacked."""
@@ -363,13 +378,30 @@ def test_an_image_that_unpacks_to_too_much_is_refused(tmp_path: Path, side: int)
 # ------------------------------------------------------------------------------------------ real files
 
 
-def test_a_real_floor_plan() -> None:
-    path = MAPS / "stage" / "bitmaps" / "cave.png"
+@pytest.mark.parametrize("name", ["autolab", "cave", "hospital_section", "simple_rooms"])
+def test_a_real_floor_plan(name: str) -> None:
+    path = MAPS / "stage" / "bitmaps" / f"{name}.png"
     if not path.is_file():
         pytest.skip(f"no {path}")
-    loaded = Bitmap(resolution=0.032, threshold=0.5).load(path)
     with Image.open(path) as image:
         values = np.asarray(image.convert("L"))
-    assert loaded.to_array().tolist() == (values[::-1] < 128).astype(int).tolist()
-    # Where simple.world puts its robot, in a plan of 16 m x 16 m about the origin.
-    assert not loaded.occupied([(8.0 - 7.0, 8.0 - 7.0)])[0]
+    expected = values[::-1] < 128
+    assert np.array_equal(Bitmap(resolution=0.032, threshold=0.5).load(path).to_array(), expected)
+    assert np.array_equal(Bitmap(resolution=0.032).load(path).to_array(), expected)  # of two colours each
+    loaded = Bitmap(size=(16.0, 16.0 * values.shape[0] / values.shape[1])).load(path)
+    assert loaded.shape == values.shape
+    if name == "cave":
+        # Where simple.world puts its robot, in a plan of 16 m x 16 m about the origin.
+        assert not loaded.occupied([(8.0 - 7.0, 8.0 - 7.0)])[0]
+
+
+def test_a_real_map_of_many_greys() -> None:
+    path = MAPS / "ros" / "willow-full-0.05.pgm"
+    if not path.is_file():
+        pytest.skip(f"no {path}")
+    data = path.read_bytes()
+    values = np.frombuffer(data[-1165 * 945 :], np.uint8).reshape(945, 1165)
+    loaded = Bitmap(resolution=0.05, threshold=0.4).load(path)
+    assert np.array_equal(loaded.to_array(), values[::-1] < 0.4 * 255)
+    with pytest.raises(MapError, match="it has 256 colours"):
+        Bitmap().load(path)
