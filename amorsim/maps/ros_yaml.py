@@ -46,7 +46,10 @@ def parse_map_yaml(text: str) -> MapYaml:
     nodes, remarks = _top(text)
     for key in _REQUIRED:
         if key not in nodes:
-            raise MapError(f"{key!r} is missing; the YAML file of a ROS map has {', '.join(_REQUIRED)} at least")
+            raise MapError(
+                f"{key!r} is missing; the YAML file of a ROS map has {', '.join(_REQUIRED)} at least, and a scenario "
+                "is a .toml file"
+            )
     image = _text(nodes["image"], "image", "the path of a picture")
     resolution = _number(nodes["resolution"], "resolution")
     if resolution <= 0.0:
