@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from amorsim.cli import calibrate, check, compile_, explain, new, plot, plugins, reproduce, run, umbmark, view
+from amorsim.cli import calibrate, check, compile_, convert, explain, new, plot, plugins, reproduce, run, umbmark, view
 from amorsim.cli.console import complain
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain as in_words
@@ -48,6 +48,7 @@ app.command("view", short_help="Open the Simulator in the browser.")(view.comman
 app.command("runsim", short_help="The same as view; the original's name for it.")(view.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
+app.command("convert", short_help="Write a map in another format.")(convert.command)
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
 app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.contracts import MapLoader
+from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
@@ -139,11 +140,9 @@ class Wld(MapLoader):
 
     @classmethod
     def save(cls, world: Map, path: Path) -> Wld:
-        """Write the walls of a map that was made from lines; see `amorsim.save_map`."""
-        if world.segments is None:
-            raise MapError("the map was not made from lines, and a line world holds nothing else; save it as .png")
-        left, bottom, _ = world.origin
-        width, height = world.size
+        """Write the walls of a map as lines, those of cells from middle to middle; see `amorsim.save_map`."""
+        left, bottom, right, top = extent_of(world)
+        width, height = world.size if world.origin[2] == 0.0 else (right - left, top - bottom)
         lines = [
             f"origin {in_millimetres(left)} {in_millimetres(bottom)}",
             f"width {in_millimetres(width)}",
@@ -152,7 +151,7 @@ class Wld(MapLoader):
         if world.start is not None:
             x, y, heading = world.start
             lines.append(f"position {in_millimetres(x)} {in_millimetres(y)} {math.degrees(heading)!r}")
-        lines += [" ".join(map(in_millimetres, wall)) for wall in world.segments.tolist()]
+        lines += [" ".join(map(in_millimetres, wall)) for wall in wall_lines(world).tolist()]
         path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
         return cls(resolution=world.resolution)
 

@@ -68,6 +68,12 @@ def amorsim_register(registry: Registry) -> None:
 
     registry.map_loader("wld", "amorsim.maps.wld:Wld")
     registry.map_loader("bmp", "amorsim.maps.bmp:Bitmap")
+    registry.map_loader("ros", "amorsim.maps.ros:Ros")
+    registry.map_loader("movingai", "amorsim.maps.movingai:MovingAI")
+    registry.map_loader("geojson", "amorsim.maps.geojson:GeoJson")
+    registry.map_loader("svg", "amorsim.maps.svg:Svg")
+    registry.map_loader("dxf", "amorsim.maps.dxf:Dxf")
+    registry.map_loader("maz", "amorsim.maps.maz:Maz")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")

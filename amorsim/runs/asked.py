@@ -14,10 +14,11 @@ from amorsim.core.reading import is_file
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from amorsim.core.map import Map
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
-__all__ = ["look_up", "make_simulation", "read_scenario", "with_options"]
+__all__ = ["look_up", "make_simulation", "read_scenario", "read_world", "with_options"]
 
 
 def look_up(
@@ -98,6 +99,16 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
     if options is not None:
         return scenario_for_map(Path(name), overrides=tuple(changes), **options)
     return load(name, overrides=tuple(changes))
+
+
+def read_world(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Map:
+    """The map that a user means by `name`: its own if that is a map, else the one of the scenario."""
+    from amorsim.scenario.read import load, read_map_alone
+
+    options = _options(name, resolution)
+    if options is not None:
+        return read_map_alone(Path(name), overrides=tuple(changes), **options)
+    return load(name, overrides=tuple(changes)).map
 
 
 def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:

@@ -120,7 +120,7 @@ class Copies:
             self._copy(each, copy)
         read = companions_of(attrs.evolve(file, path=copies[0]))
         for each in read:
-            if each not in copies:
+            if each not in [copy.absolute() for copy in copies]:
                 raise RunError(f"{path}: its copy would still read {each}; name that file relative to {path.name}")
         self._names[str(path)] = copies[0].relative_to(self._folder).as_posix()
         return self._names[str(path)]

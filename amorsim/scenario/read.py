@@ -27,7 +27,7 @@ from amorsim.scenario.spec import Scenario
 from amorsim.scenario.worlds import Maps
 from amorsim.scenario.written import Written
 
-__all__ = ["check_words", "is_model", "load", "loads", "scenario_for_map", "scenario_for_model"]
+__all__ = ["check_words", "is_model", "load", "loads", "read_map_alone", "scenario_for_map", "scenario_for_model"]
 
 _MODEL = {"drive", "shape"}
 
@@ -121,6 +121,26 @@ def _of_map(
 ) -> tuple[dict[str, Any], Book]:
     book = Book(Source(file="", folder=path.parent))
     return overridden(_map_alone(path, options), path, overrides, book, registry), book
+
+
+def read_map_alone(
+    path: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None, **options: Any
+) -> Map:
+    """The map in a file, with no robot in it; `overrides` name its options as those of a scenario's world do.
+
+    `options` and what is raised are as for `scenario_for_map`.
+    """
+    path = Path(path)
+    document = {"world": {**options, "map": str(path.absolute())}}
+    book = Book(Source(file="", folder=path.parent))
+    book.document = document
+    apply_overrides(document, parse_overrides(overrides, book), book)
+    top = Node(document, (), book)
+    top.refuse_unknown(("world",))
+    world = Maps(registry or default_registry()).read(top.child("world"))
+    book.raise_if_any()
+    assert world is not None  # or there would be a fault
+    return world
 
 
 def _map_alone(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:

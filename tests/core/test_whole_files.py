@@ -130,6 +130,10 @@ def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypa
 OWN_MEANS = {
     "core/whole_files.py",
     "maps/bmp.py",
+    "maps/geojson.py",
+    "maps/movingai.py",
+    "maps/ros.py",
+    "maps/svg.py",
     "maps/wld.py",
     "runs/folder.py",
     "testing/maps.py",

@@ -23,6 +23,7 @@ from amorsim.plugins.manager import make_registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved
+from tests.fuzz.maps import LOADERS, MAPS
 from tests.fuzz.scenarios import BASES, ROOM, TRACK
 
 __all__ = ["FUZZERS", "Fuzzer"]
@@ -56,6 +57,7 @@ JUNK = (
     *("nan", "/dev/zero", "..", "room.wld", "track.csv", "wander", "encoder", "laser", float("nan"), float("inf"), -1),
 )
 STEPS = 2
+FORMATS = {"bmp": "BMP", "png": "PNG", "pgm": "PPM", "gif": "GIF", "jpg": "JPEG", "tif": "TIFF"}
 
 
 class Fuzzer(Protocol):
@@ -234,12 +236,15 @@ class Bitmaps:
 
     def attempt(self, rng: Random) -> None:
         mode = rng.choice(("1", "L", "P", "RGB", "RGBA", "LA", "I;16"))
-        kind = "png" if mode in ("LA", "I;16") or rng.random() < 0.5 else "bmp"
+        kinds = ("png", "tif") if mode in ("LA", "I;16") else ("png", "bmp", "pgm", "gif", "jpg", "tif")
+        if mode in ("P", "RGBA"):
+            kinds = ("png", "bmp", "tif")
+        kind = rng.choice(kinds)
         size = rng.choice((1, 2, 7, 40)), rng.choice((1, 3, 8, 30))
         image = Image.new("1", size)
         image.putdata([rng.choice((0, 255)) for _ in range(size[0] * size[1])])
         buffer = io.BytesIO()
-        image.convert("L").convert(mode).save(buffer, "BMP" if kind == "bmp" else "PNG")
+        image.convert("L").convert(mode).save(buffer, FORMATS[kind])
         data = buffer.getvalue()
         if rng.random() < 0.8:
             data = _damaged(data, rng) if rng.random() < 0.6 else _with_header(data, rng)
@@ -247,7 +252,12 @@ class Bitmaps:
         path.write_bytes(data)
         self.said = f"{kind} {mode} {size} {data[:80]!r}"
         threshold = rng.choice((None, 0.0, 0.5, 1.0))
-        world = Bitmap(resolution=rng.choice((1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9)), threshold=threshold).load(path)
+        world = Bitmap(
+            resolution=rng.choice((1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9)),
+            threshold=threshold,
+            transparent=rng.choice(("white", "black", "unknown")),
+            size=rng.choice((None, None, None, (1.0, 2.0), (0.01, 100.0))),
+        ).load(path)
         world.cast_rays([[*world.origin[:2], 0.3]], [0.0, 1.0], 10.0)
 
 
@@ -320,11 +330,41 @@ class Faulty:
             bytearray(2 * 10**9)
 
 
+class Maps:
+    """Files of all formats of maps but line worlds and bitmaps: whole ones damaged, with any options, and renamed."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.said = ""
+        Image.new("L", (6, 5), 205).save(folder / "lab.pgm")
+
+    def attempt(self, rng: Random) -> None:
+        name = rng.choice(tuple(MAPS))
+        if name == "dxf" and rng.random() < 0.8:  # which takes a hundred times as long as others
+            name = "svg"
+        data = MAPS[name]
+        if rng.random() < 0.9:
+            data = _damaged(data, rng, most=rng.choice((1, 3, 10)))
+        if rng.random() < 0.2:  # a number that is too large, or none
+            words = data.split(b" ")
+            words[rng.randrange(len(words))] = str(rng.choice(EXTREMES))[:40].encode()
+            data = b" ".join(words)
+        ending = name if rng.random() < 0.95 else rng.choice(tuple(MAPS))
+        path = self.folder / f"world.{ending}"
+        path.write_bytes(data)
+        cls, options = LOADERS[ending]
+        chosen = {option: rng.choice(values) for option, values in options.items() if rng.random() < 0.3}
+        self.said = f"{ending} {chosen} {data!r}"
+        world = cls(**{"resolution": rng.choice((0.01, 0.05, 1.0)), **chosen}).load(path)
+        world.cast_rays([[*world.origin[:2], 0.3]], [0.0, 1.0], 10.0)
+
+
 FUZZERS: dict[str, Callable[[Path], Fuzzer]] = {
     "scenarios": Scenarios,
     "numbers": Numbers,
     "line_worlds": LineWorlds,
     "bitmaps": Bitmaps,
+    "maps": Maps,
     "tracks": Tracks,
     "faulty": Faulty,
 }
