@@ -68,6 +68,9 @@ def amorsim_register(registry: Registry) -> None:
 
     registry.map_loader("wld", "amorsim.maps.wld:Wld")
     registry.map_loader("bmp", "amorsim.maps.bmp:Bitmap")
+    registry.map_loader("stage", "amorsim.foreign.stage.map:StageMap")
+
+    registry.scenario_loader("stage", "amorsim.foreign.stage.loader:Stage")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")

@@ -19,10 +19,12 @@ from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.alike import Alike
 from amorsim.scenario.components import read_recording
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.floor_file import read_floor
+from amorsim.scenario.foreign import find_scenario_loader, read_foreign, split_options
 from amorsim.scenario.models import FORMAT, check_format, drop_removed, merge_models, read_file, read_toml
 from amorsim.scenario.overrides import apply_overrides, parse_overrides
 from amorsim.scenario.resolved import resolved_table
@@ -48,9 +50,11 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
     Parameters
     ----------
     source
-        Path of a ``.toml`` file, or the name of a registered scenario such as ``"demo"``.
+        Path of a ``.toml`` file or of one that a scenario loader reads (``.world``), or the name of a registered
+        scenario such as ``"demo"``.
     overrides
-        Settings as of the command line: ``"robots.rover.controller.speed=0.2"``.
+        Settings as of the command line: ``"robots.rover.controller.speed=0.2"``; those of a scenario loader are
+        ``"loader.crop_bitmaps=true"``.
 
     Raises
     ------
@@ -58,31 +62,40 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
         With all the faults that were found, each with file, key path, and what would be right.
     """
     registry = registry or default_registry()
-    path, book, table = _find(source, registry)
-    return _read(table, book, overrides, registry, path)
+    path, book, table, overrides = _find(source, overrides, registry)
+    return _read(table, book, overrides, registry, path, is_map_alone=book.is_foreign)
 
 
-def _find(source: str | Path, registry: Registry) -> tuple[Path, Book, dict[str, Any]]:
+def _find(
+    source: str | Path, overrides: Iterable[str], registry: Registry
+) -> tuple[Path, Book, dict[str, Any], Iterable[str]]:
     """The file that is meant by a path or by the name of a registered scenario, and the table in it.
 
-    The book has the faults of lines that are no TOML. Nothing in the table has been looked at.
+    The book has the faults of lines that are no TOML. Nothing in the table has been looked at. The settings are those
+    that are left for the scenario, where some were for a scenario loader.
 
     Raises
     ------
     ScenarioError
-        If there is no such file, or it is no text.
+        If there is no such file, it is no text, or it is another program's and has faults.
     """
     path = Path(source)
     names = registry.names("scenario")
     if str(source) in names and not is_file(path):
         path = registry.file("scenario", str(source))
+    if (found := find_scenario_loader(path, registry)) is not None:
+        options, overrides = split_options(overrides)
+        document = read_foreign(path, *found, options)
+        book = Book(Source(file=str(path), folder=path.parent))
+        book.remarks, book.lines, book.is_foreign = document.remarks, document.lines, True
+        return path, book, document.tables, overrides
     written = read_file(path)
     if isinstance(written, str):
         hint = did_you_mean(str(source), names)
         if not path.suffix:
             written += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
         raise ScenarioError([Fault(file=str(source), path="", message=written)])
-    return path, book_of(written, path), written.values
+    return path, book_of(written, path), written.values, overrides
 
 
 def book_of(written: Written, path: Path) -> Book:
@@ -162,7 +175,7 @@ def check_words(
     registry = registry or default_registry()
     path = Path(source)
     if of_map is None:
-        path, book, table = _find(source, registry)
+        path, book, table, overrides = _find(source, overrides, registry)
     else:
         table, book = _map_alone(path, of_map), Book(Source(file="", folder=path.parent))
     book.runs_programs = False
@@ -172,7 +185,7 @@ def check_words(
 
 def is_model(path: str | Path) -> bool:
     """Whether a file holds a robot's model: it has a drive or a shape, and neither world nor robots."""
-    document = read_toml(Path(path)) if is_file(path) else ""
+    document = read_toml(Path(path)) if Path(path).suffix.lower() == ".toml" and is_file(path) else ""
     return isinstance(document, dict) and not {"world", "robots"} & set(document) and bool(_MODEL & set(document))
 
 
@@ -205,7 +218,7 @@ def _read(
     values = read_values(document, book, overrides, registry, Maps(registry), starts, is_map_alone)
     book.raise_if_any()
     try:
-        scenario = Scenario(**values, source=file)
+        scenario = Scenario(**values, source=file, remarks=book.remarks)
     except ParameterError as error:
         book.fault((error.name,), error.problem)
         book.raise_if_any()
@@ -285,12 +298,13 @@ def _read_bodies(
     others: list[Obstacle] = []
     stand: list[Placed] = []
     names: dict[tuple[str, ...], list[str]] = {}
+    same_robots, same_obstacles = Alike(), Alike()
     if robots.value is None or robots.value == []:
         robots.fault("missing; expected one robot at least, [[robots]] with name, model and controller")
     elif robots.expect_list("a list of tables, [[robots]]"):
         for node in robots.items():
             drop_removed(node.value)
-            robot = read_robot(node, maps, world, registry, marks)
+            robot = same_robots.read(node, lambda node: read_robot(node, maps, world, registry, marks))
             if robot is not None and world is not None and not {"pose", "start"} & set(node.value):
                 robot = _put(node, robot, world, is_map_alone)
             series = [] if robot is None else read_series(node, robot, world)
@@ -299,7 +313,7 @@ def _read_bodies(
             stand += placed(node, series) if node.is_table else []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
         for number, node in enumerate(obstacles.items(), start=1):
-            obstacle = read_obstacle(node, number, registry)
+            obstacle = same_obstacles.read(node, lambda node, number=number: read_obstacle(node, number, registry))
             bodies = [] if obstacle is None else read_series(node, obstacle, world)
             others += bodies
             names[node.path] = [one.name for one in bodies]

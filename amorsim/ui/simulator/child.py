@@ -179,8 +179,9 @@ class Child:
         builder = SceneBuilder(simulation)
         self._player, self._does = player, Commands(player, builder, self._is_ending.is_set, passing=recipe.passing)
         self._folder, self._tick = str(player.folder or ""), player.newest
+        scenario = simulation.scenario
         remarks = [
-            f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
+            f"{scenario.map.name}: {text}" for text in (*scenario.remarks, *scenario.map.warnings, remark) if text
         ]
         ready = {"scene": builder.scene, "remarks": remarks, "folder": self._folder, "since": since}
         self._writer.send({"push": "ready", **ready})
