@@ -190,6 +190,9 @@ def place(folder):
 
     Image.new("1", (40, 30), 1).save(folder / "room.bmp")
     (folder / "room.world").write_text("floorplan( size [4 3 1] )")
+    (folder / "room.map").write_text("2D-Map\nLINES\n0 0 4000 0\n4000 3000 0 3000\nDATA\n")
+    words = "0," * 8000
+    (folder / "khepera.world").write_text(f"0,0\nbrick\n0\nlamp\n0\ncork\n0\n{words}\n")
     (folder / "track.csv").write_text("time,x,y\n0,1,1\n1,2,1\n")
     return folder
 

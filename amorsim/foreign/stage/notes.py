@@ -9,10 +9,10 @@ from collections.abc import Mapping
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
 from amorsim.foreign.stage.entities import Model, Value
 from amorsim.foreign.stage.tokens import Place
+from amorsim.foreign.text import NUMBER
 
 __all__ = ["Notes"]
 
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _MOST = 1e9
 _MOST_FAULTS = 50
 _MOST_REMARKS = 30
@@ -105,7 +105,7 @@ class Notes:
     def _numbers(self, key: str, value: Value) -> list[float] | None:
         found = []
         for item in value.items:
-            number = float(item) if _NUMBER.fullmatch(item) else math.nan
+            number = float(item) if NUMBER.fullmatch(item) else math.nan
             if not abs(number) <= _MOST:
                 self.fault(value.place, f"{key}: expected a number of at most {_MOST:g}, got {item[:40]!r}")
                 return None

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.reading import is_file, read_bytes, reason
+from amorsim.foreign.text import decoded, is_binary
 
 __all__ = ["Place", "Token", "Tokens", "fault_at", "looks_like_stage", "read_tokens"]
 
@@ -25,7 +26,6 @@ _TOKEN = re.compile(
     | (?P<wrong>.)""",
     re.VERBOSE,
 )
-_BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x1b-\x1f]")
 _BLANK = re.compile(r"(?:\s|#[^\n]*(?:\n|\Z))*")
 _BEGINNING = re.compile(r"[A-Za-z_][A-Za-z0-9_:.-]*\s*[(\[\"A-Za-z0-9.+-]")
 
@@ -59,7 +59,7 @@ def fault_at(place: Place, message: str) -> ScenarioError:
 
 def looks_like_stage(head: bytes) -> bool:
     """Whether a file that begins so may be a world of Stage: comments, then a word and what belongs to it."""
-    if _BINARY.search(head):
+    if is_binary(head):
         return False
     text = head.decode("utf-8-sig", errors="replace")
     blank = _BLANK.match(text)
@@ -141,10 +141,4 @@ class _Reader:
                 raise ScenarioError([Fault(file=str(path), path="", message=message)]) from None
             raise fault_at(asked, f"the included file {path} {message}") from None
         self._bytes += len(data)
-        if binary := _BINARY.search(data):
-            problem = f"byte {binary.start()} is {binary.group()[0]:#04x}: this is no text file"
-            raise ScenarioError([Fault(file=str(path), path="", message=f"{problem}, and a world of Stage is one")])
-        try:
-            return data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            return data.decode("latin-1")  # in which every byte is a letter
+        return decoded(data, path, "a world of Stage")
