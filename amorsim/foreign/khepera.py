@@ -76,7 +76,7 @@ class Playground:
 
 
 def _middles() -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    middle = (np.arange(_PIXELS) + 0.5) * _PIXEL
+    middle = (np.arange(_PIXELS, dtype=np.float64) + 0.5) * np.float64(_PIXEL)
     return middle[None, :], middle[:, None]
 
 
@@ -90,7 +90,7 @@ def _brick(thing: Thing) -> npt.NDArray[np.bool_]:
     x, y = _middles()
     c, s = math.cos(math.radians(thing.degrees)), math.sin(math.radians(thing.degrees))
     along, across = (x - thing.x) * c + (y - thing.y) * s, (y - thing.y) * c - (x - thing.x) * s
-    length, width = _BRICK_SIZE
+    length, width = (side + 1e-9 for side in _BRICK_SIZE)  # with the pixels whose middles lie on its border
     found: npt.NDArray[np.bool_] = (np.abs(along) <= length / 2) & (np.abs(across) <= width / 2)
     return found
 
@@ -106,8 +106,8 @@ def read_playground(path: Path) -> Playground:
     lines = read_text(path, _MOST_BYTES, "a world of the Khepera Simulator").splitlines()
     faults = Faults(path)
     words: list[tuple[str, int]] = []  # with their lines
-    for number, line in enumerate(lines[7:], start=8):
-        words += ((word, number) for word in re.split(r"[,\s]+", line) if word)
+    for number, text in enumerate(lines[7:], start=8):
+        words += ((word, number) for word in re.split(r"[,\s]+", text) if word)
     if len(lines) < 7 or not _FIRST.match("\n".join(lines[:2]).encode()):
         message = "expected ANY,TYPE and three times a name and an angle in the first seven lines"
         raise ScenarioError([Fault(file=str(path), path="", line=1, message=message)])
@@ -135,7 +135,7 @@ def read_playground(path: Path) -> Playground:
 def _things(words: list[tuple[str, int]], faults: Faults) -> list[Thing]:
     if len(words) % 5:
         faults.add(words[-1][1], f"expected objects of 5 numbers each, TYPE,X,Y,ANGLE,MORE; got {len(words)} numbers")
-    found = []
+    found: list[Thing] = []
     for begin in range(0, len(words) - 4, 5):
         line = words[begin][1]
         if len(found) == _MOST_THINGS:

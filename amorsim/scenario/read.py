@@ -7,6 +7,7 @@ true poses that differ from the nominal ones, are known to `amorsim.Simulation` 
 from __future__ import annotations
 
 import copy
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -313,7 +314,7 @@ def _read_bodies(
             stand += placed(node, series) if node.is_table else []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
         for number, node in enumerate(obstacles.items(), start=1):
-            obstacle = same_obstacles.read(node, lambda node, number=number: read_obstacle(node, number, registry))
+            obstacle = same_obstacles.read(node, functools.partial(read_obstacle, number=number, registry=registry))
             bodies = [] if obstacle is None else read_series(node, obstacle, world)
             others += bodies
             names[node.path] = [one.name for one in bodies]

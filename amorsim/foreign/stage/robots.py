@@ -182,9 +182,8 @@ def _controller(
     rangers = [name for kind in ("laser", "sonar") for name in table["sensors"] if name.partition("_")[0] == kind]
     ranger = rangers[0] if rangers else None
     if ranger is None or (table["drive"]["use"] == "mecanum" and not _sees_all_round(table["sensors"][ranger])):
-        notes.remark(
-            "blind", "a robot cannot wander that has no ranger, or not all round if it can go aside", model.place
-        )
+        text = "a robot without a ranger, or an omni without one that sees all round, cannot wander: it stands still"
+        notes.remark("blind", text, model.place)
         return None
     quick = {"speed": neat(min(_WANDER, speed))} if speed > 0 else {}
     slow = {"turn_rate_deg": neat(min(math.degrees(1.0), turn))} if turn > 0 else {}
