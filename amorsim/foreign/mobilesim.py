@@ -16,6 +16,7 @@ import numpy.typing as npt
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
 from amorsim.core.errors import MapError, ScenarioError
 from amorsim.core.map import Map
+from amorsim.core.numbers import millimetres
 from amorsim.core.parameters import parameter
 from amorsim.foreign.names import Names
 from amorsim.foreign.text import NUMBER, Faults, is_binary, read_text
@@ -25,6 +26,7 @@ __all__ = ["MobileSim", "MobileSimMap", "RobotMap", "Thing", "read_robot_map"]
 _MOST_BYTES = 50_000_000
 _MOST_THINGS = 10_000
 _MOST_CELLS = 100_000_000
+_MOST_POINTS = 1_000_000  # that are written
 _FARTHEST_MM = 1e9
 _FIRST = re.compile(rb"(?:\xef\xbb\xbf)?\s*2D-Map")
 _CAIRN = re.compile(r'Cairn:\s+(\S+)\s+(\S+)\s+(\S+)\s+(\S+)\s+"([^"]*)"\s+(\S+)\s+"([^"]*)"\s*(.*)')
@@ -70,6 +72,7 @@ class RobotMap:
     points: npt.NDArray[np.float64]  # (P, 2)
     things: tuple[Thing, ...]
     resolution: float | None  # [m] between points
+    bounds: npt.NDArray[np.float64]  # (B, 2) corners of the map that its head names
     remarks: tuple[str, ...]
 
     @property
@@ -105,6 +108,7 @@ class _Reader:
         self._told: dict[str, float] = {}
         self._things: list[Thing] = []
         self._left_out: dict[str, None] = {}
+        self._bounds = array.array("d")
 
     def read(self, number: int, text: str) -> None:
         """Read a line that is not empty."""
@@ -141,6 +145,8 @@ class _Reader:
             self._cairn(line, text)
         elif not _KNOWN.match(text):
             self._left_out[key.split()[0]] = None
+        elif key.endswith("Pos"):
+            self._bounds.extend(self._numbers(line, text.partition(":")[2].split(), 2) or ())
         elif key in ("NumPoints", "NumLines", "Resolution"):
             words = text.partition(":")[2].split()
             found = self._numbers(line, words, 1)
@@ -178,8 +184,11 @@ class _Reader:
                 remarks.append(f"{key} says {self._told[key]:g}, and there are {count}")
         if self._left_out:
             remarks.append(f"left out: {', '.join(list(self._left_out)[:20])}")
+        bounds = np.frombuffer(self._bounds, dtype=np.float64).reshape(-1, 2)
         spacing = self._told.get("Resolution", 0.0) / 1000.0
-        return RobotMap(segments, points, tuple(self._things), spacing if spacing > 0.0 else None, tuple(remarks))
+        return RobotMap(
+            segments, points, tuple(self._things), spacing if spacing > 0.0 else None, bounds, tuple(remarks)
+        )
 
 
 @attrs.frozen(kw_only=True)
@@ -217,12 +226,38 @@ class MobileSimMap(MapLoader):
         except MapError as error:
             raise MapError(f"{path}: {error}") from error
 
+    @classmethod
+    def save(cls, world: Map, path: Path) -> MobileSimMap:
+        """Write the walls that a map was made from, or else a point for each occupied cell; see `amorsim.save_map`."""
+        side, (left, bottom, yaw) = world.resolution, world.origin
+        width, height = world.size
+        lines, points = world.segments, np.empty((0, 2))
+        if lines is None:
+            if yaw:
+                raise MapError("a map of MobileSim has cells along x and y, and this map is turned")
+            row, col = np.nonzero(world.to_array())
+            if len(row) > _MOST_POINTS:
+                raise MapError(f"it has {len(row)} occupied cells; expected {_MOST_POINTS} at most")
+            lines = np.empty((0, 4))
+            points = np.stack((left + (col + 0.5) * side, bottom + (row + 0.5) * side), axis=-1)
+        text = ["2D-Map", f"LineMinPos: {millimetres(left)} {millimetres(bottom)}"]
+        text += [f"LineMaxPos: {millimetres(left + width)} {millimetres(bottom + height)}", f"NumLines: {len(lines)}"]
+        text += [f"NumPoints: {len(points)}", f"Resolution: {millimetres(side)}"]
+        if world.start is not None:
+            x, y, heading = world.start
+            pose = f"{millimetres(x)} {millimetres(y)} {math.degrees(heading)!r}"
+            text.append(f'Cairn: RobotHome {pose} "" ICON "Home"')
+        for name, rows in (("LINES", lines), ("DATA", points)):
+            text += [name, *(" ".join(map(millimetres, row)) for row in rows.tolist())]
+        path.write_text("\n".join(text) + "\n", encoding="ascii", newline="\n")
+        return cls(resolution=side)
+
     def _map(self, read: RobotMap, name: str) -> Map:
         side = self.resolution
         if side is None:
             side = min(max(read.resolution or 0.02, 0.005), 0.1) if len(read.points) else 0.01
         start = read.start
-        corners = np.concatenate([read.segments.reshape(-1, 2), read.points, _corners(read.things)])
+        corners = np.concatenate([read.segments.reshape(-1, 2), read.points, _corners(read.things), read.bounds])
         if start is not None and (not len(corners) or _is_outside(start, corners)):
             home = np.array(start[:2])
             corners = np.concatenate([corners, [home - _ROOM, home + _ROOM]])

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.map import Map
+from amorsim.core.numbers import millimetres as _mm
 from amorsim.core.parameters import parameter
 from amorsim.core.reading import read_bytes, reason
 
@@ -140,15 +141,6 @@ class Wld(MapLoader):
         lines += [" ".join(map(_mm, wall)) for wall in world.segments.tolist()]
         path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
         return cls(resolution=world.resolution)
-
-
-def _mm(metres: float) -> str:
-    """A length in the file's millimetres, such that dividing by 1000 gives the same number, where there is one."""
-    near = metres * 1000
-    for value in (float(round(near)), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
-        if value / 1000 == metres:
-            return repr(value).removesuffix(".0")
-    return repr(near)
 
 
 def parse_world(text: str, *, push_sign: str = "clockwise") -> LineWorld:

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import ClassVar
 
 import attrs
+import numpy as np
+from PIL import Image
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, ScenarioError
@@ -15,10 +17,24 @@ from amorsim.core.parameters import parameter
 from amorsim.foreign.stage.bitmaps import fill
 from amorsim.foreign.stage.entities import read_world
 from amorsim.foreign.stage.notes import Notes
-from amorsim.foreign.stage.plan import Plan, plan_of
+from amorsim.foreign.stage.plan import MOST_CELLS, Plan, plan_of
 from amorsim.foreign.stage.tokens import looks_like_stage
 
 __all__ = ["StageMap"]
+
+# Stage has no such type by itself.
+_FLOORPLAN = """\
+define floorplan model
+(
+  color "gray30"
+  boundary 0
+  gui_nose 0
+  gui_grid 0
+  gui_outline 0
+  gripper_return 0
+  fiducial_return 0
+)
+"""
 
 
 @attrs.frozen(kw_only=True)
@@ -76,6 +92,24 @@ class StageMap(MapLoader):
         except ScenarioError as error:
             raise MapError(str(error)) from error
         return (*world.files[1:], *self._plan(path).bitmaps)
+
+    @classmethod
+    def save(cls, world: Map, path: Path) -> StageMap:
+        """Write a map's cells as a bitmap, and a world with it as its floor plan; see `amorsim.save_map`."""
+        rows, cols = world.shape
+        if rows * cols > MOST_CELLS:
+            raise MapError(f"it has {rows * cols:.3g} cells; expected {MOST_CELLS:g} at most")
+        left, bottom, yaw = world.origin
+        if yaw:
+            raise MapError("the cells of a Stage world lie along x and y, and this map is turned")
+        picture = path.with_suffix(".png")
+        Image.fromarray(np.where(world.to_array()[::-1], 0, 255).astype(np.uint8)).convert("1").save(picture)
+        width, height = world.size
+        place = f"size [{width!r} {height!r} 1] pose [{left + width / 2!r} {bottom + height / 2!r} 0 0]"
+        plan = f'floorplan\n(\n  name "{path.stem}"\n  bitmap "{picture.name}"\n  {place}\n)\n'
+        text = f"# Written by amorsim.\n\nresolution {world.resolution!r}\n\n{_FLOORPLAN}\n{plan}"
+        path.write_text(text, encoding="utf-8", newline="\n")
+        return cls()
 
     def _plan(self, path: Path) -> Plan:
         notes = Notes()
