@@ -186,6 +186,5 @@ def test_a_scenario_of_another_format_is_told_what_one_is(amorsim: Command, tmp_
     (tmp_path / "study.yaml").write_text("world:\n  map: rooms.wld\n")
     result = amorsim("run", "study.yaml")
     assert (result.status, result.out) == (2, "")
-    assert result.err == (
-        "study.yaml: no map of a known format; known extensions: .bmp, .png, .wld; a scenario is a .toml file\n"
-    )
+    assert result.err.startswith("study.yaml: no map of a known format; known extensions: .bmp, ")
+    assert result.err.endswith("; a scenario is a .toml file\n")

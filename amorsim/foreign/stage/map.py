@@ -54,8 +54,8 @@ class StageMap(MapLoader):
 
     @classmethod
     def sniff(cls, head: bytes) -> bool:
-        """Whether a file's first bytes may be those of a world of Stage."""
-        return looks_like_stage(head)
+        """Whether a file's first bytes are those of a world of Stage, whatever its extension is."""
+        return looks_like_stage(head, is_sure=True)
 
     def load(self, path: Path) -> Map:
         """The map of a world.

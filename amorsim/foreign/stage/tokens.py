@@ -27,6 +27,10 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _BLANK = re.compile(r"(?:\s|#[^\n]*(?:\n|\Z))*")
+_SURE = re.compile(
+    r'include\s+"|define\s+\w+\s+\w+\s*\(|(?:window|floorplan|position|model)\s*\(|'
+    r"(?:resolution|interval_sim|interval_real|quit_time|speedup|paused|threads)\s+-?[0-9.]"
+)
 _BEGINNING = re.compile(r"[A-Za-z_][A-Za-z0-9_:.-]*\s*[(\[\"A-Za-z0-9.+-]")
 
 
@@ -57,13 +61,18 @@ def fault_at(place: Place, message: str) -> ScenarioError:
     return ScenarioError([Fault(file=str(place.file), path="", line=place.line, message=message)])
 
 
-def looks_like_stage(head: bytes) -> bool:
-    """Whether a file that begins so may be a world of Stage: comments, then a word and what belongs to it."""
+def looks_like_stage(head: bytes, *, is_sure: bool = False) -> bool:
+    """Whether a file that begins so may be a world of Stage: comments, then a word and what belongs to it.
+
+    Where `is_sure`, that must be a statement with which worlds of Stage begin, and hardly any other text.
+    """
     if is_binary(head):
         return False
     text = head.decode("utf-8-sig", errors="replace")
     blank = _BLANK.match(text)
     begin = blank.end() if blank else 0
+    if is_sure:
+        return bool(_SURE.match(text, begin))
     return begin > 0 if begin == len(text) else bool(_BEGINNING.match(text, begin))
 
 

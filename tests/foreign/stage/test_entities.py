@@ -112,3 +112,13 @@ def test_its_beginning_tells_a_world_from_other_files() -> None:
     assert not looks_like_stage(b"1,0\nbrick\n0\n")  # the Khepera Simulator's
     assert not looks_like_stage(b"\x89PNG\r\n")
     assert not looks_like_stage(b"")
+
+
+@pytest.mark.parametrize("head", [b"abc", b"world:\n  map: rooms.wld\n", b"width 4000\n", b"print(1)\n", b"# text\n"])
+def test_other_texts_are_no_worlds_without_the_extension(head: bytes) -> None:
+    assert not looks_like_stage(head, is_sure=True)
+
+
+@pytest.mark.parametrize("head", [b'# x\ninclude "a.inc"', b"define a model\n(", b"resolution 0.02", b"floorplan\n("])
+def test_worlds_are_known_without_the_extension(head: bytes) -> None:
+    assert looks_like_stage(head, is_sure=True)
