@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from amorsim.ui.simulator.recipe import Recipe
+
 WORLD = """\
 # A room with two robots, as Stage has it.
 resolution 0.05
@@ -59,6 +61,12 @@ def test_settings_and_a_resolution_are_for_the_file_too(amorsim, world) -> None:
     assert result.status == 0, result.err
     assert "resolution = 0.1" in result.out
     assert "there is no such key" in amorsim("check", world, "--set", "loader.rays=true").err
+
+
+def test_the_window_shows_a_stage_world(world) -> None:
+    simulation, remark = Recipe(name=str(world)).simulation()
+    assert list(simulation.names) == ["a", "b"]
+    assert not remark
 
 
 def test_a_stage_world_becomes_a_scenario_of_ones_own(amorsim, world, tmp_path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 import shapely
 
 from amorsim.core.errors import MapError
@@ -38,6 +39,7 @@ _RESOLUTION = 0.02  # [m], Stage's own
 _MARGIN = 5.0  # [m] around the models of a world without a floor plan
 _ROOM = 1.0  # [m] around what stands outside the floor plan
 _FARTHEST = 1e6  # [m]
+_MOST_BODIES = 10_000
 _STATIC = ("model", "floorplan", "zone", "puck", "charger")
 _OF_MODEL = frozenset(
     {
@@ -232,17 +234,19 @@ class _Planner:
     def split(self) -> None:
         """Make walls of bodies that overlap others or a bitmap, and of those with holes: an obstacle stands free."""
         plan = self.plan
+        if len(plan.bodies) > _MOST_BODIES:
+            place = plan.bodies[_MOST_BODIES].model.place
+            self._notes.fault(place, f"there are {len(plan.bodies)} obstacles; expected {_MOST_BODIES} at most")
+            return
         areas = [body.world() for body in plan.bodies]
         fixed = {i for i, area in enumerate(areas) if any(part.interiors for part in polygons(area))}
-        if areas:
-            one, other = shapely.STRtree(areas).query(areas, predicate="intersects")
-            for i, j in zip(one.tolist(), other.tolist(), strict=True):
-                if i < j and areas[i].intersection(areas[j]).area > 0.0:
-                    fixed |= {i, j}
+        fixed |= _overlapping(areas)
+        if areas and plan.walls:
+            rings = shapely.STRtree([shapely.LinearRing(ring) for ring in plan.walls])
+            fixed |= {i for i, area in enumerate(areas) if len(rings.query(area, predicate="intersects"))}
         for i, area in enumerate(areas):
             near = (is_dark_near(each.dark, each.box, area.bounds, plan.resolution) for each in plan.pictures)
-            ringed = (shapely.LinearRing(ring).intersects(area) for ring in plan.walls)
-            if i not in fixed and (any(near) or any(ringed)):
+            if i not in fixed and any(near):
                 fixed.add(i)
         for i in sorted(fixed):
             for part in polygons(areas[i]):
@@ -292,6 +296,20 @@ class _Planner:
                 "[world] resolution says another one"
             )
         plan.resolution = side
+
+
+def _overlapping(areas: Sequence[Any]) -> set[int]:
+    """Those of the areas whose inside another one's overlaps; touching is none."""
+    tree, them = shapely.STRtree(areas), np.array(areas, dtype=object)
+    found = set()
+    for i, area in enumerate(areas):
+        near = tree.query(area)
+        near = near[near != i]
+        # Where many lie upon one another, the first few tell.
+        parts = (near[:8], near[8:])
+        if any(len(part) and shapely.relate_pattern(area, them[part], "T********").any() for part in parts):
+            found.add(i)
+    return found
 
 
 def _find(name: str, file: Path, world: Path) -> Path | None:

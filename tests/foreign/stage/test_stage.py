@@ -293,6 +293,14 @@ def test_a_thousand_models_are_read_in_two_seconds(write) -> None:
     assert took < 2.0, f"{took:.2f} s of processor time"
 
 
+def test_thousands_of_models_upon_one_another_take_no_longer(write) -> None:
+    path = write(ROOM + "position( pose [-2 0 0 0] )\n" + "model( size [0.4 0.3 0.5] pose [1 1 0 0] )\n" * 4000)
+    begin = time.process_time()
+    scenario = am.load(path)
+    assert not scenario.obstacles
+    assert time.process_time() - begin < 8.0
+
+
 def test_the_loader_keeps_its_contract(real) -> None:
     check_component(Stage, path=real("simple.world"))
 
