@@ -37,6 +37,8 @@ if TYPE_CHECKING:
         Recorder,
         RobotModel,
         RunInfo,
+        ScenarioDocument,
+        ScenarioLoader,
         Sensor,
         SensorModel,
         Sightings,
@@ -105,8 +107,8 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo Sensor "
-        "SensorModel Sightings State View parameter"
+        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo "
+        "ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -208,7 +210,9 @@ __all__ = [
     "RunSession",
     "RunSummary",
     "Scenario",
+    "ScenarioDocument",
     "ScenarioError",
+    "ScenarioLoader",
     "Sensor",
     "SensorModel",
     "Shape",

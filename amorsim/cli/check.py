@@ -66,14 +66,14 @@ def command(
         faults = (*of_code, *(error.faults if isinstance(error, ScenarioError) else (error,)))
         warnings = error.warnings if isinstance(error, ScenarioError) else ()
         if read is not None:
-            warnings = tuple(f"{read.map.name}: {warning}" for warning in read.map.warnings)
+            warnings = tuple(f"{read.map.name}: {warning}" for warning in (*read.remarks, *read.map.warnings))
         for warning in warnings:
             complain(f"warning: {warning}")
         for fault in faults:
             complain(explain(fault) if isinstance(fault, AmorsimError) else str(fault))
         complain(f"{len(faults)} fault{'s' if len(faults) > 1 else ''} found")
         raise typer.Exit(2) from None
-    found = (*read.map.warnings, *([remark] if remark else ()))
+    found = (*read.remarks, *read.map.warnings, *([remark] if remark else ()))
     for line in (*(f"{read.map.name}: {warning}" for warning in found), *(() if of_model else advice(read))):
         complain(f"warning: {line}")
     if resolved:

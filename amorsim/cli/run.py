@@ -95,7 +95,7 @@ def command(
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
     simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:
-        for warning in (*read.map.warnings, *([remark] if remark else ())):
+        for warning in (*read.remarks, *read.map.warnings, *([remark] if remark else ())):
             complain(f"{read.map.name}: {warning}")
     film = None
     if gif is not None:

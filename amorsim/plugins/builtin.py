@@ -74,6 +74,13 @@ def amorsim_register(registry: Registry) -> None:
     registry.map_loader("svg", "amorsim.maps.svg:Svg")
     registry.map_loader("dxf", "amorsim.maps.dxf:Dxf")
     registry.map_loader("maz", "amorsim.maps.maz:Maz")
+    registry.map_loader("stage", "amorsim.foreign.stage.map:StageMap")
+    registry.map_loader("mobilesim", "amorsim.foreign.mobilesim:MobileSimMap")
+    registry.map_loader("khepera", "amorsim.foreign.khepera:KheperaMap")
+
+    registry.scenario_loader("stage", "amorsim.foreign.stage.loader:Stage")
+    registry.scenario_loader("mobilesim", "amorsim.foreign.mobilesim:MobileSim")
+    registry.scenario_loader("khepera", "amorsim.foreign.khepera:Khepera")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import attrs
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.alike import Alike
 from amorsim.scenario.components import read_recording
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.fields import file_fields, read_component, read_fields
@@ -108,12 +110,13 @@ def _read_bodies(
     others: list[Obstacle] = []
     stand: list[Placed] = []
     names: dict[tuple[str, ...], list[str]] = {}
+    same_robots, same_obstacles = Alike(), Alike()
     if robots.value is None or robots.value == []:
         robots.fault("missing; expected one robot at least, [[robots]] with name, model and controller")
     elif robots.expect_list("a list of tables, [[robots]]"):
         for node in robots.items():
             drop_removed(node.value)
-            robot = read_robot(node, maps, world, registry, marks)
+            robot = same_robots.read(node, lambda node: read_robot(node, maps, world, registry, marks))
             if robot is not None and world is not None and not {"pose", "start"} & set(node.value):
                 robot = _put(node, robot, world, is_map_alone)
             series = [] if robot is None else read_series(node, robot, world)
@@ -122,7 +125,7 @@ def _read_bodies(
             stand += placed(node, series) if node.is_table else []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
         for number, node in enumerate(obstacles.items(), start=1):
-            obstacle = read_obstacle(node, number, registry)
+            obstacle = same_obstacles.read(node, functools.partial(read_obstacle, number=number, registry=registry))
             bodies = [] if obstacle is None else read_series(node, obstacle, world)
             others += bodies
             names[node.path] = [one.name for one in bodies]

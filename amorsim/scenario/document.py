@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import attrs
 
+from amorsim.contracts import ScenarioDocument
 from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import read_bytes, reason
@@ -22,6 +23,7 @@ from amorsim.scenario.copies import Copies
 from amorsim.scenario.editing import Editor, Splice
 from amorsim.scenario.elsewhere import copied, named_files, near
 from amorsim.scenario.faults import Book, shown
+from amorsim.scenario.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.lines import with_lines
 from amorsim.scenario.model_files import check_model, read_model
@@ -34,6 +36,7 @@ from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import plain
 from amorsim.scenario.worlds import Maps
+from amorsim.scenario.write import table_text
 from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
@@ -43,6 +46,8 @@ Change = list[Splice]
 
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
+
+    Another program's file is not changed: its document is a new one, that `Document.save` writes beside it as TOML.
 
     Raises
     ------
@@ -54,6 +59,8 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
     names = registry.names("scenario")
     if str(path) in names and not file.is_file():
         file = registry.file("scenario", str(path))
+    if (found := find_scenario_loader(file, registry)) is not None:
+        return _of_foreign(file, read_foreign(file, *found), registry)
     try:
         data = read_bytes(file)
         return Document(data.decode(), file, registry=registry)
@@ -64,6 +71,16 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         raise DocumentError(f"{path}: not a text file in UTF-8: {byte}") from None
     except (OSError, ValueError) as error:
         raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
+
+
+def _of_foreign(file: Path, read: ScenarioDocument, registry: Registry) -> Document:
+    """The document of another program's file, under a name that no file has."""
+    head = "".join(f"# {line}\n" for line in (f"From {file.name}.", *read.remarks))
+    name, number = file.with_suffix(".toml"), 1
+    while name.exists():
+        number += 1
+        name = file.with_name(f"{file.stem}_{number}.toml")
+    return Document(f"{head}\n{table_text(read.tables)}", name, registry=registry)
 
 
 class _Looked(NamedTuple):

@@ -7,39 +7,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import attrs
-
 from amorsim.core.errors import DocumentError, Fault
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
 from amorsim.scenario.elsewhere import named_files
 from amorsim.scenario.faults import Book, Source
 from amorsim.scenario.layout import Path_
-from amorsim.scenario.toml_values import as_toml, keys_as_toml, parse_value
+from amorsim.scenario.settings import Setting, parse_settings
+from amorsim.scenario.toml_values import as_toml, keys_as_toml
 
 __all__ = ["overridden", "override"]
-
-_EXPECTED = "expected PATH=VALUE, as in simulation.dt=0.05 or robots.0.controller.speed=0.2"
-
-
-@attrs.frozen(kw_only=True)
-class _Setting:
-    """A value for a path in a document, and the text that says so."""
-
-    path: tuple[str, ...]
-    value: Any
-    text: str
-
-    @property
-    def file(self) -> str:
-        """What faults name in the place of a file."""
-        return f"--set {self.text}"
-
-    @property
-    def chooses_model(self) -> bool:
-        """Whether it says of which model a robot or a sensor is, so that all others are about what that says."""
-        is_of_sensor = len(self.path) == 5 and self.path[2] == "sensors"
-        return self.path[0] == "robots" and self.path[-1] == "model" and (len(self.path) == 3 or is_of_sensor)
 
 
 def overridden(
@@ -54,7 +31,7 @@ def overridden(
     path
         Its file, where relative paths in it start.
     """
-    settings = _parsed(overrides, book)
+    settings = parse_settings(overrides, book)
     if isinstance(source, dict):
         if not settings:
             return source
@@ -73,7 +50,7 @@ def override(document: Document, overrides: Iterable[str], registry: Registry) -
         With what is wrong with the settings.
     """
     book = Book(Source(file="", folder=Path()))
-    for made in _apply(document, _parsed(overrides, book), book):
+    for made in _apply(document, parse_settings(overrides, book), book):
         for named in list(named_files(document.values, registry, Path.cwd())):
             if named.at[: len(made)] == made:
                 whole = named.said(os.path.abspath(named.name))  # noqa: PTH100 - a link keeps its name
@@ -81,7 +58,7 @@ def override(document: Document, overrides: Iterable[str], registry: Registry) -
     book.raise_if_any()
 
 
-def _apply(document: Document, settings: Iterable[_Setting], book: Book) -> list[Path_]:
+def _apply(document: Document, settings: Iterable[Setting], book: Book) -> list[Path_]:
     """Make settings in a document, and note where they were made and what is wrong with them."""
     places = []
     for setting in sorted(settings, key=lambda setting: not setting.chooses_model):
@@ -99,31 +76,7 @@ def _apply(document: Document, settings: Iterable[_Setting], book: Book) -> list
     return places
 
 
-def _parsed(texts: Iterable[str], book: Book) -> list[_Setting]:
-    """What ``PATH=VALUE`` texts say: a value is one of TOML, or else a plain text."""
-    if isinstance(texts, str):
-        problem = f"expected a list of settings, as [{texts!r}], got a text"
-        book.add(Fault(file="", path="overrides", message=problem))
-        return []
-    found = []
-    for text in texts:
-        name, equals, value = text.partition("=")
-        path = tuple(part.strip() for part in name.split("."))
-        if not equals or not all(path):
-            book.add(Fault(file=f"--set {text}", path="", message=_EXPECTED))
-        else:
-            found.append(_Setting(path=path, value=_value(value.strip()), text=text))
-    return found
-
-
-def _value(text: str) -> Any:
-    try:
-        return parse_value(text)
-    except (ValueError, RecursionError):
-        return text
-
-
-def _whole(setting: _Setting) -> Any:
+def _whole(setting: Setting) -> Any:
     """The value, a model's file by its whole path: the document looks for it as it would for its own."""
     value = setting.value
     if setting.chooses_model and isinstance(value, str) and value.endswith(".toml"):

@@ -14,18 +14,19 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
+from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import is_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.contents import book_of, read_values
-from amorsim.scenario.faults import Book, Source
+from amorsim.scenario.faults import Book, Node, Source
+from amorsim.scenario.foreign import find_scenario_loader, read_foreign, split_options
 from amorsim.scenario.models import FORMAT, read_file, read_toml
 from amorsim.scenario.overrides import overridden
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.worlds import Maps
-from amorsim.scenario.written import Written
 
 __all__ = ["check_words", "is_model", "load", "loads", "read_map_alone", "scenario_for_map", "scenario_for_model"]
 
@@ -40,9 +41,11 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
     Parameters
     ----------
     source
-        Path of a ``.toml`` file, or the name of a registered scenario such as ``"demo"``.
+        Path of a ``.toml`` file or of one that a scenario loader reads (``.world``), or the name of a registered
+        scenario such as ``"demo"``.
     overrides
-        Settings as of the command line: ``"robots.rover.controller.speed=0.2"``.
+        Settings as of the command line: ``"robots.rover.controller.speed=0.2"``; those of a scenario loader are
+        ``"loader.crop_bitmaps=true"``.
 
     Raises
     ------
@@ -50,37 +53,40 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
         With all the faults that were found, each with file, key path, and what would be right.
     """
     registry = registry or default_registry()
-    path, book, written = _find(source, registry)
-    return _read(_tables(written, path, overrides, book, registry), book, registry, path)
+    path, book, tables = _find(source, overrides, registry)
+    return _read(tables, book, registry, path, is_map_alone=book.is_foreign)
 
 
-def _tables(written: Written, path: Path, overrides: Iterable[str], book: Book, registry: Registry) -> dict[str, Any]:
-    """What a file says, with settings over it."""
-    overrides = overrides if isinstance(overrides, str) else tuple(overrides)
-    return overridden(written.text, path, overrides, book, registry) if overrides else written.values
+def _find(source: str | Path, overrides: Iterable[str], registry: Registry) -> tuple[Path, Book, dict[str, Any]]:
+    """The file that is meant by a path or by the name of a registered scenario, and what it says, with settings.
 
-
-def _find(source: str | Path, registry: Registry) -> tuple[Path, Book, Written]:
-    """The file that is meant by a path or by the name of a registered scenario, and what it says.
-
-    The book has the faults of lines that are no TOML. Nothing else has been looked at.
+    The book has the faults of lines that are no TOML, and of the settings. Nothing else has been looked at.
 
     Raises
     ------
     ScenarioError
-        If there is no such file, or it is no text.
+        If there is no such file, it is no text, or it is another program's and has faults.
     """
     path = Path(source)
     names = registry.names("scenario")
     if str(source) in names and not is_file(path):
         path = registry.file("scenario", str(source))
+    if (found := find_scenario_loader(path, registry)) is not None:
+        options, overrides = split_options(overrides)
+        document = read_foreign(path, *found, options)
+        book = Book(Source(file=str(path), folder=path.parent))
+        book.remarks, book.lines, book.is_foreign = document.remarks, document.lines, True
+        return path, book, overridden(document.tables, path, overrides, book, registry)
     written = read_file(path)
     if isinstance(written, str):
         hint = did_you_mean(str(source), names)
         if not path.suffix:
             written += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
         raise ScenarioError([Fault(file=str(source), path="", message=written)])
-    return path, book_of(written, path), written
+    book = book_of(written, path)
+    overrides = overrides if isinstance(overrides, str) else tuple(overrides)
+    tables = overridden(written.text, path, overrides, book, registry) if overrides else written.values
+    return path, book, tables
 
 
 def loads(
@@ -131,13 +137,13 @@ def read_map_alone(
     `options` and what is raised are as for `scenario_for_map`.
     """
     path = Path(path)
-    document = {"world": {**options, "map": str(path.absolute())}}
+    registry = registry or default_registry()
     book = Book(Source(file="", folder=path.parent))
-    book.document = document
-    apply_overrides(document, parse_overrides(overrides, book), book)
-    top = Node(document, (), book)
+    tables = {"world": {**options, "map": str(path.absolute())}}
+    book.document = overridden(tables, path, overrides, book, registry)
+    top = Node(book.document, (), book)
     top.refuse_unknown(("world",))
-    world = Maps(registry or default_registry()).read(top.child("world"))
+    world = Maps(registry).read(top.child("world"))
     book.raise_if_any()
     assert world is not None  # or there would be a fault
     return world
@@ -178,8 +184,7 @@ def check_words(
     registry = registry or default_registry()
     path = Path(source)
     if of_map is None:
-        path, book, written = _find(source, registry)
-        tables = _tables(written, path, overrides, book, registry)
+        _, book, tables = _find(source, overrides, registry)
     else:
         tables, book = _of_map(path, of_map, overrides, registry)
     read_values(tables, book, registry, Maps(registry, are_read=False), False, False)
@@ -188,7 +193,7 @@ def check_words(
 
 def is_model(path: str | Path) -> bool:
     """Whether a file holds a robot's model: it has a drive or a shape, and neither world nor robots."""
-    document = read_toml(Path(path)) if is_file(path) else ""
+    document = read_toml(Path(path)) if Path(path).suffix.lower() == ".toml" and is_file(path) else ""
     return isinstance(document, dict) and not {"world", "robots"} & set(document) and bool(_MODEL & set(document))
 
 
@@ -221,7 +226,7 @@ def _read(
     values = read_values(document, book, registry, Maps(registry), starts, is_map_alone)
     book.raise_if_any()
     try:
-        scenario = Scenario(**values, source=file)
+        scenario = Scenario(**values, source=file, remarks=book.remarks)
     except ParameterError as error:
         book.fault((error.name,), error.problem)
         book.raise_if_any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import types
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -109,6 +110,7 @@ class _Writer:
     def __init__(self, registry: Registry, maps_in_files: bool) -> None:
         self._registry = registry
         self._maps_in_files = maps_in_files
+        self._models: dict[tuple[Any, ...], tuple[Robot, bytes]] = {}
         self.faults: list[Fault] = []
 
     def scenario(self, scenario: Scenario) -> dict[str, Any]:
@@ -196,7 +198,7 @@ class _Writer:
         else:
             pose = pose or start_of(world, robot)
             written["pose"] = write_fields(pose)
-        written.update(self.model(robot, path, pose))
+        written.update(self._model_of(robot, path, pose))
         knowledge: dict[str, Any] = {}
         if robot.knowledge.map is not None:
             knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
@@ -209,6 +211,20 @@ class _Writer:
         if knowledge:
             written["knowledge"] = knowledge
         return written
+
+    def _model_of(self, robot: Robot, path: str, pose: Pose | None) -> dict[str, Any]:
+        """`model`, written once for robots that are made of the same objects."""
+        if any(error.partition(".")[0] == "pose" for error in robot.errors):
+            return self.model(robot, path, pose)
+        parts = (robot.drive, robot.shape, robot.controller, *robot.ground)
+        named = (*robot.sensors.items(), *robot.estimators.items(), *robot.errors.items())
+        looks = tuple(getattr(robot, name) for name in ("on_collision", *LOOKS))
+        key = (*map(id, parts), *((name, id(part)) for name, part in named), *looks)
+        if key not in self._models:
+            # With the robot, so that no other object gets an id of its parts.
+            self._models[key] = robot, pickle.dumps(self.model(robot, path, pose))
+        again: dict[str, Any] = pickle.loads(self._models[key][1])
+        return again
 
     def model(self, robot: Robot, path: str = "", pose: Pose | None = None) -> dict[str, Any]:
         """What a model may say of a robot."""

@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
+from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, ScenarioLoader, Sensor
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
@@ -24,6 +24,7 @@ from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, 
 from amorsim.testing.maps import check_map_loader
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
+from amorsim.testing.scenario_loaders import check_scenario_loader
 from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
 
@@ -37,6 +38,7 @@ _KINDS: dict[str, type] = {
     "controller": Controller,
     "motion": Motion,
     "map_loader": MapLoader,
+    "scenario_loader": ScenarioLoader,
     "recorder": Recorder,
 }
 
@@ -65,8 +67,8 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, motion, map loader or recorder; or its class, of which
-        one is made with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, motion, map loader, scenario loader or recorder; or its
+        class, of which one is made with its defaults, and with some value where it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -80,7 +82,7 @@ def check_component(
         What a noise element does with inf, which says that nothing returned: ``"kept"``; ``"changed"`` for one that
         makes up returns; ``"absent"`` for one whose values are never inf, such as the travel of a wheel.
     path
-        A file that a map loader is to read.
+        A file that a map loader or a scenario loader is to read.
     scene
         Where a sensor, estimator, controller or motion is tried, in place of a hall with a post, a box, marks and
         lamps: the map, obstacles, landmarks and lights of a scenario. Its robots say where those that are tried
@@ -107,6 +109,9 @@ def check_component(
     _check_pickling(who, component)
     if isinstance(component, MapLoader):
         check_map_loader(who, component, None if path is None else Path(path))
+        return
+    if isinstance(component, ScenarioLoader):
+        check_scenario_loader(who, component, None if path is None else Path(path))
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

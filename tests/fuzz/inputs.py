@@ -1,4 +1,4 @@
-"""The inputs that are tried: scenarios, numbers, line worlds, bitmaps and recorded tracks, each wrong at random."""
+"""The inputs that are tried: scenarios, numbers, maps, recorded tracks, other programs' files; each wrong at random."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ from amorsim.plugins.manager import make_registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved
+from tests.fuzz.damage import damaged
+from tests.fuzz.foreign import FOREIGN
 from tests.fuzz.maps import LOADERS, MAPS
 from tests.fuzz.scenarios import BASES, ROOM, TRACK
 
@@ -160,32 +162,11 @@ class Scenarios(_Documents):
 
     def _text(self, rng: Random) -> None:
         path = self.folder / "scenario.toml"
-        data = _damaged(rng.choice(BASES).encode(), rng)
+        data = damaged(rng.choice(BASES).encode(), rng)
         self.said = repr(data)
         path.write_bytes(data)
         simulation = am.Simulation(am.load(path, registry=self.registry))
         simulation.step()
-
-
-def _damaged(data: bytes, rng: Random, most: int = 6) -> bytes:
-    """Bytes with some of them changed, left out, put in, doubled or cut off."""
-    changed = bytearray(data)
-    for _ in range(rng.randint(1, most)):
-        at = rng.randrange(len(changed) + 1)
-        what = rng.random()
-        if what < 0.35 and at < len(changed):
-            changed[at] = rng.randrange(256)
-        elif what < 0.55:
-            del changed[at : at + rng.choice((1, 1, 2, 10))]
-        elif what < 0.75:
-            changed[at:at] = rng.choice(
-                (b"9", b"e9", b"-", b".", b"\0", b"\n", b"[", b'"', b"0" * 20, b"\xff", b"nan ")
-            )
-        elif what < 0.9:
-            changed[at:at] = changed[at : at + rng.randint(1, 60)]
-        elif what < 0.93:
-            del changed[at:]
-    return bytes(changed)
 
 
 _WORDS = (
@@ -205,7 +186,7 @@ class LineWorlds:
         text = "\n".join(self._line(rng) for _ in range(rng.randint(0, 12))) if rng.random() < 0.7 else ROOM
         data = text.encode()
         if rng.random() < 0.5:
-            data = _damaged(data, rng)
+            data = damaged(data, rng)
         self.said = repr(data)
         self.path.write_bytes(data)
         loader = Wld(
@@ -247,7 +228,7 @@ class Bitmaps:
         image.convert("L").convert(mode).save(buffer, FORMATS[kind])
         data = buffer.getvalue()
         if rng.random() < 0.8:
-            data = _damaged(data, rng) if rng.random() < 0.6 else _with_header(data, rng)
+            data = damaged(data, rng) if rng.random() < 0.6 else _with_header(data, rng)
         path = self.folder / f"world.{kind}"
         path.write_bytes(data)
         self.said = f"{kind} {mode} {size} {data[:80]!r}"
@@ -292,7 +273,7 @@ class Tracks:
             lines.append(",".join(cells))
         data = "\n".join(lines).encode()
         if rng.random() < 0.4:
-            data = _damaged(data, rng)
+            data = damaged(data, rng)
         self.said = repr(data)
         self.path.write_bytes(data)
         track = read_track(self.path)
@@ -344,7 +325,7 @@ class Maps:
             name = "svg"
         data = MAPS[name]
         if rng.random() < 0.9:
-            data = _damaged(data, rng, most=rng.choice((1, 3, 10)))
+            data = damaged(data, rng, most=rng.choice((1, 3, 10)))
         if rng.random() < 0.2:  # a number that is too large, or none
             words = data.split(b" ")
             words[rng.randrange(len(words))] = str(rng.choice(EXTREMES))[:40].encode()
@@ -366,5 +347,6 @@ FUZZERS: dict[str, Callable[[Path], Fuzzer]] = {
     "bitmaps": Bitmaps,
     "maps": Maps,
     "tracks": Tracks,
+    **FOREIGN,
     "faulty": Faulty,
 }

@@ -24,6 +24,13 @@ from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose
 
 REGISTRY = make_registry(entry_points=(), disabled="")
 HUGE = 10**400
+_MAPS = {
+    "wld": "room.wld",
+    "bmp": "room.bmp",
+    "stage": "room.world",
+    "mobilesim": "room.map",
+    "khepera": "khepera.world",
+}
 EXAMPLES = 250
 
 BASE = {
@@ -126,7 +133,7 @@ def place_of(kind, name):
         robot["controller"] = component
         return document, ("robots", 0, "controller"), ""
     if kind == "map_loader":
-        document["world"] = {"map": "room.wld" if name == "wld" else "room.bmp", "use": name}
+        document["world"] = {"map": _MAPS[name], "use": name}
         return document, ("world",), ""
     if kind == "motion":
         document["obstacles"][0]["motion"] = component
@@ -142,7 +149,7 @@ def at(document, path):
 
 def cases():
     for entry in REGISTRY.entries():
-        if entry.kind in ("robot", "device", "scenario", "recorder"):
+        if entry.kind in ("robot", "device", "scenario", "recorder", "scenario_loader"):
             continue
         document, path, unit = place_of(entry.kind, entry.name)
         fields = file_fields(REGISTRY.get(entry.kind, entry.name), unit)
@@ -182,6 +189,10 @@ def place(folder):
     from PIL import Image
 
     Image.new("1", (40, 30), 1).save(folder / "room.bmp")
+    (folder / "room.world").write_text("floorplan( size [4 3 1] )")
+    (folder / "room.map").write_text("2D-Map\nLINES\n0 0 4000 0\n4000 3000 0 3000\nDATA\n")
+    words = "0," * 8000
+    (folder / "khepera.world").write_text(f"0,0\nbrick\n0\nlamp\n0\ncork\n0\n{words}\n")
     (folder / "track.csv").write_text("time,x,y\n0,1,1\n1,2,1\n")
     return folder
 

@@ -181,8 +181,9 @@ class Child:
         does = Commands(player, builder, self._is_ending.is_set, changes=recipe.changes, passing=recipe.passing)
         self._player, self._does = player, does
         self._folder, self._tick = str(player.folder or ""), player.newest
+        scenario = simulation.scenario
         remarks = [
-            f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
+            f"{scenario.map.name}: {text}" for text in (*scenario.remarks, *scenario.map.warnings, remark) if text
         ]
         ready = {"scene": builder.scene, "remarks": remarks, "folder": self._folder, "since": since}
         self._writer.send({"push": "ready", **ready})
