@@ -36,6 +36,7 @@ def command(
     from amorsim.runs.session import steps_of
     from amorsim.scenario.read import is_model, scenario_for_model
     from amorsim.simulation.lint import advice
+    from amorsim.simulation.sources import source_lines
 
     read = None
     try:
@@ -73,3 +74,5 @@ def command(
         how_many = "1 robot" if len(read.robots) == 1 else f"{len(read.robots)} robots"
         robots = ", ".join(robot.name for robot in read.robots[:8]) + (" ..." if len(read.robots) > 8 else "")
         say(f"{scenario}: no faults; {width:.2f} m x {height:.2f} m, {how_many} ({robots})")
+        for line in source_lines(read):
+            say(line)
