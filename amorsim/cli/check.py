@@ -44,6 +44,7 @@ def command(
     from amorsim.scenario.programs import without_programs
     from amorsim.scenario.read import is_model, scenario_for_model
     from amorsim.simulation.lint import advice
+    from amorsim.simulation.sources import source_lines
 
     try:
         check_time_limit(time_limit)
@@ -89,3 +90,5 @@ def command(
         how_many = "1 robot" if len(read.robots) == 1 else f"{len(read.robots)} robots"
         robots = ", ".join(robot.name for robot in read.robots[:8]) + (" ..." if len(read.robots) > 8 else "")
         say(f"{scenario}: no faults; {width:.2f} m x {height:.2f} m, {how_many} ({robots})")
+        for line in source_lines(read):
+            say(line)

@@ -73,6 +73,7 @@ def command(
     from amorsim.runs.asked import look_up, make_simulation, read_scenario, with_options
     from amorsim.runs.folder import check_free
     from amorsim.runs.run import run as run_scenario
+    from amorsim.simulation.sources import source_lines
 
     if replicas is not None and replica:
         raise AmorsimError("--replicas and --replica exclude each other: the first counts them, the second names them")
@@ -97,6 +98,8 @@ def command(
     if not quiet:
         for warning in (*read.remarks, *read.map.warnings, *([remark] if remark else ())):
             complain(f"{read.map.name}: {warning}")
+        for line in source_lines(read):
+            say(line)
     film = None
     if gif is not None:
         with _in_options():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -63,8 +64,14 @@ def noise_in_words(estimator: Any, source: Source) -> str:
     told = []
     for field, words, unit in source.noise:
         std = getattr(estimator, field)
-        told.append(f"{words} {'not stated' if std is None else f'{std:g} {unit}'}")
+        told.append(f"{words} {'not stated' if std is None else _in_words(std, unit)}")
     return ", ".join(told)
+
+
+def _in_words(std: float, unit: str) -> str:
+    if unit.startswith("rad"):
+        return f"{math.degrees(std):g}°{unit.removeprefix('rad')}"
+    return f"{std:g} {unit}"
 
 
 def check_sources(estimator: Any, robot: RobotModel) -> dict[str, int]:
