@@ -203,7 +203,7 @@ def test_a_scenario_of_another_format_is_told_what_one_is(amorsim: Command, tmp_
     result = amorsim("run", "study.json")
     assert (result.status, result.out) == (2, "")
     assert result.err.startswith("study.json: no map of a known format; known extensions: .bmp, ")
-    assert result.err.endswith(".wld, .yaml, .yml; a scenario is a .toml file\n")
+    assert result.err.endswith(".wld, .world, .yaml, .yml; a scenario is a .toml file\n")
     (tmp_path / "study.yaml").write_text("world:\n  map: rooms.wld\n")
     result = amorsim("run", "study.yaml")
     assert (result.status, result.out) == (2, "")
