@@ -108,7 +108,7 @@ def _spread(p: Floats, slope: Floats, out: Floats) -> None:
 
 @part
 def _along(a: Floats, b: Floats) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3])
 
 
 @part
@@ -138,7 +138,7 @@ def _squared(p: Floats, at: Work, r11: float, r12: float, r22: float, record: Fl
     record[3] = s12
     record[4] = s22
     record[NIS] = squared
-    return squared
+    return float(squared)
 
 
 @part
