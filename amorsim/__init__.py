@@ -98,6 +98,7 @@ if TYPE_CHECKING:
         Scenario,
         Zone,
     )
+    from amorsim.simulation.estimator_runner import EstimatorRunner
     from amorsim.simulation.events import Event
     from amorsim.simulation.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.phases import PHASES
@@ -135,6 +136,7 @@ _MODULES = {
         "Deviation Distribution Drop Floor Knowledge Landmark Light Marking MountedSensor NoiseElement Obstacle "
         "Pose RandomStart Recording Robot Scenario Zone"
     ),
+    "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",
     "amorsim.runs.reproduce": "reproduce",
     "amorsim.runs.run": "run",
@@ -168,6 +170,7 @@ __all__ = [
     "Emission",
     "Estimate",
     "Estimator",
+    "EstimatorRunner",
     "Event",
     "Fault",
     "Floor",

@@ -320,3 +320,11 @@ def test_it_keeps_the_contract(prediction):
         ),
         sensors={"gps": am.sensors.Gps(), "marks": am.sensors.Fiducial(fov=6.0, range_max=20.0, range_max_id=20.0)},
     )
+
+
+@pytest.mark.parametrize("prediction", ["encoder", "command"])
+@pytest.mark.parametrize("model", ["car", "b21r", "youbot", "pioneer3dx"])
+def test_any_drive_predicts(prediction, model):
+    drive = am.load_robot(model, name="rover").drive
+    estimator = Ekf(prediction=prediction, wheel_variance=WHEELS, compass="compass", compass_std=0.02)
+    check_component(estimator, drive=drive)

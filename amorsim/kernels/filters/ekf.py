@@ -115,9 +115,11 @@ def _along(a: Floats, b: Floats) -> float:
 def _take(mean: Floats, p: Floats, spread: Floats, residual: float, variance: float) -> None:
     """Update by one number, whose residual has this `variance` and this covariance with the state (`spread`)."""
     for j in range(4):
-        mean[j] += spread[j] * residual / variance
-        for k in range(4):
-            p[j, k] -= spread[j] * spread[k] / variance
+        gain = spread[j] / variance
+        mean[j] += gain * residual
+        for k in range(j, 4):
+            p[j, k] -= gain * spread[k]
+            p[k, j] = p[j, k]
     mean[2] = wrap(mean[2])
 
 
