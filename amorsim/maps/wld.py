@@ -144,7 +144,11 @@ class Wld(MapLoader):
             raise MapError("the map was not made from lines, and a line world holds nothing else; save it as .png")
         left, bottom, _ = world.origin
         width, height = world.size
-        lines = [f"origin {in_millimetres(left)} {in_millimetres(bottom)}", f"width {in_millimetres(width)}", f"height {in_millimetres(height)}"]
+        lines = [
+            f"origin {in_millimetres(left)} {in_millimetres(bottom)}",
+            f"width {in_millimetres(width)}",
+            f"height {in_millimetres(height)}",
+        ]
         if world.start is not None:
             x, y, heading = world.start
             lines.append(f"position {in_millimetres(x)} {in_millimetres(y)} {math.degrees(heading)!r}")

@@ -11,7 +11,17 @@ from amorsim.core.errors import MapError
 from amorsim.maps.wld import parse_world
 from amorsim.maps.wld_text import with_walls
 
-FRAMES = "width 9000\r\n0 0 1000 0 ; south\r\npush 1000 2000 90\r\n  0 0 500 0 3 4\r\npop\r\nCORRIDOR 4000 4000 0 1000 600\r\n"
+FRAMES = "\r\n".join(
+    [
+        "width 9000",
+        "0 0 1000 0 ; south",
+        "push 1000 2000 90",
+        "  0 0 500 0 3 4",
+        "pop",
+        "CORRIDOR 4000 4000 0 1000 600",
+        "",
+    ]
+)
 OFFICE = resources.files("amorsim.scenarios").joinpath("office.wld").read_text()
 
 
