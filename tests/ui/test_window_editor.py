@@ -19,7 +19,7 @@ class Editor:
 
     def __init__(self, browser: Any, folder: Path, *words: str) -> None:
         self.folder = folder
-        self.server = Server(folder / "x", words=("edit", *words))
+        self.server = Server(folder / "x", words=("edit", *words), env={"AMORSIM_STATE": str(folder / ".state")})
         self.page = new_user(browser).new_page()
         self.window = Window(self.page)
         self.page.goto(self.server.address)

@@ -84,6 +84,7 @@ class EditSession:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
+        self.work.close()
         self._folder.cleanup()
 
     async def __aenter__(self) -> Self:
@@ -140,6 +141,7 @@ class EditSession:
             "is_saved": work.is_saved,
             "is_new": work.is_new,
             "is_behind": self._is_behind,
+            "remark": work.remark,
             "changed_outside": self._changed_outside,
             "undo": work.history.done[-1].label if work.history.done else "",
             "redo": work.history.undone[-1].label if work.history.undone else "",
@@ -196,7 +198,7 @@ class EditSession:
         ``document`` is answered by `state` once its number is above ``after``; ``inspect`` by the ``sections`` of a
         thing, ``text`` by the scenario's text, ``image`` by a picture of a map, ``menu`` by what can be added.
         ``edit`` makes a step of ``changes`` (see `amorsim.ui.editor.changes`); ``undo``, ``redo``, ``save``,
-        ``save_as``, ``reload``, ``keep`` and ``run`` do what they say.
+        ``save_as``, ``reload`` and ``run`` do what they say; after ``heard``, the remark is told no more.
         """
         try:
             return await self._answer(command)
@@ -243,8 +245,13 @@ class EditSession:
                 file = work.save_as(place_for(work.folder, name, ".toml"), overwrite=command.get("overwrite") is True)
                 self._touched()
                 return {"ok": True, "file": str(file)}
+            case {"do": "heard"}:
+                work.remark = ""
+                self._tell()
+                return {"ok": True}
             case {"do": "reload"}:
                 work.reload()
+                work.remark = ""
                 self._changed_outside = []
                 self._touched()
                 return {"ok": True}

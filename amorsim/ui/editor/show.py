@@ -13,6 +13,7 @@ from pathlib import Path
 
 from amorsim.core.errors import AmorsimError, DocumentError
 from amorsim.scenario.elsewhere import named_files
+from amorsim.ui.editor.journal import state_folder
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.inviting import Invitation
@@ -54,7 +55,9 @@ def edit(
     AmorsimError
         If there is no such file, or nothing can be served there.
     """
-    work = Work(name, folder)
+    work = Work(name, folder, state=state_folder())
+    if work.remark:
+        complain(work.remark)
     pages = Pages()
     runs = _Runs(work, pages, may_run_code=allow_code or Door(host=host, port=port).is_for_this_machine)
     invitation = Invitation(browser=browser, say=say, complain=complain)

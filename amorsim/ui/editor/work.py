@@ -17,6 +17,7 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.history import History, Patch, Step, difference
+from amorsim.ui.editor.journal import Journal, JournalError, Kept, mark_of
 from amorsim.ui.editor.walls import EMPTY_WORLD, WallsError, world_of
 from amorsim.ui.faults.files import Stamp, stamps_of
 
@@ -50,6 +51,14 @@ class Work:
         A file, the name of a bundled scenario, of which a copy is edited, or nothing for an empty page.
     folder
         Where a copy or an empty page is saved.
+    state
+        The folder in which the steps are kept, so that they are there again when the same is opened; nowhere if none
+        is given.
+
+    Attributes
+    ----------
+    remark
+        What the user should know of what was kept, or nothing.
 
     Raises
     ------
@@ -57,7 +66,7 @@ class Work:
         If there is no such file, or it is no text.
     """
 
-    def __init__(self, name: str, folder: Path, *, registry: Registry | None = None) -> None:
+    def __init__(self, name: str, folder: Path, *, state: Path | None = None, registry: Registry | None = None) -> None:
         self.registry = registry or default_registry()
         self.folder = folder.absolute()
         self.history = History()
@@ -75,7 +84,22 @@ class Work:
             if not self.is_new:
                 self.folder = self.path.parent
         self.name = "untitled" if not name else self.path.stem
+        self._original = self.document.text
         self._stamps = self._stamped()
+        self._state = state
+        self._known: set[str] = set()  # the texts that the journal has
+        self.remark = ""
+        self._journal = self._open_journal()
+        kept = None if self._journal is None else self._journal.read()
+        if kept is not None and SCENARIO in kept.texts:
+            self._take_up(kept)
+        self._rewrite_journal()
+
+    def close(self) -> None:
+        """Let another have its journal."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
 
     # -------------------------------------------------------------------------------------------------------- changes
 
@@ -141,6 +165,8 @@ class Work:
         if step is None:
             return ""
         self._apply(step, back=True)
+        if self._journal is not None:
+            self._journal.undo()
         return step.label
 
     def redo(self) -> str:
@@ -149,6 +175,8 @@ class Work:
         if step is None:
             return ""
         self._apply(step)
+        if self._journal is not None:
+            self._journal.redo()
         return step.label
 
     def _apply(self, step: Step, *, back: bool = False) -> None:
@@ -177,7 +205,12 @@ class Work:
             if there != text:
                 patches[name] = difference(there, text)
         if patches:
-            self.history.add(Step(label, patches))
+            step = Step(label, patches)
+            self.history.add(step)
+            if self._journal is not None and set(patches) <= self._known:
+                self._journal.step(step)
+            else:
+                self._rewrite_journal()
 
     # ----------------------------------------------------------------------------------------------------------- maps
 
@@ -314,6 +347,8 @@ class Work:
             self.document.save(self.path)
         self._saved = self.text
         self._stamps = self._stamped()
+        if self._journal is not None:
+            self._journal.saved(self._marks())
         return self.path
 
     def _save_maps(self) -> None:
@@ -343,6 +378,9 @@ class Work:
         if other.text != before:  # files are named otherwise from there: the steps are of another text
             self.history = History()
         self._stamps = self._stamped()
+        self._forget_journal()
+        self._journal = self._open_journal()
+        self._rewrite_journal()
         return path
 
     def _bring_maps(self, other: Document) -> None:
@@ -361,16 +399,79 @@ class Work:
             self._maps = {path: attrs.evolve(held, saved=held.text)}
 
     def reload(self) -> None:
-        """Read the files again; what was not saved is gone, but can be had back by `undo`."""
+        """Read the files again, or begin again what has none; what was not saved is gone, but `undo` brings it back."""
         before = self.texts
-        other = open_document(self.path, registry=self.registry)
-        self.document, self._saved = other, other.text
-        for path in list(self._maps):
-            del self._maps[path]
-            if path.exists():
-                self._held(path)
+        if self.is_new:
+            self._maps = {path: held for path, held in self._maps.items() if held.saved is not None}
+            for held in self._maps.values():
+                held.text = held.saved or ""
+            self.set_text(self._original)
+        else:
+            self.document = open_document(self.path, registry=self.registry)
+            self._saved = self.text
+            for path in list(self._maps):
+                del self._maps[path]
+                if path.exists():
+                    self._held(path)
         if set(before) == set(self.texts):
-            self._remember("reload the file", before)
+            self._remember("reload", before)
         else:
             self.history = History()
+            self._rewrite_journal()
         self._stamps = self._stamped()
+
+    # ---------------------------------------------------------------------------------------------------------- journal
+
+    def _marks(self) -> dict[str, str]:
+        """What the files have, as far as is known."""
+        return {SCENARIO: mark_of(self._saved), **{str(path): mark_of(held.saved) for path, held in self._maps.items()}}
+
+    def _open_journal(self) -> Journal | None:
+        if self._state is None:
+            return None
+        key = f"{self.folder / self.name} (new)" if self.is_new else str(self.path)
+        try:
+            return Journal(self._state, key)
+        except JournalError as error:
+            self.remark = str(error)
+            return None
+
+    def _rewrite_journal(self) -> None:
+        if self._journal is None:
+            return
+        self._known = set(self.texts)
+        try:
+            self._journal.rewrite(Kept(texts=self.texts, history=self.history, saved=self._marks()))
+        except JournalError as error:
+            self.remark = str(error)
+            self.close()
+
+    def _forget_journal(self) -> None:
+        """What had no file has one now: the next that begins so begins with nothing."""
+        if self._journal is not None:
+            self._journal.forget()
+        self.close()
+
+    def _take_up(self, kept: Kept) -> None:
+        """Go on where the steps of before ended."""
+        on_disk = self.texts
+        try:
+            for name in kept.texts:
+                if name != SCENARIO:
+                    on_disk[name] = self._held(Path(name)).text
+        except WallsError:  # a map that is gone: its steps mean nothing
+            self._maps.clear()
+            return
+        marks = self._marks()
+        changed = [name for name, mark in kept.saved.items() if marks.get(name) != mark]
+        had_unsaved = any(mark_of(text) != kept.saved.get(name) for name, text in kept.texts.items())
+        self.history = kept.history
+        self._restore(kept.texts)
+        if changed and not had_unsaved:  # by hand, with nothing of ours to lose
+            self._restore(on_disk)
+            self._remember("changed by hand", kept.texts)
+        elif changed and not self.is_new:
+            for name in changed:
+                self._stamps[Path(name) if name else self.path] = None
+        if not self.is_saved and self.history.done:
+            self.remark = "changes of before, which were not saved, are here again"

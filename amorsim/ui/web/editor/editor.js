@@ -140,11 +140,11 @@ export class EditorPage {
   }
 
   showOutside() {
-    const changed = this.state.changed_outside;
-    const key = changed.join();
+    const { changed_outside: changed, remark, is_saved: isSaved } = this.state;
+    const key = `${changed.join()}|${remark}|${isSaved}`;
     if (key === this.outside) return;
     this.outside = key;
-    if (!changed.length) {
+    if (!changed.length && !remark) {
       this.warn("");
       return;
     }
@@ -152,6 +152,14 @@ export class EditorPage {
       const said = await this.connection.ask(command);
       if (!said.ok) this.hint(said.error);
     };
+    if (!changed.length) {
+      this.warn(
+        `${remark[0].toUpperCase()}${remark.slice(1)}.`,
+        isSaved ? "" : h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "begin without them"),
+        h("button", { class: "tool holders-only", onclick: act({ do: "heard" }) }, "go on"),
+      );
+      return;
+    }
     this.warn(
       `${changed.join(" and ")} was changed by something else.`,
       h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "reload the file"),
@@ -340,7 +348,7 @@ export class EditorPage {
   }
 
   /** @param {string} text
-   * @param {HTMLElement[]} buttons */
+   * @param {(HTMLElement | string)[]} buttons */
   warn(text, ...buttons) {
     const { banner } = this.parts;
     banner.hidden = !text;
