@@ -222,6 +222,55 @@ def test_all_can_be_done_by_the_keyboard(open_editor: Any) -> None:
     assert page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")["text"] == am.open_document("doors").text
 
 
+def test_circles_arrays_mirrors_boxes_and_hidden_layers(open_editor: Any) -> None:
+    editor = open_editor()
+    page = editor.page
+    page.keyboard.press("c")
+    editor.look_near(0.0, 0.0)
+    editor.click(0.0, 0.0)
+    editor.step(lambda: editor.click(1.0, 0.0))
+    circle = editor.see("stage.walls.walls")
+    sagitta = 1.0 - min(((a + c) ** 2 + (b + d) ** 2) ** 0.5 / 2 for a, b, c, d in circle)
+    assert 0.0 < sagitta <= 0.0051
+    # A wall of a typed length and angle.
+    page.keyboard.press("w")
+    editor.look_near(3.0, 0.0)
+    editor.click(3.0, 0.0)
+    page.fill("#typed-length", "1.5")
+    page.fill("#typed-angle", "90")
+    editor.step(lambda: page.press("#typed-angle", "Enter"))
+    assert editor.see("stage.walls.walls.at(-1)") == pytest.approx([3.0, 0.0, 3.0, 1.5])
+    # A box takes the wall alone; copies of it in rows.
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("v")
+    editor.look_near(3.0, 0.0)
+    editor.drag((2.5, -0.5), (3.5, 2.0))
+    assert editor.see("stage.chosenWalls") == [len(circle)]
+    page.click("text=array…")
+    editor.step(lambda: page.click("dialog .main"))
+    assert [wall[0] for wall in editor.see("stage.walls.walls")[len(circle) :]] == pytest.approx([3.0, 4.0, 5.0])
+    editor.look_near(4.0, 0.0)
+    editor.drag((2.5, -0.5), (6.5, 2.0))
+    editor.step(lambda: page.click("text=mirror"))
+    assert [wall[0] for wall in editor.see("stage.walls.walls")[len(circle) :]] == pytest.approx([5.0, 4.0, 3.0])
+    page.click("[aria-label='hide walls']")
+    assert editor.see("stage.scene.map ?? null") is None
+    editor.look_near(4.0, 0.0)
+    page.keyboard.press("Escape")
+    editor.click(4.0, 0.5)
+    assert editor.see("stage.selection.things") == []
+    page.click("[aria-label='hide walls']")
+    editor.click(4.0, 0.5)
+    assert editor.see("stage.selection.only.kind") == "wall"
+    # Measuring changes nothing.
+    steps = editor.see("state.steps")
+    page.keyboard.press("m")
+    editor.click(3.0, 0.0)
+    editor.click(5.0, 0.0)
+    assert editor.see("stage.preview.words").startswith("2 m") or "2.00 m" in editor.see("stage.preview.words")
+    assert editor.see("state.steps") == steps
+
+
 def test_a_second_window_watches_until_it_gets_the_pen(open_editor: Any, browser: Any) -> None:
     editor = open_editor("demo")
     other = new_user(browser).new_page()

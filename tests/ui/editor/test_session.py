@@ -324,3 +324,36 @@ def test_what_makes_no_sense_is_refused_and_changes_nothing(command: dict[str, A
         assert session.work.history.done == []
 
     talk("demo", tmp_path, say)
+
+
+@pytest.mark.parametrize("name", ["demo", "doors", "line"])
+def test_a_run_from_the_editor_has_the_digest_of_a_run_of_the_saved_file(name: str, tmp_path: Path) -> None:
+    digests: list[str] = []
+
+    def digest(file: Path) -> str:
+        simulation = am.Simulation(am.load(file))
+        for _ in range(20):
+            simulation.step()
+        return str(simulation.digest())
+
+    async def run(file: Path) -> str:
+        digests.append(await asyncio.to_thread(digest, file))
+        return "/run/x"
+
+    work = Work(name, tmp_path)
+
+    async def all_of_it() -> None:
+        async with EditSession(work, run=run) as session:
+            changes = [
+                {"op": "pose", "path": "robots.0", "value": [*(await where(session)), 30.0]},
+                {"op": "walls", "add": [[0.05, 0.05, 0.06, 0.05]]},
+            ]
+            await do(session, do="edit", label="several", changes=changes)
+            await do(session, do="run")
+            await do(session, do="save_as", name="mine")
+
+    async def where(session: EditSession) -> list[float]:
+        return list((await drawn(session))["still"]["robots"][0][:2])
+
+    aside(all_of_it())
+    assert digests == [digest(tmp_path / "mine.toml")]

@@ -19,12 +19,11 @@ export async function copyOf(page) {
   return count ? { walls, things, count } : null;
 }
 
-/** The changes that put copies, shifted by so much [m].
- * @param {import("./editor.js").EditorPage} page
+/** The changes that put copies, shifted by so much [m]; `names` are the things there are, to which the copies come.
+ * @param {any[]} names
  * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
  * @param {number[]} shift */
-export function pasted(page, clip, [dx, dy]) {
-  const names = [...page.stage.things];
+export function pasted(names, clip, [dx, dy]) {
   const changes = [];
   for (const { list, table, thing } of clip.things) {
     const copy = structuredClone(table);

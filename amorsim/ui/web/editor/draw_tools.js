@@ -148,6 +148,47 @@ export class RectangleTool extends DrawTool {
   }
 }
 
+const ERROR = 0.005; // [m] by which chords may lie within a circle, at most
+const FEWEST = 12;
+
+/** How many sides a circle of a radius [m] gets. */
+const sidesOf = (radius) => Math.max(FEWEST, 4 * Math.ceil(Math.PI / Math.acos(Math.max(0, 1 - ERROR / radius)) / 4));
+
+export class CircleTool extends DrawTool {
+  get says() {
+    return "Click the middle, and a point of the circle: walls along its chords. Or type the radius as length.";
+  }
+
+  /** @param {number[]} middle
+   * @param {number} radius */
+  chords(middle, radius) {
+    const [x, y] = middle;
+    const count = sidesOf(radius);
+    const point = (n) => [round(x + radius * Math.cos((2 * Math.PI * n) / count)), round(y + radius * Math.sin((2 * Math.PI * n) / count))];
+    return Array.from({ length: count }, (_, n) => [...point(n), ...point((n + 1) % count)]);
+  }
+
+  about(mark) {
+    const from = this.points[0];
+    const radius = from ? Math.hypot(mark.x - from[0], mark.y - from[1]) : 0;
+    if (!(radius > 0.01)) return {};
+    const count = sidesOf(radius);
+    const error = 1000 * radius * (1 - Math.cos(Math.PI / count));
+    return { walls: this.chords(from, radius), words: `radius ${radius.toFixed(2)} m, ${count} walls, within ${error.toFixed(1)} mm`, at: [mark.x, mark.y] };
+  }
+
+  point({ x, y }) {
+    const from = this.points[0];
+    if (!from) {
+      this.points = [[x, y]];
+      return;
+    }
+    this.points = [];
+    const radius = Math.hypot(x - from[0], y - from[1]);
+    if (radius > 0.01) this.page.edit("draw a circle", [{ op: "walls", add: this.chords(from, radius) }]);
+  }
+}
+
 export class MeasureTool extends DrawTool {
   get says() {
     return "Click two points: their distance and the angle. Nothing is changed.";

@@ -7,10 +7,10 @@ import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { copyOf, pasted } from "./clipboard.js";
-import { LineTool, MeasureTool, PlaceTool, RectangleTool } from "./draw_tools.js";
+import { CircleTool, LineTool, MeasureTool, PlaceTool, RectangleTool } from "./draw_tools.js";
 import { Inspector } from "./inspector.js";
 import { listen } from "./keys.js";
-import { build } from "./layout.js";
+import { DOINGS, build } from "./layout.js";
 import { ObjectList, counts, faultButtons } from "./list.js";
 import { SelectTool } from "./select_tool.js";
 import { EditStage } from "./stage.js";
@@ -36,10 +36,11 @@ export class EditorPage {
     this.window = "";
     this.tools = {
       select: new SelectTool(this), hand: this.stage.pane.panning, line: new LineTool(this, false), polyline: new LineTool(this, true),
-      rectangle: new RectangleTool(this), measure: new MeasureTool(this),
+      rectangle: new RectangleTool(this), circle: new CircleTool(this), measure: new MeasureTool(this),
     };
     this.stage.pane.panning = new Hand(this.stage.camera, {});
     listen(this);
+    this.stage.selection.listen(() => this.showDoings());
     this.take("select");
     this.connection = new Connection({
       frame: () => {},
@@ -94,7 +95,7 @@ export class EditorPage {
     this.root.classList.toggle("watching", this.watching);
     this.showPen();
     this.showOutside();
-    for (const name of ["line", "polyline", "rectangle"]) parts.tools.get(name).disabled = this.watching || Boolean(said.walls_fixed);
+    for (const name of ["line", "polyline", "rectangle", "circle"]) parts.tools.get(name).disabled = this.watching || Boolean(said.walls_fixed);
     if (said.drawn) this.draw(said.drawn);
     else if (before && wasWatching !== this.watching) this.inspector.refresh();
   }
@@ -129,6 +130,12 @@ export class EditorPage {
   async image(name) {
     const said = await this.connection.ask({ do: "image", name });
     return said.ok ? `data:image/png;base64,${said.png}` : null;
+  }
+
+  /** What can be done with what is selected. */
+  showDoings() {
+    const some = this.stage.selection.things.some((one) => one.kind !== "settings");
+    for (const [name] of DOINGS) this.parts[name].disabled = !some;
   }
 
   showPen() {
@@ -221,7 +228,7 @@ export class EditorPage {
   /** Put copies of what was copied, shifted by so much [m]. */
   async paste(shift = [2 * (this.grid || 0.1), -2 * (this.grid || 0.1)]) {
     if (!this.clip) return;
-    const said = await this.edit("paste", pasted(this, this.clip, shift));
+    const said = await this.edit("paste", pasted([...this.stage.things], this.clip, shift));
     if (said.ok && said.added.length) this.choose(said.added);
   }
 
@@ -297,7 +304,7 @@ export class EditorPage {
     this.stage.redraw();
     this.toolName = name;
     say(this.parts.says, tool.says ?? "Drag moves the view.");
-    this.parts.typing.hidden = !["line", "polyline"].includes(name);
+    this.parts.typing.hidden = !["line", "polyline", "circle"].includes(name);
   }
 
   showMenu() {

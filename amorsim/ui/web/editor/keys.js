@@ -2,6 +2,7 @@
 
 import { h } from "../shared/dom.js";
 import { tell } from "../shared/dialogs.js";
+import { askArray, mirror } from "./arrange.js";
 import { KEYS } from "./layout.js";
 
 /** @param {import("./editor.js").EditorPage} page */
@@ -11,7 +12,7 @@ export function listen(page) {
   for (const [name, button] of parts.tools) button.addEventListener("click", () => page.take(name));
   const clicks = {
     undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => page.save(), saveAs: () => page.saveAs(), run: () => page.run(),
-    text: () => page.showText(), theme: () => page.toggleTheme(), keys: showKeys,
+    text: () => page.showText(), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
     in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
   };
   for (const [name, does] of Object.entries(clicks)) parts[name].addEventListener("click", does);
@@ -27,7 +28,7 @@ export function listen(page) {
 
 const plain = (page) => ({
   v: () => page.take("select"), h: () => page.take("hand"), w: () => page.take("line"), p: () => page.take("polyline"),
-  r: () => page.take("rectangle"), m: () => page.take("measure"),
+  r: () => page.take("rectangle"), c: () => page.take("circle"), m: () => page.take("measure"),
   "+": () => page.stage.camera.zoom(1.3), "=": () => page.stage.camera.zoom(1.3), "-": () => page.stage.camera.zoom(1 / 1.3), 0: () => page.stage.fit(),
   g: () => {
     page.stage.options.grid = !page.stage.options.grid;

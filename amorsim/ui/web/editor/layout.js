@@ -22,7 +22,14 @@ export const TOOLS = [
   ["line", "draw a wall", "W", "M4 16L16 4"],
   ["polyline", "draw walls, end to end", "P", "M3 15l5-8 4 5 5-8"],
   ["rectangle", "draw a rectangle of walls", "R", "M3 5h14v10H3z"],
+  ["circle", "draw a circle of walls", "C", "M17 10a7 7 0 1 1-14 0a7 7 0 1 1 14 0"],
   ["measure", "measure a distance", "M", "M3 14L14 3l3 3L6 17zM6 11l2 2M9 8l2 2M12 5l2 2"],
+];
+
+/** What can be done with what is selected. */
+export const DOINGS = [
+  ["duplicate", "copy", "duplicate what is selected (Ctrl + D)"], ["array", "array…", "copies in rows"],
+  ["mirror", "mirror", "mirror what is selected, left to right"], ["remove", "delete", "delete what is selected (Delete)"],
 ];
 
 export const GRIDS = [["0.1", "grid 0.1 m"], ["0.01", "grid 0.01 m"], ["0.05", "grid 0.05 m"], ["0.25", "grid 0.25 m"], ["0.5", "grid 0.5 m"], ["1", "grid 1 m"], ["0", "no grid"]];
@@ -79,7 +86,7 @@ export function build({ pane, objects, inspector }) {
         pane,
         make("faults", h("div", { class: "faults", tabindex: "0", role: "group", "aria-label": "faults", hidden: true })),
       ),
-      h("section", { class: "panel objects", "aria-labelledby": "objects-title" }, h("div", { class: "head" }, h("h2", { id: "objects-title" }, "Objects"), make("doing", h("div", { class: "tools holders-only" }))), objects),
+      h("section", { class: "panel objects", "aria-labelledby": "objects-title" }, h("div", { class: "head" }, h("h2", { id: "objects-title" }, "Objects"), h("div", { class: "tools holders-only" }, DOINGS.map(([name, label, title]) => button(name, { class: "tool", title, disabled: true }, label)))), objects),
       h("section", { class: "panel inspector", "aria-labelledby": "inspector-title" }, h("div", { class: "head" }, inspector.title), inspector.element),
     ),
     h("footer", { class: "status" }, make("problems", h("span", { role: "status" })), make("counts", h("span", { class: "grow" })), make("hint", h("span", { role: "status", "aria-live": "polite" }))),
@@ -88,7 +95,7 @@ export function build({ pane, objects, inspector }) {
 }
 
 export const KEYS = [
-  ["V, H, W, P, R, M", "select, move the view, a wall, walls, a rectangle, measure"],
+  ["V, H, W, P, R, C, M", "select, move the view, a wall, walls, a rectangle, a circle, measure"],
   ["Enter", "on the canvas: select, or set a point, in its middle"],
   ["Escape", "end what was begun"],
   ["arrows", "move what is selected by a step of the grid; with Alt by 1 cm"],

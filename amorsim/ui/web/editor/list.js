@@ -52,7 +52,7 @@ export class ObjectList {
         set.has(kind) ? set.delete(kind) : set.add(kind);
         one.setAttribute("aria-pressed", String(set.has(kind)));
         stage.selection.set(stage.selection.things.filter((chosen) => stage.isFree(chosen.kind)));
-        stage.redrawAll();
+        stage.hide();
       });
       return one;
     };

@@ -155,6 +155,8 @@ export class EditStage extends StillStage {
     this.selection.listeners = []; // nobody is told that nothing is selected meanwhile
     this.show(still, pictureOf);
     this.selection.listeners = listeners;
+    this.whole = undefined;
+    if (this.hidden.size) this.hide();
     this.walls = new Walls(still?.scene.maps[still.scene.map]?.segments ?? [], still?.extent ?? [0, 0, 1, 1]);
     this.selection.set(chosen.flatMap((one) => this.again(/** @type {Chosen} */ (one))));
   }
@@ -234,8 +236,24 @@ export class EditStage extends StillStage {
     return hit.length ? this.chosenOf(hit[0]) : null;
   }
 
-  /** Draw all again, also what stands still. */
-  redrawAll() {
+  /** Leave out what is hidden; walls and the floor are drawn again, too. */
+  hide() {
+    const { still } = this;
+    if (!still || !this.frame) return;
+    this.whole ??= this.scene;
+    const floor = this.whole.floor;
+    const kept = (kind, value) => (this.hidden.has(kind) ? [] : value);
+    this.scene = {
+      ...this.whole,
+      map: this.hidden.has("wall") ? undefined : this.whole.map,
+      floor: { ...floor, landmarks: kept("landmark", floor.landmarks), lights: kept("light", floor.lights), zones: kept("zone", floor.zones) },
+    };
+    const nowhere = [NaN, NaN, NaN];
+    still.robots.forEach((pose, i) => this.frame.truePoses.set(this.hidden.has("robot") || !pose ? nowhere : pose, 3 * i));
+    still.obstacles.forEach((pose, i) => {
+      const kind = still.scene.obstacles[i].part_of ? "robot" : "obstacle";
+      this.frame.obstacles.set(this.hidden.has(kind) || !pose ? nowhere : pose, 3 * i);
+    });
     this.pictures.version += 1;
     this.redraw();
   }
