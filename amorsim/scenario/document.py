@@ -114,6 +114,11 @@ class Document:
         """The file's text, as `save` would write it."""
         return self._bom + self._editor.text
 
+    @property
+    def values(self) -> dict[str, Any]:
+        """What the file itself says, without models and defaults: its tables, which are not to be changed."""
+        return self._editor.values
+
     # ---------------------------------------------------------------------------------------------------------- values
 
     def get(self, path: str) -> Any:

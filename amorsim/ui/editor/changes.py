@@ -11,7 +11,6 @@ from amorsim.core.numbers import is_number
 from amorsim.scenario.fields import NONE
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.toml_values import parse
-from amorsim.scenario.written import read_written
 from amorsim.ui.editor.inspector import SHAPES
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.wire import shown
@@ -198,8 +197,7 @@ def own_table(work: Work, path: Any) -> dict[str, Any]:
 
 def _own(work: Work, path: str) -> Any:
     """What the file itself says at a path of numbers and keys."""
-    values = read_written(work.text.removeprefix("\N{BOM}")).values
-    return found_at(values, tuple(int(part) if part.isdigit() else part for part in path.split(".")))
+    return found_at(work.document.values, tuple(int(part) if part.isdigit() else part for part in path.split(".")))
 
 
 def _said(work: Work, path: str) -> Any:

@@ -15,7 +15,6 @@ from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Robot, Scenario
 from amorsim.scenario.toml_values import as_toml
-from amorsim.scenario.written import read_written
 from amorsim.ui.forms.description import FieldForm, form_of
 
 __all__ = ["Section", "Use", "inspect", "toml_of"]
@@ -80,7 +79,7 @@ class _Inspector:
         self.path = path
         self.registry = registry
         self.folder = document.path.absolute().parent
-        self.raw = read_written(document.text.removeprefix("\N{BOM}")).values
+        self.raw = document.values
         self.at = tuple(int(part) if part.isdigit() else part for part in path.split("."))
         try:
             self.table = document.get(path)

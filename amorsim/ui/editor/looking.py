@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import sys
 import traceback
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import attrs
 
 from amorsim.core.errors import Fault
 from amorsim.core.trouble import error_in_words
 from amorsim.scenario.document import Document
-from amorsim.scenario.written import read_written
 from amorsim.ui.editor.things import Thing, things_of
 from amorsim.ui.faults.lines import FaultLine, fault_lines
 from amorsim.ui.scene.still import StillBuilder
@@ -34,13 +35,15 @@ class Looked:
     builder: StillBuilder | None
 
 
-def look(document: Document, text: str, name: str, folder: Path) -> Looked:
+def look(document: Document, text: str, values: Mapping[str, Any], name: str, folder: Path) -> Looked:
     """Read a document.
 
     Parameters
     ----------
-    document, text
-        As `Work.view` gives it, and the text that it stands for.
+    document
+        As `Work.view` gives it.
+    text, values
+        The text that it stands for, and what that says.
     name
         What the file is called.
     folder
@@ -48,7 +51,6 @@ def look(document: Document, text: str, name: str, folder: Path) -> Looked:
     """
     try:
         partial = document.partial()
-        values = read_written(text.removeprefix("\N{BOM}")).values
         faults = [_said(fault, document, name, folder) for fault in partial.faults]
         lines = fault_lines(faults, {name: text})
         return Looked(

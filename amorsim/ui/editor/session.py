@@ -101,8 +101,9 @@ class EditSession:
         while True:
             await self._wanted.wait()
             self._wanted.clear()
-            view, text = self.work.view(folder), self.work.text
-            self._looked = await asyncio.to_thread(look, view, text, f"{self.work.name}.toml", folder)
+            work = self.work
+            view, text, values = work.view(folder), work.text, work.document.values
+            self._looked = await asyncio.to_thread(look, view, text, values, f"{work.name}.toml", folder)
             self._is_behind = self._wanted.is_set()
             self._tell(is_drawn=True)
 

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from amorsim.core.errors import AmorsimError, DocumentError
+from amorsim.core.errors import AmorsimError
 from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.journal import state_folder
 from amorsim.ui.editor.session import EditSession
@@ -125,12 +125,8 @@ class _Runs:
 
     def _has_code(self) -> bool:
         document = self._work.document
-        values = {}
-        for key in ("robots", "obstacles"):
-            with contextlib.suppress(DocumentError):
-                values[key] = document.get(key)
         here = document.path.absolute().parent
-        return any(named.kind == "program" for named in named_files(values, self._work.registry, here))
+        return any(named.kind == "program" for named in named_files(document.values, self._work.registry, here))
 
     async def close(self) -> None:
         """End the simulation, and its page; again if one likes."""

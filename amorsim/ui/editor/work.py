@@ -289,7 +289,7 @@ class Work:
         if not unsaved:
             return found
         here = self.document.path.absolute().parent
-        for named in named_files(self._values(), self.registry, here):
+        for named in named_files(self.document.values, self.registry, here):
             path = Path(here / named.name)
             if named.kind == "map" and path in unsaved:
                 held = unsaved[path]
@@ -300,15 +300,6 @@ class Work:
                     write_bytes(place, data)
                 found.set(".".join(map(str, named.at)), str(place))
         return found
-
-    def _values(self) -> dict[str, Any]:
-        values = {}
-        for key in ("world", "robots"):
-            try:
-                values[key] = self.document.get(key)
-            except DocumentError:
-                continue
-        return values
 
     # ----------------------------------------------------------------------------------------------------------- saving
 
