@@ -11,7 +11,21 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from amorsim.cli import calibrate, check, compile_, convert, explain, new, plot, plugins, reproduce, run, umbmark, view
+from amorsim.cli import (
+    calibrate,
+    check,
+    compile_,
+    convert,
+    edit,
+    explain,
+    new,
+    plot,
+    plugins,
+    reproduce,
+    run,
+    umbmark,
+    view,
+)
 from amorsim.cli.console import complain
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain as in_words
@@ -46,6 +60,8 @@ app = typer.Typer(
 app.command("run", short_help="Simulate a scenario, or a map alone.")(run.command)
 app.command("view", short_help="Open the Simulator in the browser.")(view.command)
 app.command("runsim", short_help="The same as view; the original's name for it.")(view.command)
+app.command("edit", short_help="Make or change a scenario in the browser.")(edit.command)
+app.command("createsim", short_help="The same as edit; the original's name for it.")(edit.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
 app.command("convert", short_help="Write a map in another format.")(convert.command)

@@ -164,6 +164,15 @@ def test_runsim_is_in_the_help(amorsim: Command) -> None:
     assert "runsim" in amorsim("--help").out
 
 
+def test_edit_and_createsim_are_in_the_help_and_complain_of_what_is_not_there(amorsim: Command) -> None:
+    assert "createsim" in amorsim("--help").out
+    for name in ("edit", "createsim"):
+        done = amorsim(name, "demmo", "--no-open")
+        assert done.status == 2
+        assert "demmo: there is no such file" in done.err
+        assert "'demo'" in done.err
+
+
 def test_the_manual_of_a_component_names_fields_as_files_do(amorsim: Command) -> None:
     sonar = amorsim("plugins", "show", "sonar").out
     assert "a table of x, y, heading_deg" in sonar

@@ -7,7 +7,7 @@ import select
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,13 +65,18 @@ def write_scenario(folder: Path, controller: str = "manual") -> Path:
 
 
 class Server:
-    """`amorsim view` of a scenario, in its folder."""
+    """`amorsim view` of a scenario, in its folder; or another command with a window."""
 
-    def __init__(self, scenario: Path) -> None:
+    def __init__(self, scenario: Path, *, words: Sequence[str] = (), env: Mapping[str, str] | None = None) -> None:
         self.folder = scenario.parent
-        command = [sys.executable, "-m", "amorsim", "view", scenario.name, "--no-open"]
+        command = [sys.executable, "-m", "amorsim", *(words or ["view", scenario.name]), "--no-open"]
         self.process = subprocess.Popen(
-            command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, bufsize=0
+            command,
+            cwd=self.folder,
+            env={**os.environ, **(env or {})},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            bufsize=0,
         )
         assert self.process.stdout is not None
         self._pipe = self.process.stdout.fileno()

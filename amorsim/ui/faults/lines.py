@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypedDict
 
@@ -48,9 +48,9 @@ def lines_of(error: AmorsimError) -> list[FaultLine]:
     return fault_lines([Fault(file="", path="", message=explain(error))])
 
 
-def fault_lines(faults: Iterable[Fault]) -> list[FaultLine]:
-    """Faults as a window shows them, each with the line of its file."""
-    files: dict[str, Sequence[str]] = {}
+def fault_lines(faults: Iterable[Fault], texts: Mapping[str, str] | None = None) -> list[FaultLine]:
+    """Faults as a window shows them, each with the line of its file; `texts` are of files that are not saved."""
+    files: dict[str, Sequence[str]] = {name: text.split("\n") for name, text in (texts or {}).items()}
     found: list[FaultLine] = []
     for fault in faults:
         said = ""

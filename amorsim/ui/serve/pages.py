@@ -14,7 +14,11 @@ from amorsim.core.errors import AmorsimError
 __all__ = ["KINDS", "WEB", "Page", "Pages", "Talks"]
 
 WEB = Path(__file__).parent.parent / "web"
-KINDS = {"run": "simulator", "faults": "faults"}  # the folder in `WEB` whose ``page.html`` a kind of page is
+KINDS = {
+    "run": "simulator",
+    "edit": "editor",
+    "faults": "faults",
+}  # the folder in `WEB` whose ``page.html`` a kind of page is
 
 _ODD = re.compile(r"[^A-Za-z0-9_.-]+")
 
@@ -99,6 +103,12 @@ class Pages:
         self._pages[page.kind, page.name] = new
         self.first = new if self.first is page else self.first
         return new
+
+    def remove(self, page: Page) -> None:
+        """Show a page no more; its name is free again."""
+        self._pages.pop((page.kind, page.name), None)
+        if self.first is page:
+            self.first = next(iter(self), None)
 
     def find(self, kind: str, name: str) -> Page | None:
         """The page of a kind and name, or None."""

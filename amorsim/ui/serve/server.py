@@ -47,6 +47,12 @@ def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) 
             return PlainTextResponse("there is nothing to show", status_code=404)
         return RedirectResponse(pages.first.path, headers={"cache-control": "no-store"})
 
+    async def show_kind(request: Request) -> Response:
+        page = next((page for page in pages if page.kind == request.path_params["kind"]), None)
+        if page is None:
+            return PlainTextResponse("there is no such page", status_code=404)
+        return RedirectResponse(page.path, headers={"cache-control": "no-store"})
+
     async def show(request: Request) -> Response:
         page = pages.find(**request.path_params)
         if page is None:
@@ -55,6 +61,7 @@ def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) 
 
     routes = [
         Route("/", show_first),
+        Route("/{kind}", show_kind),
         Route("/{kind}/{name}", show),
         WebSocketRoute("/amorsim/socket/{kind}/{name}", _connecting(pages)),
         Route("/amorsim/gif", _making_gifs(), methods=["POST"]),

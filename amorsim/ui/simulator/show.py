@@ -19,7 +19,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.reading import is_file
 from amorsim.runs.folder import next_folder
 from amorsim.ui.faults.lines import FaultLine, FaultsError
-from amorsim.ui.serve.opening import OpeningPage
+from amorsim.ui.serve.inviting import Invitation
 from amorsim.ui.simulator.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from amorsim.ui.faults.files import Stamps
     from amorsim.ui.faults.mending import Mending
     from amorsim.ui.serve.pages import Page, Pages
-    from amorsim.ui.serve.security import Door
     from amorsim.ui.simulator.session import Session
 
 __all__ = ["can_be_mended", "check_extra", "main", "show"]
@@ -95,7 +94,7 @@ def show(
     pages = Pages()
     shown = _Shown(recipe, pages, out=out, say=say, complain=complain, notice=notice)
     told = threading.Lock()  # the last word, once: here, or by the timer that waits for nothing
-    opening: list[OpeningPage] = []
+    invitation = Invitation(browser=browser, say=say, complain=complain)
 
     def tell() -> None:
         if told.acquire(blocking=False) and shown.folder:
@@ -108,44 +107,20 @@ def show(
 
     async def end() -> None:
         await shown.close()
-        forget_opening()
+        invitation.forget()
         # The files are whole. What the server still does (a GIF that is being made) shall not hold up the end.
         rest = threading.Timer(LONGEST_REST, leave)
         rest.daemon = True
         rest.start()
 
-    def forget_opening() -> None:
-        for page in opening:
-            page.remove()
-
-    def ready(door: Door) -> None:
-        if not door.is_for_this_machine:
-            complain(
-                f"served on {host} without encryption: whoever can read this network's traffic can see the window and "
-                f"take it over. Where you do not trust the network, leave the host out and forward the port by ssh -L"
-            )
-        say(door.new_address(used=lambda: invite(door)))
-        if browser:
-            try:
-                opening.append(OpeningPage(door.new_address(used=forget_opening)))
-            except AmorsimError as error:
-                complain(str(error))
-            else:
-                opening[-1].open()
-
-    def invite(door: Door) -> None:
-        """Say where another browser gets in, once the address that was said last has been used."""
-        with contextlib.suppress(OSError):  # nobody reads what is said any more
-            say(f"for another browser: {door.new_address(used=lambda: invite(door))}")
-
     with asyncio.Runner() as runner:
         try:
             runner.run(shown.begin(known))
             with contextlib.suppress(KeyboardInterrupt):
-                runner.run(serve(pages, host=host, port=port, ready=ready, ending=end))
+                runner.run(serve(pages, host=host, port=port, ready=invitation.ready, ending=end))
         finally:
             runner.run(shown.close())
-            forget_opening()
+            invitation.forget()
             # Python's last look for what nobody uses takes a second with all that numba holds.
             gc.freeze()
     tell()

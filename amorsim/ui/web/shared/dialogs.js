@@ -2,7 +2,8 @@
 
 import { h } from "./dom.js";
 
-function open(title, body, buttons) {
+/** A dialog with buttons; it is open, and gone once it is closed. */
+export function open(title, body, buttons) {
   const dialog = h("dialog", { "aria-label": title }, h("h2", {}, title), body, h("div", { class: "buttons" }, buttons));
   dialog.addEventListener("close", () => dialog.remove());
   document.querySelector(".amorsim").append(dialog);

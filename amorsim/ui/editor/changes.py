@@ -1,0 +1,220 @@
+"""What a window may change: each change is a table, and several make one step."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from amorsim.core.errors import AmorsimError, DocumentError
+from amorsim.core.numbers import is_number
+from amorsim.scenario.fields import NONE
+from amorsim.scenario.layout import MISSING, found_at
+from amorsim.scenario.toml_values import parse
+from amorsim.ui.editor.inspector import SHAPES
+from amorsim.ui.editor.work import Work
+from amorsim.ui.serve.wire import shown
+
+__all__ = ["apply", "own_table"]
+
+MOST_CHANGES = 2000
+_SAME = 1e-6  # [m, deg], by which a number that was not touched may differ, since it was shown
+
+Change = Mapping[str, Any]
+
+
+def apply(work: Work, changes: Sequence[Change]) -> list[str]:
+    """Make all changes, in their order; returns the paths of what was added.
+
+    - ``{op: "set", path, value}``: say a value; null is ``"none"``.
+    - ``{op: "remove", path}``: say it no more; a sensor or estimator of the model is left out.
+    - ``{op: "add", path, value}``: an item more in a list.
+    - ``{op: "pose", path, value}``: where a thing stands, x, y [m] and heading [deg]; null is what stays.
+    - ``{op: "shape", path, value}``: another kind of shape.
+    - ``{op: "toml", path, text}``: all that the file says in a table, as TOML.
+    - ``{op: "text", text}``: the whole text of the scenario.
+    - ``{op: "walls", add, change, remove}``: walls [m]; those that change as ``[number, wall]``.
+
+    Raises
+    ------
+    AmorsimError
+        If one cannot be made.
+    """
+    if not isinstance(changes, list) or not 0 < len(changes) <= MOST_CHANGES:
+        raise AmorsimError(f"changes: expected a list of 1 to {MOST_CHANGES} changes")
+    added: list[str] = []
+    for change in changes:
+        does = _OPS.get(change.get("op", "")) if isinstance(change, dict) else None
+        if does is None:
+            raise AmorsimError(f"op: expected {', '.join(_OPS)}; got {shown(change)}")
+        new = does(work, change)
+        if new:
+            added.append(new)
+    return added
+
+
+def _path(change: Change) -> str:
+    path = change.get("path")
+    if not isinstance(path, str) or not path or len(path) > 500:
+        raise AmorsimError(f"path: expected the path of a value, got {shown(path)}")
+    return path
+
+
+def _set(work: Work, change: Change) -> None:
+    path, value = _path(change), change.get("value")
+    value = NONE if value is None else value
+    *before, last = path.split(".")
+    if last.isdigit() and before:  # in a list that nothing says but a default: all of the list
+        items = _said(work, ".".join(before))
+        if items is MISSING:
+            raise AmorsimError(f"{'.'.join(before)}: say the whole list first")
+    work.document.set(path, value)
+
+
+def _remove(work: Work, change: Change) -> None:
+    path = _path(change)
+    parts = path.split(".")
+    if _own(work, path) is MISSING and _said(work, path) is not MISSING:
+        if len(parts) == 4 and parts[2] in ("sensors", "estimators"):
+            work.document.set(path, False)
+            return
+        if parts[-1].isdigit():
+            items = _said(work, ".".join(parts[:-1]))
+            work.document.set(".".join(parts[:-1]), [item for n, item in enumerate(items) if n != int(parts[-1])])
+            return
+    is_sensor = len(parts) == 4 and parts[2] in ("sensors", "estimators")
+    work.document.remove(path)
+    if is_sensor and _said(work, path) is not MISSING:  # the model has one of that name too
+        work.document.set(path, False)
+
+
+def _add(work: Work, change: Change) -> str:
+    path, value = _path(change), change.get("value")
+    there = _said(work, path)
+    if _own(work, path) is MISSING and isinstance(there, list) and there:  # a list of the model's, with one more
+        work.document.set(path, [*there, value])
+        return f"{path}.{len(there)}"
+    return work.document.add(path, value)
+
+
+def _pose(work: Work, change: Change) -> None:
+    path, value = _path(change), change.get("value")
+    if (
+        not isinstance(value, list)
+        or len(value) != 3
+        or not all(part is None or is_number(part, below=1e6) for part in value)
+    ):
+        raise AmorsimError(f"value: expected [x, y, heading], got {shown(value)}")
+    parts = {key: part for key, part in zip(("x", "y", "heading_deg"), value, strict=True) if part is not None}
+    if path.split(".")[0] in ("landmarks", "lights"):
+        parts.pop("heading_deg", None)
+    else:
+        path = f"{path}.pose"
+        if _own(work, path) is MISSING:  # where the map's start was its place
+            work.document.set(path, parts)
+            return
+    own = _own(work, path)
+    for key, part in parts.items():
+        there = own.get(key, 0.0) if isinstance(own, dict) else None
+        if not is_number(there) or abs(there - part) > _SAME:
+            work.document.set(f"{path}.{key}", part)
+
+
+def _shape(work: Work, change: Change) -> None:
+    kind = change.get("value")
+    if kind not in SHAPES:
+        raise AmorsimError(f"value: expected {', '.join(SHAPES)}, got {shown(kind)}")
+    work.document.set(_path(change), {kind: SHAPES[kind]})
+
+
+def _toml(work: Work, change: Change) -> None:
+    path, text = _path(change), change.get("text")
+    if not isinstance(text, str):
+        raise AmorsimError(f"text: expected TOML, got {shown(text)}")
+    try:
+        table = parse(text)
+    except tomllib.TOMLDecodeError as error:
+        raise AmorsimError(f"not valid TOML: {error}") from None
+    if not table and _own(work, path) is not MISSING:
+        work.document.remove(path)
+    elif table:
+        work.document.set(path, table)
+
+
+def _text(work: Work, change: Change) -> None:
+    text = change.get("text")
+    if not isinstance(text, str):
+        raise AmorsimError(f"text: expected a text, got {shown(text)}")
+    work.set_text(text)
+
+
+def _walls(work: Work, change: Change) -> None:
+    add = [_wall(one) for one in _list(change, "add")]
+    remove = {_number(one) for one in _list(change, "remove")}
+    moved: dict[int, list[float]] = {}
+    for pair in _list(change, "change"):
+        if not isinstance(pair, list) or len(pair) != 2:
+            raise AmorsimError(f"change: expected [number, wall], got {shown(pair)}")
+        moved[_number(pair[0])] = _wall(pair[1])
+    try:
+        work.walls(add=add, change=moved, remove=remove)
+    except IndexError:
+        raise AmorsimError("walls: there is no wall of that number") from None
+
+
+def _list(change: Change, key: str) -> Iterable[Any]:
+    found = change.get(key, [])
+    if not isinstance(found, list):
+        raise AmorsimError(f"{key}: expected a list, got {shown(found)}")
+    return found
+
+
+def _wall(value: Any) -> list[float]:
+    if not isinstance(value, list) or len(value) != 4 or not all(is_number(part, below=1e6) for part in value):
+        raise AmorsimError(f"a wall: expected [x1, y1, x2, y2] [m], got {shown(value)}")
+    return [float(part) for part in value]
+
+
+def _number(value: Any) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise AmorsimError(f"a wall: expected its number, got {shown(value)}")
+    return value
+
+
+def own_table(work: Work, path: Any) -> dict[str, Any]:
+    """What the file itself says of a thing.
+
+    Raises
+    ------
+    AmorsimError
+        If it says nothing.
+    """
+    table = _own(work, path) if isinstance(path, str) else MISSING
+    if not isinstance(table, dict):
+        raise AmorsimError(f"the file says nothing of {shown(path)}")
+    return table
+
+
+def _own(work: Work, path: str) -> Any:
+    """What the file itself says at a path of numbers and keys."""
+    return found_at(work.document.values, tuple(int(part) if part.isdigit() else part for part in path.split(".")))
+
+
+def _said(work: Work, path: str) -> Any:
+    """What the file, or the model, says."""
+    try:
+        return work.document.get(path)
+    except DocumentError:
+        return MISSING
+
+
+_OPS: Mapping[str, Callable[[Work, Change], str | None]] = {
+    "set": _set,
+    "remove": _remove,
+    "add": _add,
+    "pose": _pose,
+    "shape": _shape,
+    "toml": _toml,
+    "text": _text,
+    "walls": _walls,
+}

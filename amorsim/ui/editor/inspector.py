@@ -1,0 +1,373 @@
+"""What an inspector shows of a thing: its tables, each as a form where its fields are known, and else as TOML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypedDict
+
+from amorsim.contracts import Mount
+from amorsim.core.errors import AmorsimError, DocumentError, PluginError
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.document import Document
+from amorsim.scenario.field_at import component_at
+from amorsim.scenario.layout import MISSING, found_at
+from amorsim.scenario.models import LOOKS
+from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Robot, Scenario
+from amorsim.scenario.toml_values import as_toml
+from amorsim.ui.forms.description import FieldForm, form_of
+
+__all__ = ["Section", "Use", "inspect", "toml_of"]
+
+SHAPES = {"circle": 0.3, "rectangle": [0.6, 0.4], "polygon": [[-0.3, -0.3], [0.3, -0.3], [0.0, 0.4]]}
+
+
+class Use(TypedDict):
+    """Which component a table is, or which shape: one of `choices`."""
+
+    kind: str
+    value: str
+    choices: list[str]
+    is_optional: bool
+
+
+class Adding(TypedDict):
+    """What can be added to a table: a component of a kind, to the list or the table at a path."""
+
+    label: str
+    path: str
+    kind: str
+    choices: list[str]
+    is_list: bool
+
+
+class Section(TypedDict):
+    """A table of a thing: a form, or its text in TOML."""
+
+    title: str
+    path: str
+    depth: int
+    use: Use | None
+    fields: list[FieldForm]
+    toml: str | None  # none where the form has it all
+    can_go: bool
+    origin: str  # where it comes from, where that is not the file
+    adding: list[Adding]
+
+
+def inspect(document: Document, path: str, registry: Registry) -> list[Section]:
+    """The sections of a thing: of a robot, its own fields, its drive, each sensor with its noise, and so on.
+
+    Raises
+    ------
+    DocumentError
+        If there is nothing at the path, and nothing is known of it.
+    """
+    return list(_Inspector(document, path, registry).sections())
+
+
+def toml_of(table: Mapping[str, Any]) -> str:
+    """A table as TOML, a line for each key."""
+    return "".join(
+        f"{key if key.replace('_', '').isalnum() else repr(key)} = {as_toml(value)}\n" for key, value in table.items()
+    )
+
+
+class _Inspector:
+    def __init__(self, document: Document, path: str, registry: Registry) -> None:
+        self.document = document
+        self.path = path
+        self.registry = registry
+        self.folder = document.path.absolute().parent
+        self.raw = document.values
+        self.at = tuple(int(part) if part.isdigit() else part for part in path.split("."))
+        try:
+            self.table = document.get(path)
+        except DocumentError:
+            if self.at[0] not in ("simulation", "world", "recording", "floor") or len(self.at) > 1:
+                raise
+            self.table = {}
+        if not isinstance(self.table, dict):
+            raise DocumentError(f"{path}: no table")
+        # As the whole scenario with the model's tables: of this thing alone, for the rest is not asked for.
+        self.values: dict[str, Any] = {}
+        place: Any = self.values
+        for n, part in enumerate(self.at):
+            last = n == len(self.at) - 1
+            inner: Any = self.table if last else ([] if isinstance(self.at[n + 1], int) else {})
+            if isinstance(part, int):
+                place.extend([{}] * part)
+                place.append(inner)
+            else:
+                place[part] = inner
+            place = inner
+
+    # -------------------------------------------------------------------------------------------------------- sections
+
+    def sections(self) -> Iterator[Section]:
+        match self.at:
+            case ("robots", int()):
+                yield from self._robot()
+            case ("obstacles", int()):
+                yield from self._obstacle()
+            case ("zones", int()):
+                yield self._section("Zone", (), self._name())
+                yield from self._shape()
+                yield self._section("Place", ("pose",), self._form(Pose, ("pose",)))
+                yield from self._chain("Ground", ("ground",), "m")
+                yield from self._rest(("name", "shape", "pose", "ground"))
+            case ("landmarks", int()):
+                yield self._section("Landmark", (), self._form(Landmark, ()))
+            case ("lights", int()):
+                yield self._section("Light", (), self._form(Light, ()))
+            case ("simulation",):
+                yield self._section("Simulation", (), self._form(Scenario, (), ("dt", "duration", "seed")))
+            case ("world",):
+                yield from self._world()
+            case _:
+                yield self._as_toml(str(self.at[-1]).capitalize(), ())
+
+    def _robot(self) -> Iterator[Section]:
+        models = self._choice("model", "model", self.registry.names("robot"), "the kind of robot it is made from")
+        yield self._section("Robot", (), [*self._name(), models, *self._form(Robot, (), ("on_collision", *LOOKS))])
+        yield from self._places()
+        yield from self._component("Drive", ("drive",), "drive")
+        sensors = self.table.get("sensors")
+        names = [name for name, one in (sensors or {}).items() if one is not False] if isinstance(sensors, dict) else []
+        yield self._heading("Sensors", ("sensors",), "sensor", is_list=False)
+        for name in names:
+            yield from self._sensor(name)
+        yield self._heading("Estimators", ("estimators",), "estimator", is_list=False)
+        for name, one in (self.table.get("estimators") or {}).items():
+            if one is not False:
+                yield from self._component(name, ("estimators", name), "estimator", depth=1, can_go=True)
+        yield from self._component("Controller", ("controller",), "controller", is_optional=True)
+        yield from self._chain("Ground", ("ground",), "m")
+        yield from self._shape()
+        yield self._as_toml("Errors", ("errors",))
+        yield self._as_toml("Knowledge", ("knowledge",))
+
+    def _sensor(self, name: str) -> Iterator[Section]:
+        at = ("sensors", name)
+        (section,) = self._component(name, at, "sensor", depth=1, can_go=True)
+        if section["use"] and section["use"]["value"]:
+            timing = self._form(MountedSensor, at, ("rate", "latency"))
+            mount = self._form(Mount, (*at, "mount"))
+            for field in mount:
+                field["label"] = f"mount {field['label']}"
+            section["fields"] += [*mount, *timing]
+        yield section
+        cls = self._class(at)
+        unit = getattr(cls, "unit", "")
+        yield from self._chain(f"Noise of {name}", (*at, "noise"), unit if isinstance(unit, str) else "", depth=1)
+
+    def _chain(self, title: str, at: tuple[str, ...], unit: str, depth: int = 0) -> Iterator[Section]:
+        yield self._heading(title, at, "noise", is_list=True, depth=depth)
+        chain = found_at(self.table, at)
+        for number, element in enumerate(chain if isinstance(chain, list) else []):
+            name = element.get("name", element.get("use", "?")) if isinstance(element, dict) else "?"
+            yield from self._component(
+                str(name), (*at, number), "noise", depth=depth + 1, can_go=True, unit=unit, beside=("name", "column")
+            )
+
+    def _obstacle(self) -> Iterator[Section]:
+        yield self._section("Obstacle", (), [*self._name(), *self._form(Obstacle, (), LOOKS)])
+        yield from self._places()
+        yield from self._shape()
+        yield from self._component("Motion", ("motion",), "motion", is_optional=True)
+
+    def _places(self) -> Iterator[Section]:
+        if "start" in self.table or "count" in self.table:
+            yield self._as_toml("Start of all of them", ("start",))
+        else:
+            yield self._section("Place", ("pose",), self._form(Pose, ("pose",)))
+
+    def _world(self) -> Iterator[Section]:
+        cls = self._class(())
+        map_ = self._text("map", "map", "the file of the map, from the scenario's folder", "file")
+        fields = [map_] if cls is None else [map_, *self._form(cls, ())]
+        yield self._section("World", (), fields)
+
+    # ------------------------------------------------------------------------------------------------ kinds of section
+
+    def _component(
+        self,
+        title: str,
+        at: tuple[str | int, ...],
+        kind: str,
+        *,
+        depth: int = 0,
+        can_go: bool = False,
+        is_optional: bool = False,
+        unit: str = "",
+        beside: tuple[str, ...] = (),
+    ) -> Iterator[Section]:
+        """A table with ``use``, and the form of what it means; as TOML where that is not known."""
+        table = found_at(self.table, at)
+        cls = self._class(at)
+        use = table.get("use") if isinstance(table, dict) else None
+        fields: list[FieldForm] = []
+        toml = None
+        if cls is not None:
+            fields = self._form(cls, at, unit=unit)
+        elif isinstance(table, dict):
+            toml = toml_of(self._own(at))
+        choices = list(self.registry.names(kind))
+        value = use if isinstance(use, str) else ""
+        section = self._section(title, at, fields)
+        section["use"] = {"kind": kind, "value": value, "choices": choices, "is_optional": is_optional}
+        section["toml"] = toml
+        section["depth"] = depth
+        section["can_go"] = can_go
+        for key in beside:
+            if isinstance(table, dict) and key in table:
+                fields.insert(0, self._text((*at, key), key, "", "text"))
+        yield section
+
+    def _shape(self) -> Iterator[Section]:
+        table = self.table.get("shape")
+        kinds = [kind for kind in SHAPES if isinstance(table, dict) and kind in table]
+        section = self._section("Shape", ("shape",), [])
+        section["use"] = {
+            "kind": "shape",
+            "value": kinds[0] if len(kinds) == 1 else "",
+            "choices": list(SHAPES),
+            "is_optional": False,
+        }
+        if len(kinds) == 1 and kinds[0] == "circle" and isinstance(table["circle"], (int, float)):
+            section["fields"] = [self._number(("shape", "circle"), "radius", "m", table["circle"])]
+        else:
+            section["toml"] = toml_of(table) if isinstance(table, dict) else ""
+        yield section
+
+    def _heading(self, title: str, at: tuple[str, ...], kind: str, *, is_list: bool, depth: int = 0) -> Section:
+        section = self._section(title, at, [])
+        section["depth"] = depth
+        names = [name for name in self.registry.names(kind) if kind != "noise" or self._suits(name, at)]
+        section["adding"] = [
+            {"label": f"add to {title}", "path": self._path(at), "kind": kind, "choices": names, "is_list": is_list}
+        ]
+        return section
+
+    def _suits(self, name: str, at: tuple[str, ...]) -> bool:
+        """Whether a noise is one for the ground, or for sensors, as the chain is."""
+        try:
+            return bool(self.registry.get("noise", name).for_ground) == (at[-1] == "ground")
+        except PluginError:
+            return False
+
+    def _as_toml(self, title: str, at: tuple[str, ...]) -> Section:
+        section = self._section(title, at, [])
+        table = found_at(self.table, at) if at else self.table
+        section["toml"] = toml_of(table) if isinstance(table, dict) else ""
+        return section
+
+    def _rest(self, known: tuple[str, ...]) -> Iterator[Section]:
+        if set(self.table) - set(known):
+            yield self._as_toml("All of it", ())
+
+    def _section(self, title: str, at: tuple[str | int, ...], fields: list[FieldForm]) -> Section:
+        origin = ""
+        if at and found_at(self.table, at) is not MISSING and found_at(self._own(()), at) is MISSING:
+            origin = self._from_model()
+        return {
+            "title": title,
+            "path": self._path(at),
+            "depth": 0,
+            "use": None,
+            "fields": fields,
+            "toml": None,
+            "can_go": False,
+            "origin": origin,
+            "adding": [],
+        }
+
+    # ---------------------------------------------------------------------------------------------------------- fields
+
+    def _form(
+        self, cls: type, at: tuple[str | int, ...], names: tuple[str, ...] | None = None, unit: str = ""
+    ) -> list[FieldForm]:
+        """The fields of a class, with where each value comes from."""
+        table = found_at(self.table, at) if at else self.table
+        said = table if isinstance(table, dict) else {}
+        fields = form_of(cls, said, spelling="file", sensor_unit=unit, names=self._names(), path=self._path(at))
+        fields = [field for field in fields if names is None or field["path"].rpartition(".")[2] in names]
+        for field in fields:
+            self._mark(field, (*at, field["path"].rpartition(".")[2]))
+        return fields
+
+    def _mark(self, field: FieldForm, at: tuple[str | int, ...]) -> None:
+        """Say where the field's value comes from."""
+        is_own = found_at(self._own(()), at) is not MISSING
+        is_said = found_at(self.table, at) is not MISSING
+        field["is_given"] = is_own
+        more: dict[str, Any] = {"origin": "file" if is_own else "model" if is_said else "default"}
+        if is_said and not is_own:
+            more["source"] = self._from_model()
+        field.update(more)  # type: ignore[typeddict-item]
+
+    def _from_model(self) -> str:
+        model = self._own(()).get("model")
+        return f"from the model {model}" if isinstance(model, str) else "from a model"
+
+    def _names(self) -> dict[str, list[str]]:
+        found = {}
+        for key in ("sensors", "estimators"):
+            tables = self.table.get(key)
+            found[key] = [name for name, one in tables.items() if one is not False] if isinstance(tables, dict) else []
+        return found
+
+    def _name(self) -> list[FieldForm]:
+        return [self._text("name", "name", "letters, digits, '_' and '-'; unique in the scenario", "text")]
+
+    def _text(self, at: Any, label: str, help_: str, kind: str) -> FieldForm:
+        place = (at,) if isinstance(at, str) else at
+        value = found_at(self.table, place)
+        field: FieldForm = {
+            "path": self._path(place),
+            "label": label,
+            "help": help_,
+            "widget": {"kind": kind, "is_optional": False},
+            "value": None if value is MISSING else value,
+            "default": None,
+            "is_given": True,
+            "is_required": False,
+            "fixed": "",
+        }
+        self._mark(field, place)
+        return field
+
+    def _choice(self, at: str, label: str, choices: Sequence[str], help_: str) -> FieldForm:
+        field = self._text(at, label, help_, "choice")
+        field["widget"] = {"kind": "choice", "is_optional": True, "choices": list(choices)}
+        return field
+
+    def _number(self, at: tuple[str, ...], label: str, unit: str, value: float) -> FieldForm:
+        field = self._text(at, label, "", "number")
+        field["widget"] = {
+            "kind": "number",
+            "is_optional": False,
+            "unit": unit,
+            "low": 0.0,
+            "high": None,
+            "is_open": [True, True],
+            "is_whole": False,
+        }
+        field["value"] = value
+        return field
+
+    # ----------------------------------------------------------------------------------------------------------- lookup
+
+    def _own(self, at: tuple[str | int, ...]) -> dict[str, Any]:
+        """The file's own table of the thing, or of a part of it."""
+        found = found_at(self.raw, (*self.at, *at))
+        return found if isinstance(found, dict) else {}
+
+    def _path(self, at: tuple[str | int, ...]) -> str:
+        return ".".join(map(str, (*self.at, *at)))
+
+    def _class(self, at: tuple[str | int, ...]) -> type | None:
+        try:
+            return component_at(self.values, (*self.at, *at), self.registry, Path(self.folder))
+        except (AmorsimError, OSError, LookupError, TypeError):
+            return None

@@ -1,0 +1,165 @@
+"""The things of a scenario, as a list and as the canvas finds them: robots, obstacles, zones, landmarks, lights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypedDict
+
+from amorsim.core.errors import Fault
+from amorsim.core.shapes import Shape
+from amorsim.scenario.partial import Partial
+from amorsim.scenario.spec import Obstacle, Pose, Robot
+from amorsim.ui.scene.bodies import outline_of
+from amorsim.ui.scene.wire import Outline
+
+__all__ = ["Thing", "things_of"]
+
+_NAMED = {"robots": "robot", "obstacles": "obstacle", "zones": "zone", "landmarks": "landmark", "lights": "light"}
+
+
+class Thing(TypedDict):
+    """A thing of a scenario: a table of its file.
+
+    `footprint` and `pose` (x, y [m], heading [rad]) are where it can be read that it stands in one place; `moves` says
+    whether the file can say that place. `robots` and `obstacles` are its places in the scene.
+    """
+
+    path: str
+    kind: str  # "robot", "obstacle", "zone", "landmark", "light", or of what has no place "settings"
+    name: str
+    note: str
+    footprint: Outline | None
+    pose: list[float] | None
+    moves: bool
+    turns: bool
+    robots: list[int]
+    obstacles: list[int]
+    faults: int
+
+
+def things_of(values: Mapping[str, Any], partial: Partial, faults: Sequence[Fault]) -> list[Thing]:
+    """The things in a scenario's own tables, with what could be read of them."""
+    found = [_thing("simulation", "settings", "simulation", "time, seed"), _thing("world", "settings", "world", "map")]
+    world = values.get("world")
+    if isinstance(world, dict) and isinstance(world.get("map"), str):
+        found[1]["note"] = world["map"]
+    robots = list(enumerate(partial.robots))
+    order = sorted(range(len(partial.obstacles)), key=lambda number: partial.obstacles[number].name)
+    obstacles = [(order.index(number), one) for number, one in enumerate(partial.obstacles)]
+    outlines = {outline.name: outline for outline in partial.outlines}
+    for number, table in _tables(values, "robots"):
+        thing = _body("robots", number, table, robots, outlines, "robot")
+        thing["note"] = str(table.get("model", "")) or thing["note"]
+        found.append(thing)
+    for number, table in _tables(values, "obstacles"):
+        default = f"obstacle{number + 1}_" if "count" in table else f"obstacle{number + 1}"
+        thing = _body("obstacles", number, table, obstacles, outlines, default)
+        motion = table.get("motion")
+        thing["note"] = str(motion.get("use", "")) if isinstance(motion, dict) else "stands still"
+        found.append(thing)
+    zones = list(enumerate(partial.zones))
+    for number, table in _tables(values, "zones"):
+        thing = _thing(f"zones.{number}", "zone", _name(table, f"zone{number + 1}"), "ground")
+        for place, zone in zones:
+            if zone.name == thing["name"]:
+                thing |= {
+                    "footprint": outline_of(zone.shape),
+                    "pose": _numbers(zone.pose),
+                    "moves": True,
+                    "turns": True,
+                }
+                zones.remove((place, zone))
+                break
+        found.append(thing)
+    for key in ("landmarks", "lights"):
+        read: Sequence[Any] = getattr(partial, key)
+        tables = _tables(values, key)
+        for number, table in tables:
+            name = f"landmark {table.get('id', '?')}" if key == "landmarks" else f"light {number + 1}"
+            thing = _thing(f"{key}.{number}", _NAMED[key], name, "")
+            if len(read) == len(tables):  # else one of them cannot be read, and nobody knows which
+                one = read[number]
+                shape = Shape.circle(max(getattr(one, "radius", 0.1), 0.01))
+                thing |= {"footprint": outline_of(shape), "pose": [one.x, one.y, 0.0], "moves": True}
+            found.append(thing)
+    for key in ("recording", "floor"):
+        if isinstance(values.get(key), dict):
+            found.append(_thing(key, "settings", key, ""))
+    for thing in found:
+        thing["faults"] = sum(
+            fault.path == thing["path"] or fault.path.startswith(f"{thing['path']}.") for fault in faults
+        )
+    return found
+
+
+def _thing(path: str, kind: str, name: str, note: str) -> Thing:
+    return {
+        "path": path,
+        "kind": kind,
+        "name": name,
+        "note": note,
+        "footprint": None,
+        "pose": None,
+        "moves": False,
+        "turns": False,
+        "robots": [],
+        "obstacles": [],
+        "faults": 0,
+    }
+
+
+def _tables(values: Mapping[str, Any], key: str) -> list[tuple[int, dict[str, Any]]]:
+    """The tables of a list, those that are none as empty ones."""
+    items = values.get(key)
+    found = items if isinstance(items, list) else []
+    return [(number, item if isinstance(item, dict) else {}) for number, item in enumerate(found)]
+
+
+def _name(table: Mapping[str, Any], default: str) -> str:
+    name = table.get("name")
+    return name if isinstance(name, str) else default
+
+
+def _body(
+    key: str,
+    number: int,
+    table: Mapping[str, Any],
+    bodies: list[tuple[int, Any]],
+    outlines: Mapping[str, Any],
+    default: str,
+) -> Thing:
+    """A robot or an obstacle, or many of one table; `bodies` are those that no table has had yet."""
+    thing = _thing(f"{key}.{number}", _NAMED[key], _name(table, default), "")
+    name = thing["name"]
+    is_series = "count" in table or "start" in table
+    own = [(place, body) for place, body in bodies if body.name == name or (is_series and _is_of(body.name, name))]
+    own = own if is_series else own[:1]
+    for one in own:
+        bodies.remove(one)
+    places = [place for place, _ in own]
+    if key == "robots":
+        thing["robots"] = places
+    else:
+        thing["obstacles"] = places
+    if is_series:
+        thing["note"] = f"{len(own)} of them"
+        return thing
+    outline = outlines.get(name)
+    body: Robot | Obstacle | None = own[0][1] if own else None
+    shape = body.shape if body is not None else None if outline is None else outline.shape
+    pose = body.pose if body is not None else None if outline is None else outline.pose
+    if shape is not None:
+        thing["footprint"] = outline_of(shape)
+    if pose is not None:
+        thing["pose"] = _numbers(pose)
+    said = table.get("pose", {})
+    thing["moves"] = thing["turns"] = isinstance(said, dict)
+    return thing
+
+
+def _is_of(name: str, stem: str) -> bool:
+    return name.startswith(stem) and name[len(stem) :].isdigit()
+
+
+def _numbers(pose: Pose) -> list[float]:
+    return [pose.x, pose.y, pose.heading]

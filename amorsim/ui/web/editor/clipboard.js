@@ -1,0 +1,46 @@
+// Copies of things and walls, kept in the page, and what the document has to say for them to be there again.
+
+import { round } from "./geometry.js";
+import { freeName } from "./things.js";
+
+/** What is selected, as the file says it; null where nothing is.
+ * @param {import("./editor.js").EditorPage} page */
+export async function copyOf(page) {
+  const { stage } = page;
+  const walls = stage.chosenWalls.map((n) => [...stage.walls.walls[n]]);
+  const paths = stage.selection.things.flatMap((one) => /** @type {import("./stage.js").Chosen} */ (one).path ?? []).filter((path) => path.includes("."));
+  const said = paths.length ? await page.connection.ask({ do: "tables", paths }) : { ok: true, tables: [] };
+  if (!said.ok) {
+    page.hint(said.error);
+    return null;
+  }
+  const things = said.tables.map((table, n) => ({ list: paths[n].split(".")[0], table, thing: stage.things.find(({ path }) => path === paths[n]) }));
+  const count = walls.length + things.length;
+  return count ? { walls, things, count } : null;
+}
+
+/** The changes that put copies, shifted by so much [m]; `names` are the things there are, to which the copies come.
+ * @param {any[]} names
+ * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
+ * @param {number[]} shift */
+export function pasted(names, clip, [dx, dy]) {
+  const changes = [];
+  for (const { list, table, thing } of clip.things) {
+    const copy = structuredClone(table);
+    if (typeof copy.name === "string") {
+      copy.name = freeName(copy.name.replace(/\d+$/, ""), names);
+      names.push({ ...thing, name: copy.name });
+    }
+    if (list === "landmarks") {
+      copy.id = Math.max(0, ...names.filter(({ kind }) => kind === "landmark").map(({ name }) => Number(name.split(" ")[1]) || 0)) + 1;
+      names.push({ ...thing, kind: "landmark", name: `landmark ${copy.id}` });
+    }
+    if (list === "landmarks" || list === "lights") [copy.x, copy.y] = [round((copy.x ?? 0) + dx), round((copy.y ?? 0) + dy)];
+    else if (thing?.pose && !copy.start) {
+      copy.pose = { ...copy.pose, x: round(thing.pose[0] + dx), y: round(thing.pose[1] + dy) };
+    }
+    changes.push({ op: "add", path: list, value: copy });
+  }
+  if (clip.walls.length) changes.push({ op: "walls", add: clip.walls.map(([a, b, c, d]) => [a + dx, b + dy, c + dx, d + dy].map(round)) });
+  return changes;
+}

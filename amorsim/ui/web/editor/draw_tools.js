@@ -1,0 +1,265 @@
+// Tools that draw: walls as lines, polylines and rectangles; bodies placed with a click and turned by dragging; a tape measure.
+
+import { Tool } from "../shared/tool.js";
+import { round } from "./geometry.js";
+
+const FREE = { altKey: false, shiftKey: false };
+
+/** What all drawing tools do: show where the pointer snaps to. */
+class DrawTool extends Tool {
+  /** @param {import("./editor.js").EditorPage} page */
+  constructor(page) {
+    super();
+    this.page = page;
+    this.stage = page.stage;
+    /** @type {number[][]} */
+    this.points = [];
+  }
+
+  get cursor() {
+    return "crosshair";
+  }
+
+  get says() {
+    return "";
+  }
+
+  /** @param {{x: number, y: number}} place */
+  snapped(place, event) {
+    return this.stage.walls.snap(place, this.page.snapping(event, this.points.at(-1) ?? null));
+  }
+
+  move(place, event) {
+    const mark = this.snapped(place, event);
+    this.last = mark;
+    this.stage.preview = { mark, ...this.about(mark) };
+    this.stage.redraw();
+  }
+
+  /** What is drawn while the pointer is at a point. */
+  about(_mark) {
+    return {};
+  }
+
+  down(place, event) {
+    if (event.button === 0) this.point(this.snapped(place, event));
+  }
+
+  /** A point is given, by a click, by Enter, or typed. */
+  point(_mark) {}
+
+  key(event, middle) {
+    if (event.key === "Enter") {
+      this.point(this.snapped(middle, FREE));
+      this.move(middle, FREE);
+      return true;
+    }
+    if (event.key === "Escape" && this.points.length) {
+      this.cancel();
+      return true;
+    }
+    return false;
+  }
+
+  /** The end of a line of a typed length [m] and angle [degrees], in the direction of the pointer where none is typed. */
+  typed(length, degrees) {
+    const from = this.points.at(-1);
+    if (!from || !(length > 0)) return false;
+    const towards = this.last ?? { x: from[0] + 1, y: from[1] };
+    const angle = Number.isFinite(degrees) ? (degrees * Math.PI) / 180 : Math.atan2(towards.y - from[1], towards.x - from[0]);
+    this.point({ x: round(from[0] + length * Math.cos(angle)), y: round(from[1] + length * Math.sin(angle)), kind: "" });
+    return true;
+  }
+
+  cancel() {
+    this.points = [];
+    this.stage.preview = null;
+    this.stage.redraw();
+  }
+}
+
+export class LineTool extends DrawTool {
+  /** @param {import("./editor.js").EditorPage} page
+   * @param {boolean} goesOn whether each wall begins where the one before ended */
+  constructor(page, goesOn) {
+    super(page);
+    this.goesOn = goesOn;
+  }
+
+  get says() {
+    const more = this.goesOn ? " Escape ends." : "";
+    return `Click where the wall begins, and where it ends; or type its length.${more} Shift: every 15°. Alt: no snapping.`;
+  }
+
+  about(mark) {
+    const from = this.points.at(-1);
+    if (!from) return {};
+    const wall = [from[0], from[1], mark.x, mark.y];
+    return { walls: [wall], words: this.page.lengthOf(wall), at: [mark.x, mark.y] };
+  }
+
+  point({ x, y }) {
+    const from = this.points.at(-1);
+    if (!from) {
+      this.points = [[x, y]];
+      return;
+    }
+    if (from[0] === x && from[1] === y) {
+      this.cancel();
+      return;
+    }
+    this.page.edit("draw a wall", [{ op: "walls", add: [[from[0], from[1], x, y]] }]);
+    this.points = this.goesOn ? [[x, y]] : [];
+  }
+}
+
+export class RectangleTool extends DrawTool {
+  get says() {
+    return "Click one corner, and the opposite one: four walls. Alt: no snapping.";
+  }
+
+  /** @param {number[]} from
+   * @param {{x: number, y: number}} to */
+  sides(from, { x, y }) {
+    const [x0, y0] = from;
+    return [[x0, y0, x, y0], [x, y0, x, y], [x, y, x0, y], [x0, y, x0, y0]];
+  }
+
+  about(mark) {
+    const from = this.points[0];
+    if (!from) return {};
+    const words = `${round(Math.abs(mark.x - from[0]))} × ${round(Math.abs(mark.y - from[1]))} m`;
+    return { walls: this.sides(from, mark), words, at: [mark.x, mark.y] };
+  }
+
+  snapped(place, event) {
+    return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false });
+  }
+
+  point(mark) {
+    const from = this.points[0];
+    if (!from) {
+      this.points = [[mark.x, mark.y]];
+      return;
+    }
+    this.points = [];
+    if (from[0] === mark.x || from[1] === mark.y) return;
+    this.page.edit("draw a rectangle", [{ op: "walls", add: this.sides(from, mark) }]);
+  }
+}
+
+const ERROR = 0.005; // [m] by which chords may lie within a circle, at most
+const FEWEST = 12;
+
+/** How many sides a circle of a radius [m] gets. */
+const sidesOf = (radius) => Math.max(FEWEST, 4 * Math.ceil(Math.PI / Math.acos(Math.max(0, 1 - ERROR / radius)) / 4));
+
+export class CircleTool extends DrawTool {
+  get says() {
+    return "Click the middle, and a point of the circle: walls along its chords. Or type the radius as length.";
+  }
+
+  /** @param {number[]} middle
+   * @param {number} radius */
+  chords(middle, radius) {
+    const [x, y] = middle;
+    const count = sidesOf(radius);
+    const point = (n) => [round(x + radius * Math.cos((2 * Math.PI * n) / count)), round(y + radius * Math.sin((2 * Math.PI * n) / count))];
+    return Array.from({ length: count }, (_, n) => [...point(n), ...point((n + 1) % count)]);
+  }
+
+  about(mark) {
+    const from = this.points[0];
+    const radius = from ? Math.hypot(mark.x - from[0], mark.y - from[1]) : 0;
+    if (!(radius > 0.01)) return {};
+    const count = sidesOf(radius);
+    const error = 1000 * radius * (1 - Math.cos(Math.PI / count));
+    return { walls: this.chords(from, radius), words: `radius ${radius.toFixed(2)} m, ${count} walls, within ${error.toFixed(1)} mm`, at: [mark.x, mark.y] };
+  }
+
+  point({ x, y }) {
+    const from = this.points[0];
+    if (!from) {
+      this.points = [[x, y]];
+      return;
+    }
+    this.points = [];
+    const radius = Math.hypot(x - from[0], y - from[1]);
+    if (radius > 0.01) this.page.edit("draw a circle", [{ op: "walls", add: this.chords(from, radius) }]);
+  }
+}
+
+export class MeasureTool extends DrawTool {
+  get says() {
+    return "Click two points: their distance and the angle. Nothing is changed.";
+  }
+
+  about(mark) {
+    const [from, to] = this.points;
+    if (!from) return {};
+    const end = to ?? [mark.x, mark.y];
+    const wall = [from[0], from[1], end[0], end[1]];
+    return { walls: [wall], words: this.page.lengthOf(wall), at: end };
+  }
+
+  point({ x, y }) {
+    this.points = this.points.length === 1 ? [...this.points, [x, y]] : [[x, y]];
+  }
+}
+
+/** Puts a thing where one clicks; dragging on turns it. */
+export class PlaceTool extends DrawTool {
+  /**
+   * @param {import("./editor.js").EditorPage} page
+   * @param {{label: string, path: string, footprint: any, make: (pose: number[]) => any}} what
+   */
+  constructor(page, what) {
+    super(page);
+    this.what = what;
+  }
+
+  get says() {
+    return `Click where ${this.what.label} is to stand; drag to turn it. Escape: none.`;
+  }
+
+  about(mark) {
+    const [at] = this.points;
+    const heading = at ? Math.atan2(mark.y - at[1], mark.x - at[0]) : 0;
+    const isTurned = at && Math.hypot(mark.x - at[0], mark.y - at[1]) > 0.02;
+    const pose = at ? [at[0], at[1], isTurned ? heading : 0] : [mark.x, mark.y, 0];
+    return { bodies: [{ footprint: this.what.footprint, pose }] };
+  }
+
+  snapped(place, event) {
+    return this.stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false, isFree: this.points.length > 0 || event.altKey });
+  }
+
+  point({ x, y }) {
+    this.points = [[x, y]];
+  }
+
+  up(place, event) {
+    if (this.points.length) this.finish(this.snapped(place, event));
+  }
+
+  finish(mark) {
+    const [x, y] = this.points[0];
+    const isTurned = Math.hypot(mark.x - x, mark.y - y) * this.stage.camera.scale > 12;
+    const heading = isTurned ? Math.round((Math.atan2(mark.y - y, mark.x - x) * 36) / Math.PI) * 5 : 0;
+    this.cancel();
+    this.page.add(this.what, [x, y, heading]);
+  }
+
+  key(event, middle) {
+    if (event.key === "Escape") {
+      this.cancel();
+      this.page.take("select");
+      return true;
+    }
+    if (event.key !== "Enter") return false;
+    const mark = this.snapped(middle, FREE);
+    this.point(mark);
+    this.finish(mark);
+    return true;
+  }
+}

@@ -1,0 +1,368 @@
+// The Editor's page: a document that the server keeps, drawn and listed; every gesture is a step that can be undone.
+
+import { h, say } from "../shared/dom.js";
+import { askName, tell } from "../shared/dialogs.js";
+import { numberIn } from "../shared/field.js";
+import { Connection } from "../shared/socket.js";
+import { startTheme } from "../shared/theme.js";
+import { Hand } from "../shared/tool.js";
+import { copyOf, pasted } from "./clipboard.js";
+import { CircleTool, LineTool, MeasureTool, PlaceTool, RectangleTool } from "./draw_tools.js";
+import { Inspector } from "./inspector.js";
+import { listen } from "./keys.js";
+import { DOINGS, build } from "./layout.js";
+import { ObjectList, counts, faultButtons } from "./list.js";
+import { SelectTool } from "./select_tool.js";
+import { EditStage } from "./stage.js";
+import { kindsOfThings } from "./things.js";
+
+const LOST = "The connection to amorsim is lost; trying again. What was changed is kept by the server.";
+
+export class EditorPage {
+  /** @param {HTMLElement} root */
+  constructor(root) {
+    this.root = root;
+    this.toggleTheme = startTheme(root);
+    this.stage = new EditStage(root);
+    this.inspector = new Inspector(this);
+    this.objects = new ObjectList(this);
+    this.parts = build({ pane: this.stage.pane.element, objects: this.objects.element, inspector: this.inspector });
+    root.replaceChildren(this.parts.element);
+    this.grid = 0.1;
+    /** @type {any} */
+    this.state = null;
+    /** @type {any[]} */
+    this.faults = [];
+    this.window = "";
+    this.tools = {
+      select: new SelectTool(this), hand: this.stage.pane.panning, line: new LineTool(this, false), polyline: new LineTool(this, true),
+      rectangle: new RectangleTool(this), circle: new CircleTool(this), measure: new MeasureTool(this),
+    };
+    this.stage.pane.panning = new Hand(this.stage.camera, {});
+    listen(this);
+    this.stage.selection.listen(() => this.showDoings());
+    this.take("select");
+    this.connection = new Connection({
+      frame: () => {},
+      news: (message) => message.window && (this.window = message.window),
+      open: () => this.follow(),
+      lost: () => this.warn(LOST),
+    });
+  }
+
+  /** Whether this window holds the pen. */
+  get isHolder() {
+    return Boolean(this.window) && this.state?.holder === this.window;
+  }
+
+  get watching() {
+    return !this.isHolder;
+  }
+
+  get wallsFixed() {
+    return this.state?.walls_fixed ?? "";
+  }
+
+  // ------------------------------------------------------------------------------------------------------- following
+
+  async follow() {
+    this.warn("");
+    const menu = await this.connection.ask({ do: "menu" });
+    if (menu.ok) this.kinds = kindsOfThings(menu);
+    this.showMenu();
+    let number = 0;
+    while (this.connection.isOpen) {
+      const said = await this.connection.ask({ do: "document", after: number });
+      if (!said.ok) break;
+      number = said.number;
+      this.show(said);
+    }
+  }
+
+  show(said) {
+    const before = this.state;
+    const wasWatching = this.watching;
+    this.state = said;
+    const { parts } = this;
+    document.title = `${said.name}${said.is_saved ? "" : " •"} · amorsim`;
+    say(parts.file, `${said.name}${said.is_saved ? "" : " •"}`);
+    parts.file.title = said.file || `not saved yet; it will be saved in ${said.folder}`;
+    say(parts.saved, said.is_new ? "not saved yet" : said.is_saved ? "saved" : "changed");
+    parts.undo.disabled = !said.undo;
+    parts.redo.disabled = !said.redo;
+    parts.undo.title = said.undo ? `undo: ${said.undo} (Ctrl + Z)` : "undo (Ctrl + Z)";
+    parts.redo.title = said.redo ? `redo: ${said.redo} (Ctrl + Y)` : "redo (Ctrl + Y)";
+    this.root.classList.toggle("watching", this.watching);
+    this.showPen();
+    this.showOutside();
+    for (const name of ["line", "polyline", "rectangle", "circle"]) parts.tools.get(name).disabled = this.watching || Boolean(said.walls_fixed);
+    if (said.drawn) this.draw(said.drawn);
+    else if (before && wasWatching !== this.watching) this.inspector.refresh();
+  }
+
+  draw({ faults, things, still }) {
+    const { parts, stage } = this;
+    this.faults = faults;
+    stage.update({ still, things }, (name) => this.image(name));
+    const { walls } = stage.walls;
+    this.objects.show(things, walls);
+    counts(parts.counts, things, walls);
+    say(parts.problems, faults.length === 1 ? "1 fault" : faults.length ? `${faults.length} faults` : "no faults");
+    parts.faults.hidden = !faults.length;
+    parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
+    if (this.wanted) this.choose(this.wanted);
+  }
+
+  /** Select a thing once it is there. @param {string[]} paths */
+  choose(paths) {
+    const things = this.stage.things.filter(({ path }) => paths.includes(path));
+    this.wanted = things.length < paths.length ? paths : null;
+    if (things.length) this.stage.selection.set(things.map((thing) => this.stage.chosenOf(thing)));
+  }
+
+  /** Show what a fault is about. @param {string} at */
+  goTo(at) {
+    const thing = this.stage.things.filter(({ path }) => at === path || at.startsWith(`${path}.`))[0];
+    if (thing) this.stage.selection.set([this.stage.chosenOf(thing)]);
+    else this.showText();
+  }
+
+  async image(name) {
+    const said = await this.connection.ask({ do: "image", name });
+    return said.ok ? `data:image/png;base64,${said.png}` : null;
+  }
+
+  /** What can be done with what is selected. */
+  showDoings() {
+    const some = this.stage.selection.things.some((one) => one.kind !== "settings");
+    for (const [name] of DOINGS) this.parts[name].disabled = !some;
+  }
+
+  showPen() {
+    const { pen } = this.parts;
+    const asking = this.state.asking ?? [];
+    pen.hidden = this.isHolder && !asking.length;
+    say(pen, this.isHolder ? "give the pen" : asking.includes(this.window) ? "asked for the pen" : this.state.holder ? "ask for the pen" : "take the pen");
+    pen.onclick = () => this.connection.ask({ do: "controls", want: this.isHolder ? "give" : this.state.holder ? "ask" : "take" });
+  }
+
+  showOutside() {
+    const { changed_outside: changed, remark, is_saved: isSaved } = this.state;
+    const key = `${changed.join()}|${remark}|${isSaved}`;
+    if (key === this.outside) return;
+    this.outside = key;
+    if (!changed.length && !remark) {
+      this.warn("");
+      return;
+    }
+    const act = (command) => async () => {
+      const said = await this.connection.ask(command);
+      if (!said.ok) this.hint(said.error);
+    };
+    if (!changed.length) {
+      this.warn(
+        `${remark[0].toUpperCase()}${remark.slice(1)}.`,
+        isSaved ? "" : h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "begin without them"),
+        h("button", { class: "tool holders-only", onclick: act({ do: "heard" }) }, "go on"),
+      );
+      return;
+    }
+    this.warn(
+      `${changed.join(" and ")} was changed by something else.`,
+      h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "reload the file"),
+      h("button", { class: "tool holders-only", onclick: act({ do: "save", force: true }) }, "keep mine"),
+    );
+  }
+
+  // --------------------------------------------------------------------------------------------------------- changing
+
+  /** Let the document be changed, as one step; what is wrong with it is said.
+   * @param {string} label
+   * @param {any[]} changes */
+  async edit(label, changes) {
+    const said = await this.connection.ask({ do: "edit", label, changes });
+    if (!said.ok) {
+      this.hint(said.error);
+      this.stage.putBack();
+    } else this.hint(label);
+    return said;
+  }
+
+  async step(which) {
+    const said = await this.connection.ask({ do: which });
+    this.hint(said.ok ? (said.label ? `${which}: ${said.label}` : `nothing to ${which}`) : said.error);
+  }
+
+  /** Add a thing of a kind at a pose, and select it.
+   * @param {any} kind
+   * @param {number[]} pose */
+  async add(kind, pose) {
+    const said = await this.edit(`add ${kind.label}`, [{ op: "add", path: kind.path, value: kind.make(pose, this.stage.things) }]);
+    if (said.ok) this.choose(said.added);
+    this.take("select");
+  }
+
+  async remove() {
+    const { stage } = this;
+    const changes = [];
+    const paths = stage.selection.things.flatMap((one) => /** @type {import("./stage.js").Chosen} */ (one).path ?? []).filter((path) => path.includes("."));
+    // The last of a list first, for those after it move up.
+    const last = (path) => Number(path.split(".")[1]);
+    for (const path of paths.sort((a, b) => last(b) - last(a))) changes.push({ op: "remove", path });
+    if (stage.chosenWalls.length && this.wallsFixed) this.hint(this.wallsFixed);
+    else if (stage.chosenWalls.length) changes.push({ op: "walls", remove: stage.chosenWalls });
+    if (!changes.length) return;
+    const title = stage.selection.only?.title ?? "what was selected";
+    stage.selection.clear();
+    await this.edit(`delete ${title}`, changes);
+  }
+
+  async copy(isCut = false) {
+    const found = await copyOf(this);
+    if (!found) return;
+    this.clip = found;
+    this.hint(`${isCut ? "cut" : "copied"} ${found.count === 1 ? "1 thing" : `${found.count} things`}`);
+    if (isCut) await this.remove();
+  }
+
+  /** Put copies of what was copied, shifted by so much [m]. */
+  async paste(shift = [2 * (this.grid || 0.1), -2 * (this.grid || 0.1)]) {
+    if (!this.clip) return;
+    const said = await this.edit("paste", pasted([...this.stage.things], this.clip, shift));
+    if (said.ok && said.added.length) this.choose(said.added);
+  }
+
+  async duplicate() {
+    const kept = this.clip;
+    await this.copy();
+    await this.paste();
+    this.clip = kept ?? this.clip;
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ files
+
+  async save() {
+    if (this.state?.is_new) {
+      this.saveAs();
+      return;
+    }
+    const said = await this.connection.ask({ do: "save" });
+    this.hint(said.ok ? `saved ${said.file}` : said.error);
+    if (!said.ok && !said.changed) tell("Not saved", h("p", {}, said.error));
+  }
+
+  saveAs() {
+    const { name, folder } = this.state;
+    askName("Save as", "file", name, `in ${folder}; a map that is drawn here, and what a copy needs, is saved next to it`, async (given) => {
+      const said = await this.connection.ask({ do: "save_as", name: given });
+      if (said.ok) this.hint(`saved ${said.file}`);
+      return said;
+    });
+  }
+
+  async run() {
+    const { run } = this.parts;
+    run.disabled = true;
+    say(run, "starting …");
+    const said = await this.connection.ask({ do: "run" });
+    run.disabled = false;
+    say(run, "▶ run");
+    if (said.ok) location.assign(said.path);
+    else tell("It cannot be run", h("pre", {}, said.error));
+  }
+
+  /** The whole file, to be read and changed. */
+  async showText() {
+    const said = await this.connection.ask({ do: "text" });
+    if (!said.ok) return;
+    const area = h("textarea", { "aria-label": "the scenario's file", spellcheck: "false" });
+    area.value = said.text;
+    area.readOnly = this.watching;
+    const set = h("button", { class: "main holders-only", onclick: async () => {
+      const done = await this.edit("change the text", [{ op: "text", text: area.value }]);
+      if (done.ok) area.closest("dialog").close();
+    } }, "set");
+    tell(this.state.name, area, h("div", { class: "buttons" }, set));
+  }
+
+  // ----------------------------------------------------------------------------------------------------------- tools
+
+  /** Take a tool in hand. @param {string} name */
+  take(name) {
+    if (this.parts.tools.get(name)?.disabled) {
+      this.hint(this.watching ? "another window holds the pen" : this.wallsFixed);
+      return;
+    }
+    for (const [other, button] of this.parts.tools) button.setAttribute("aria-pressed", String(other === name));
+    this.hold(this.tools[name], name);
+  }
+
+  /** @param {any} tool */
+  hold(tool, name = "") {
+    this.stage.pane.take(tool);
+    this.stage.preview = null;
+    this.stage.redraw();
+    this.toolName = name;
+    say(this.parts.says, tool.says ?? "Drag moves the view.");
+    this.parts.typing.hidden = !["line", "polyline", "circle"].includes(name);
+  }
+
+  showMenu() {
+    const { add } = this.parts;
+    const groups = [...new Set((this.kinds ?? []).map(({ group }) => group))];
+    add.replaceChildren(
+      h("option", { value: "" }, "add …"),
+      ...groups.map((group) => h("optgroup", { label: group }, this.kinds.filter((kind) => kind.group === group).map((kind) => h("option", { value: kind.label }, kind.label)))),
+    );
+  }
+
+  /** Let the next click place a thing. @param {string} label */
+  startPlacing(label) {
+    const kind = this.kinds.find((one) => one.label === label);
+    this.parts.add.value = "";
+    if (!kind) return;
+    for (const button of this.parts.tools.values()) button.setAttribute("aria-pressed", "false");
+    this.hold(new PlaceTool(this, kind), "place");
+    this.stage.pane.canvas.focus();
+  }
+
+  /** How what is drawn snaps now. */
+  snapping(event, from) {
+    return { scale: this.stage.camera.scale, grid: this.grid, from, isTurned: event.shiftKey, isFree: event.altKey };
+  }
+
+  /** The end of the line that is being drawn, as typed. */
+  typedLength() {
+    const { length, angle } = this.parts;
+    const tool = this.tools[this.toolName];
+    if (!tool?.typed) return;
+    if (tool.typed(numberIn(length.value), numberIn(angle.value))) length.value = angle.value = "";
+    else this.hint("click where the wall begins first, then type a length");
+  }
+
+  /** @param {number[]} wall */
+  lengthOf([a, b, c, d]) {
+    const angle = (Math.atan2(d - b, c - a) * 180) / Math.PI;
+    return `${Math.hypot(c - a, d - b).toFixed(3).replace(/0$/, "")} m, ${angle.toFixed(1).replace(/\.0$/, "").replace("-", "−")}°`;
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ words
+
+  /** @param {string} text */
+  hint(text) {
+    say(this.parts.hint, text);
+    this.parts.hint.title = text;
+  }
+
+  /** @param {string} text
+   * @param {(HTMLElement | string)[]} buttons */
+  warn(text, ...buttons) {
+    const { banner } = this.parts;
+    banner.hidden = !text;
+    banner.className = "banner problem";
+    banner.replaceChildren(h("span", { class: "text" }, text), ...buttons);
+  }
+}
+
+const root = /** @type {HTMLElement & {editor?: EditorPage}} */ (document.querySelector(".amorsim"));
+root.editor = new EditorPage(root);

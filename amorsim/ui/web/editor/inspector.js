@@ -1,0 +1,245 @@
+// The inspector: what the selected thing says, as forms where its fields are known, and else as TOML.
+
+import { h, say } from "../shared/dom.js";
+import { makeField } from "../shared/fields.js";
+
+/**
+ * A table of a thing, as `Section` in amorsim/ui/editor/inspector.py.
+ * @typedef {{title: string, path: string, depth: number, use: {kind: string, value: string, choices: string[], is_optional: boolean} | null,
+ *   fields: any[], toml: string | null, can_go: boolean, origin: string,
+ *   adding: {label: string, path: string, kind: string, choices: string[], is_list: boolean}[]}} Section
+ */
+
+const NONE = "nothing is selected: click a thing on the canvas or in the list";
+const LEAVE_OUT = "leave it out: what the model or the default says holds";
+
+export class Inspector {
+  /** @param {import("./editor.js").EditorPage} page */
+  constructor(page) {
+    this.page = page;
+    this.title = h("h2", { id: "inspector-title" }, "Nothing selected");
+    this.element = h("div", { class: "scroll form", tabindex: "0", role: "group", "aria-labelledby": "inspector-title" });
+    this.signature = "";
+    this.path = "";
+    /** @type {Map<string, any>} */
+    this.fields = new Map();
+    /** @type {Map<string, boolean>} */
+    this.opened = new Map();
+    this.asked = 0;
+    page.stage.selection.listen(() => this.refresh());
+  }
+
+  /** Show what is selected, as it is now. */
+  async refresh() {
+    const asked = ++this.asked;
+    const { selection } = this.page.stage;
+    const one = /** @type {import("./stage.js").Chosen | null} */ (selection.only);
+    if (!one) {
+      const count = selection.things.length;
+      this.empty(count ? `${count} things selected` : "Nothing selected", count ? "drag moves them all; Delete deletes them" : NONE);
+      return;
+    }
+    if (one.wall !== undefined) {
+      this.wall(one.wall);
+      return;
+    }
+    const said = await this.page.connection.ask({ do: "inspect", path: one.path });
+    if (asked !== this.asked) return;
+    if (!said.ok) {
+      this.empty(one.title, said.error);
+      return;
+    }
+    say(this.title, one.title);
+    this.show(one.path, said.sections);
+  }
+
+  empty(title, words) {
+    say(this.title, title);
+    this.signature = this.path = "";
+    this.fields.clear();
+    this.element.replaceChildren(h("p", { class: "empty" }, words));
+  }
+
+  /** The ends of a wall. @param {number} n */
+  wall(n) {
+    const { page } = this;
+    const wall = page.stage.walls.walls[n];
+    say(this.title, `wall ${n + 1}`);
+    this.signature = this.path = "";
+    this.fields.clear();
+    const set = async (path, value) => {
+      const other = [...wall];
+      other[Number(path)] = value;
+      return await page.edit("move a wall", [{ op: "walls", change: [[n, other]] }]);
+    };
+    const fields = ["x of one end", "y of one end", "x of the other", "y of the other"].map((label, k) =>
+      makeField({ path: String(k), label, help: "", value: wall[k], is_given: false, fixed: page.wallsFixed || page.watching,
+        widget: { kind: "number", is_optional: false, unit: "m", low: null, high: null, is_open: [false, false], is_whole: false } }, { set, restore: set }).element);
+    this.element.replaceChildren(
+      h("p", { class: "note" }, `${page.lengthOf(wall)}; walls are kept in ${page.state?.map || "the map's file"}`),
+      ...fields,
+    );
+  }
+
+  /** @param {string} path
+   * @param {Section[]} sections */
+  show(path, sections) {
+    const signature = JSON.stringify([path, this.page.watching, sections.map((one) => [one.path, one.use, one.toml === null, one.origin, one.fields.map((field) => [field.path, field.widget])])]);
+    if (signature !== this.signature) {
+      this.signature = signature;
+      this.path = path;
+      this.build(sections);
+    }
+    for (const section of sections) {
+      for (const field of section.fields) this.fields.get(field.path)?.update(this.fixed(field));
+      const area = /** @type {HTMLTextAreaElement | null} */ (this.element.querySelector(`textarea[data-path="${CSS.escape(section.path)}"]`));
+      if (area && document.activeElement !== area) area.value = section.toml ?? "";
+    }
+    this.tellFaults(sections);
+  }
+
+  /** A field as it is shown: of a body that the file puts nowhere, with the place that its map gives it. */
+  fixed(field) {
+    const place = this.placeOf(field.path);
+    const value = place && !field.is_given ? place.pose[place.part] * (place.part === 2 ? 180 / Math.PI : 1) : field.value;
+    return { ...field, value, ...(this.page.watching ? { fixed: "another window holds the pen" } : {}) };
+  }
+
+  /** Which part of which pose a path is, or null. @param {string} path */
+  placeOf(path) {
+    const [, holder, key] = path.match(/^(\w+\.\d+)\.pose\.(x|y|heading_deg)$/) ?? [];
+    const thing = this.page.stage.things.find((one) => one.path === holder);
+    return thing?.pose ? { path: holder, pose: thing.pose, part: ["x", "y", "heading_deg"].indexOf(key) } : null;
+  }
+
+  /** Say a value, as a step.
+   * @param {string} path */
+  set(path, value) {
+    const words = `change ${path.split(".").at(-1).replace(/_deg$/, "").replaceAll("_", " ")}`;
+    const place = this.placeOf(path);
+    if (!place) return this.page.edit(words, [{ op: "set", path, value }]);
+    const [x, y, heading] = place.pose;
+    const pose = [x, y, (heading * 180) / Math.PI].map((one) => Math.round(one * 1e6) / 1e6);
+    return this.page.edit(words, [{ op: "pose", path: place.path, value: pose.map((one, n) => (n === place.part ? value : one)) }]);
+  }
+
+  build(sections) {
+    this.fields.clear();
+    this.element.replaceChildren(
+      h("p", { class: "legend-of-marks" }, h("span", {}, h("span", { class: "mark" }, "●"), "its own"), h("span", {}, h("span", { class: "mark" }, "↳"), "from its model")),
+      ...sections.map((section, n) => this.section(section, n)),
+    );
+  }
+
+  /** @param {Section} section
+   * @param {number} n */
+  section(section, n) {
+    const { page } = this;
+    const on = {
+      set: (path, value) => this.set(path, value),
+      restore: (path) => page.edit(`leave out ${path.split(".").at(-1)}`, [{ op: "remove", path }]),
+    };
+    const parts = [];
+    if (section.origin) parts.push(h("p", { class: "note" }, section.origin));
+    if (section.use) parts.push(this.use(section));
+    for (const parameter of section.fields) {
+      const field = makeField(this.fixed(parameter), on);
+      if (field.back) {
+        field.back.title = LEAVE_OUT;
+        field.back.setAttribute("aria-label", `${parameter.label}: ${LEAVE_OUT}`);
+      }
+      this.fields.set(parameter.path, field);
+      parts.push(field.element);
+    }
+    if (section.toml !== null) parts.push(this.toml(section));
+    for (const adding of section.adding) parts.push(this.adding(adding));
+    parts.push(h("p", { class: "fault-text", role: "alert", "data-faults": section.path }));
+    if (section.can_go && !page.watching) {
+      const drop = () => page.edit(`remove ${section.title}`, [{ op: "remove", path: section.path }]);
+      parts.push(h("div", { class: "row" }, h("button", { class: "tool", onclick: drop }, `remove ${section.title}`)));
+    }
+    const isOpen = this.opened.get(section.path + section.title) ?? n < 2;
+    const depth = ["", " deep", " deeper"][section.depth] ?? " deeper";
+    const details = h(
+      "details",
+      { class: `section${depth}`, open: isOpen, "data-section": section.path },
+      h("summary", {}, h("span", { class: "title" }, section.title), h("span", { class: "use" }, section.use?.value ?? "")),
+      parts,
+    );
+    details.addEventListener("toggle", () => this.opened.set(section.path + section.title, details.open));
+    return details;
+  }
+
+  /** Which component or shape it is. */
+  use({ use, path, title }) {
+    const { page } = this;
+    const id = `use-${path}`;
+    const all = [...new Set([...(use.is_optional || !use.value ? [""] : []), ...use.choices, use.value])];
+    const select = h("select", { id, disabled: page.watching }, all.map((name) => h("option", { value: name }, name || "none")));
+    select.value = use.value;
+    select.addEventListener("change", async () => {
+      const { value } = select;
+      const what = title.toLowerCase();
+      if (use.kind === "shape") await page.edit(`choose a ${value}`, [{ op: "shape", path, value }]);
+      else if (!value) await page.edit(`no ${what}`, [{ op: "remove", path }]);
+      else await page.edit(`choose ${value} as ${what}`, [{ op: "set", path: `${path}.use`, value }]);
+      select.value = use.value;
+    });
+    return h("div", { class: "row" }, h("label", { for: id }, "kind"), select);
+  }
+
+  /** A table's text. @param {Section} section */
+  toml({ toml, path, title }) {
+    const { page } = this;
+    const area = h("textarea", { "aria-label": `${title} as TOML`, "data-path": path, spellcheck: "false", rows: String(Math.min(14, Math.max(3, (toml ?? "").split("\n").length))) });
+    area.value = toml ?? "";
+    area.readOnly = page.watching;
+    const problem = h("p", { class: "error", role: "alert" });
+    const set = async () => {
+      const said = await page.edit(`change ${title.toLowerCase()}`, [{ op: "toml", path, text: area.value }]);
+      say(problem, said.ok ? "" : said.error);
+    };
+    area.addEventListener("keydown", (event) => {
+      if (event.key === "Enter" && event.ctrlKey) set();
+    });
+    const buttons = page.watching ? null : h("div", { class: "line" }, h("button", { class: "tool", title: "Ctrl + Enter", onclick: set }, "set"));
+    return h("div", { class: "toml" }, area, problem, buttons);
+  }
+
+  /** A component more. */
+  adding({ label, path, kind, choices, is_list: isList }) {
+    const { page } = this;
+    if (page.watching) return "";
+    const id = `add-${path}`;
+    const select = h("select", { id }, choices.map((name) => h("option", { value: name }, name)));
+    const add = () => {
+      const use = select.value;
+      if (isList) return page.edit(`add ${use}`, [{ op: "add", path, value: { use } }]);
+      const taken = [...this.element.querySelectorAll("[data-section]")].map((one) => /** @type {HTMLElement} */ (one).dataset.section);
+      let [name, number] = [use, 1];
+      while (taken.includes(`${path}.${name}`)) name = `${use}${++number}`;
+      this.opened.set(`${path}.${name}${name}`, true);
+      return page.edit(`add ${kind} ${name}`, [{ op: "set", path: `${path}.${name}`, value: { use } }]);
+    };
+    return h("div", { class: "row" }, h("label", { for: id }, label), select, h("button", { class: "tool", "aria-label": label, onclick: add }, "add"));
+  }
+
+  /** Put the faults where they belong: at a field, or else at the section that holds it. */
+  tellFaults(sections) {
+    const { faults } = this.page;
+    const rest = new Map(sections.map(({ path }) => [path, /** @type {string[]} */ ([])]));
+    for (const fault of faults.filter(({ at }) => at === this.path || at.startsWith(`${this.path}.`))) {
+      const field = this.fields.get(fault.at);
+      if (field) field.fail(fault.message);
+      const holder = sections.map(({ path }) => path).filter((path) => fault.at === path || fault.at.startsWith(`${path}.`)).sort((a, b) => b.length - a.length)[0];
+      if (!field && holder !== undefined) rest.get(holder)?.push(`${fault.at.slice(holder.length + 1)} ${fault.message}`.trim());
+      const place = holder !== undefined && this.element.querySelector(`[data-section="${CSS.escape(holder)}"]`);
+      if (place) /** @type {HTMLDetailsElement} */ (place).open = true;
+    }
+    for (const [path, words] of rest) {
+      const place = this.element.querySelector(`[data-faults="${CSS.escape(path)}"]`);
+      if (place) say(place, words.join("\n"));
+      this.element.querySelector(`[data-section="${CSS.escape(path)}"]`)?.classList.toggle("faulty", words.length > 0);
+    }
+  }
+}

@@ -1,0 +1,74 @@
+// What keys and buttons of the Editor do.
+
+import { h } from "../shared/dom.js";
+import { tell } from "../shared/dialogs.js";
+import { askArray, mirror } from "./arrange.js";
+import { KEYS } from "./layout.js";
+
+/** @param {import("./editor.js").EditorPage} page */
+export function listen(page) {
+  const { parts, stage } = page;
+  const { camera } = stage;
+  for (const [name, button] of parts.tools) button.addEventListener("click", () => page.take(name));
+  const clicks = {
+    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => page.save(), saveAs: () => page.saveAs(), run: () => page.run(),
+    text: () => page.showText(), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
+    in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
+  };
+  for (const [name, does] of Object.entries(clicks)) parts[name].addEventListener("click", does);
+  parts.add.addEventListener("change", () => page.startPlacing(parts.add.value));
+  parts.grid.addEventListener("change", () => (page.grid = Number(parts.grid.value)));
+  for (const name of ["length", "angle"]) {
+    parts[name].addEventListener("keydown", (event) => {
+      if (event.key === "Enter") page.typedLength();
+    });
+  }
+  globalThis.addEventListener("keydown", (event) => press(page, event));
+}
+
+const plain = (page) => ({
+  v: () => page.take("select"), h: () => page.take("hand"), w: () => page.take("line"), p: () => page.take("polyline"),
+  r: () => page.take("rectangle"), c: () => page.take("circle"), m: () => page.take("measure"),
+  "+": () => page.stage.camera.zoom(1.3), "=": () => page.stage.camera.zoom(1.3), "-": () => page.stage.camera.zoom(1 / 1.3), 0: () => page.stage.fit(),
+  g: () => {
+    page.stage.options.grid = !page.stage.options.grid;
+    page.stage.redraw();
+  },
+  l: () => page.toggleTheme(), "?": showKeys,
+  Delete: () => page.isHolder && page.remove(), Backspace: () => page.isHolder && page.remove(),
+  Escape: () => (page.toolName === "select" ? page.stage.selection.clear() : page.take("select")),
+});
+
+const withControl = (page) => ({
+  z: () => page.step("undo"), y: () => page.step("redo"), Z: () => page.step("redo"), s: () => page.save(), S: () => page.saveAs(),
+  c: () => page.copy(), x: () => page.isHolder && page.copy(true), v: () => page.isHolder && page.paste(), d: () => page.isHolder && page.duplicate(),
+  a: () => page.stage.selection.set(page.stage.within([-Infinity, -Infinity, Infinity, Infinity])),
+});
+
+/** @param {import("./editor.js").EditorPage} page
+ * @param {KeyboardEvent} event */
+function press(page, event) {
+  const target = /** @type {HTMLElement} */ (event.target);
+  if (event.defaultPrevented || target.closest?.("dialog")) return;
+  const isTyping = target.matches?.("input, textarea, select");
+  const { camera } = page.stage;
+  if (event.ctrlKey || event.metaKey) {
+    if (isTyping && event.key !== "s") return;
+    const does = withControl(page)[event.key];
+    if (!does) return;
+    event.preventDefault();
+    does();
+    return;
+  }
+  if (isTyping || event.altKey) return;
+  const shifted = { ArrowLeft: () => camera.pan(60, 0), ArrowRight: () => camera.pan(-60, 0), ArrowUp: () => camera.pan(0, 60), ArrowDown: () => camera.pan(0, -60) };
+  const does = (event.shiftKey && shifted[event.key]) || plain(page)[event.key];
+  if (!does) return;
+  event.preventDefault();
+  does();
+}
+
+function showKeys() {
+  const rows = KEYS.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
+  tell("Keys", h("table", { class: "keys" }, h("tbody", {}, rows)));
+}

@@ -1,0 +1,114 @@
+// The Editor's elements, as they stand; `editor.js` gives them life.
+
+import { h } from "../shared/dom.js";
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** A small drawing on a button. */
+function drawing(path) {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("viewBox", "0 0 20 20");
+  svg.setAttribute("aria-hidden", "true");
+  const line = document.createElementNS(SVG, "path");
+  line.setAttribute("d", path);
+  svg.append(line);
+  return svg;
+}
+
+/** The tools: name, what it does, its key, its drawing. */
+export const TOOLS = [
+  ["select", "select, move and turn", "V", "M4 3l11 6-5 1.5L8 16z"],
+  ["hand", "move the view", "H", "M10 3v14M3 10h14M10 3l-2 2M10 3l2 2M10 17l-2-2M10 17l2-2M3 10l2-2M3 10l2 2M17 10l-2-2M17 10l-2 2"],
+  ["line", "draw a wall", "W", "M4 16L16 4"],
+  ["polyline", "draw walls, end to end", "P", "M3 15l5-8 4 5 5-8"],
+  ["rectangle", "draw a rectangle of walls", "R", "M3 5h14v10H3z"],
+  ["circle", "draw a circle of walls", "C", "M17 10a7 7 0 1 1-14 0a7 7 0 1 1 14 0"],
+  ["measure", "measure a distance", "M", "M3 14L14 3l3 3L6 17zM6 11l2 2M9 8l2 2M12 5l2 2"],
+];
+
+/** What can be done with what is selected. */
+export const DOINGS = [
+  ["duplicate", "copy", "duplicate what is selected (Ctrl + D)"], ["array", "array…", "copies in rows"],
+  ["mirror", "mirror", "mirror what is selected, left to right"], ["remove", "delete", "delete what is selected (Delete)"],
+];
+
+export const GRIDS = [["0.1", "grid 0.1 m"], ["0.01", "grid 0.01 m"], ["0.05", "grid 0.05 m"], ["0.25", "grid 0.25 m"], ["0.5", "grid 0.5 m"], ["1", "grid 1 m"], ["0", "no grid"]];
+
+export function build({ pane, objects, inspector }) {
+  const parts = {};
+  const make = (name, element) => (parts[name] = element);
+  const button = (name, attributes, ...children) => make(name, h("button", attributes, children));
+  const icon = (name, label, sign) => button(name, { class: "icon", "aria-label": label, title: label }, sign);
+  parts.tools = new Map(TOOLS.map(([name, does, key, path]) => {
+    const drawn = h("button", { "aria-pressed": "false", "aria-label": `${does} (${key})`, title: `${does} (${key})`, "data-tool": name });
+    drawn.append(drawing(path));
+    return [name, drawn];
+  }));
+  const field = (name, label) => make(name, h("input", { type: "text", inputmode: "decimal", autocomplete: "off", id: `typed-${name}`, "aria-label": label }));
+  parts.element = h(
+    "div",
+    { class: "window" },
+    h(
+      "header",
+      { class: "bar" },
+      h("h1", {}, "amorsim"),
+      make("file", h("span", { class: "file" })),
+      h("span", { class: "holders-only both" }, icon("undo", "undo (Ctrl + Z)", "↶"), icon("redo", "redo (Ctrl + Y)", "↷")),
+      make("add", h("select", { class: "holders-only", "aria-label": "add a thing" })),
+      h("span", { class: "space" }),
+      make("saved", h("span", { class: "saved", role: "status" })),
+      button("pen", { class: "pen", hidden: true }),
+      button("text", { title: "the scenario's file, as text" }, "text"),
+      button("save", { class: "holders-only", title: "save (Ctrl + S)" }, "save"),
+      button("saveAs", { class: "holders-only" }, "save as…"),
+      button("run", { class: "holders-only run", title: "simulate what is drawn here" }, "▶ run"),
+      icon("theme", "light or dark (L)", "◐"),
+      icon("keys", "keys (?)", "?"),
+    ),
+    make("banner", h("div", { class: "banner", role: "alert", hidden: true })),
+    h(
+      "div",
+      { class: "panels" },
+      h("div", { class: "panel toolbox", role: "toolbar", "aria-label": "tools", "aria-orientation": "vertical" }, [...parts.tools.values()], h("hr"),
+        button("in", { "aria-label": "zoom in (+)", title: "zoom in (+)" }, "+"), button("out", { "aria-label": "zoom out (−)", title: "zoom out (−)" }, "−"),
+        button("all", { "aria-label": "see all (0)", title: "see all (0)" }, "⤢")),
+      h(
+        "section",
+        { class: "panel drawing", "aria-label": "drawing" },
+        h(
+          "div",
+          { class: "options" },
+          make("says", h("span", { class: "says" })),
+          make("typing", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-length" }, "length"), field("length", "length in metres"), h("span", {}, "m"),
+            h("label", { for: "typed-angle" }, "angle"), field("angle", "angle in degrees"), h("span", {}, "°"))),
+          make("grid", h("select", { "aria-label": "what is drawn snaps to" }, GRIDS.map(([value, words]) => h("option", { value }, words)))),
+        ),
+        pane,
+        make("faults", h("div", { class: "faults", tabindex: "0", role: "group", "aria-label": "faults", hidden: true })),
+      ),
+      h("section", { class: "panel objects", "aria-labelledby": "objects-title" }, h("div", { class: "head" }, h("h2", { id: "objects-title" }, "Objects"), h("div", { class: "tools holders-only" }, DOINGS.map(([name, label, title]) => button(name, { class: "tool", title, disabled: true }, label)))), objects),
+      h("section", { class: "panel inspector", "aria-labelledby": "inspector-title" }, h("div", { class: "head" }, inspector.title), inspector.element),
+    ),
+    h("footer", { class: "status" }, make("problems", h("span", { role: "status" })), make("counts", h("span", { class: "grow" })), make("hint", h("span", { role: "status", "aria-live": "polite" }))),
+  );
+  return parts;
+}
+
+export const KEYS = [
+  ["V, H, W, P, R, C, M", "select, move the view, a wall, walls, a rectangle, a circle, measure"],
+  ["Enter", "on the canvas: select, or set a point, in its middle"],
+  ["Escape", "end what was begun"],
+  ["arrows", "move what is selected by a step of the grid; with Alt by 1 cm"],
+  ["[ and ]", "turn what is selected by 5°"],
+  ["Delete", "delete what is selected"],
+  ["Ctrl + Z, Ctrl + Y", "undo, redo"],
+  ["Ctrl + C, X, V", "copy, cut, paste"],
+  ["Ctrl + D", "duplicate"],
+  ["Ctrl + A", "select all"],
+  ["Ctrl + S", "save"],
+  ["Shift + arrows", "move the view"],
+  ["+, −, 0", "zoom in, out, see all"],
+  ["G", "grid"],
+  ["L", "light or dark"],
+  ["?", "this"],
+];

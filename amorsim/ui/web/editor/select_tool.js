@@ -1,0 +1,170 @@
+// The tool that selects, moves and turns: by click, by a box, by dragging, and by the arrow keys.
+
+import { Tool } from "../shared/tool.js";
+import { round } from "./geometry.js";
+
+const STILL = 4; // pixels that a click may move
+const DEGREE = Math.PI / 180;
+
+export class SelectTool extends Tool {
+  /** @param {import("./editor.js").EditorPage} page */
+  constructor(page) {
+    super();
+    this.page = page;
+    this.stage = page.stage;
+    /** What the pointer does: "press", "move", "turn", "end" or "box". */
+    this.doing = "";
+  }
+
+  get cursor() {
+    return this.doing === "move" ? "grabbing" : this.doing === "turn" ? "crosshair" : "default";
+  }
+
+  get says() {
+    return "Click selects, Shift adds. Drag moves; drag the dot to turn. Drag over nothing: a box. Alt: no snapping.";
+  }
+
+  down(place, event) {
+    const { stage } = this;
+    this.from = place;
+    this.isMoved = false;
+    this.doing = "press";
+    const near = 9 / stage.camera.scale;
+    const handle = stage.turnHandle();
+    const end = stage.wallHandles().findIndex(([x, y]) => Math.hypot(x - place.x, y - place.y) <= near);
+    if (this.page.isHolder && handle && Math.hypot(handle.x - place.x, handle.y - place.y) <= near) {
+      this.doing = "turn";
+      return;
+    }
+    if (this.page.isHolder && end >= 0 && !this.page.wallsFixed) {
+      this.doing = "end";
+      this.end = end;
+      return;
+    }
+    this.found = stage.at(place);
+    const isChosen = this.found && stage.selection.has(this.found.kind, this.found.key);
+    if (this.found && !isChosen) stage.selection.set(event.shiftKey ? [...stage.selection.things, this.found] : [this.found]);
+    else if (isChosen && event.shiftKey) stage.selection.set(stage.selection.things.filter(({ key }) => key !== this.found.key));
+  }
+
+  move(place, event) {
+    if (!this.doing) return;
+    const { stage } = this;
+    this.isMoved ||= Math.abs(place.left - this.from.left) + Math.abs(place.top - this.from.top) > STILL;
+    if (!this.isMoved) return;
+    if (this.doing === "press") this.doing = this.found ? "move" : "box";
+    if (this.doing === "move" && !this.page.isHolder) return;
+    if (this.doing === "box") {
+      const [a, b, c, d] = [this.from.x, this.from.y, place.x, place.y];
+      stage.preview = { box: [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)] };
+      stage.redraw();
+    } else if (this.doing === "move") this.shift(place.x - this.from.x, place.y - this.from.y, event.altKey);
+    else if (this.doing === "turn") {
+      const [thing] = stage.chosenThings;
+      const [x, y] = thing.pose;
+      const angle = Math.atan2(place.y - y, place.x - x);
+      const step = event.altKey ? 0.1 * DEGREE : 5 * DEGREE;
+      stage.place(thing, [x, y, Math.round(angle / step) * step]);
+      stage.preview = { words: `${Math.round(stage.moved.get(thing.path)[2] / (0.1 * DEGREE)) / 10}°`, at: [place.x, place.y] };
+    } else if (this.doing === "end") {
+      const wall = [...stage.walls.walls[stage.chosenWalls[0]]];
+      const other = this.end ? [wall[0], wall[1]] : [wall[2], wall[3]];
+      const mark = stage.walls.snap(place, this.page.snapping(event, other));
+      wall.splice(2 * this.end, 2, mark.x, mark.y);
+      stage.preview = { walls: [wall], mark, words: this.page.lengthOf(wall), at: [mark.x, mark.y], wall };
+      stage.redraw();
+    }
+  }
+
+  /** Draw what is selected shifted by so much, on the grid by what was pressed. */
+  shift(dx, dy, isFree) {
+    const { stage } = this;
+    const things = stage.chosenThings.filter(({ moves, pose }) => moves && pose);
+    const walls = this.page.wallsFixed ? [] : stage.chosenWalls;
+    const base = things[0]?.pose ?? stage.walls.walls[walls[0]];
+    if (!base) return;
+    const grid = isFree ? 0 : this.page.grid;
+    const onto = (value) => (grid ? Math.round(value / grid) * grid : value);
+    const [right, up] = [round(onto(base[0] + dx) - base[0]), round(onto(base[1] + dy) - base[1])];
+    for (const thing of things) stage.place(thing, [round(thing.pose[0] + right), round(thing.pose[1] + up), thing.pose[2]]);
+    const lines = walls.map((n) => stage.walls.walls[n].map((value, k) => round(value + (k % 2 ? up : right))));
+    stage.preview = { walls: lines, numbers: walls, words: `${round(right)}, ${round(up)} m`, at: [base[0] + right, base[1] + up] };
+    stage.redraw();
+  }
+
+  up(_place, event) {
+    const { stage } = this;
+    const { doing, isMoved } = this;
+    this.doing = "";
+    if (!isMoved) {
+      if (doing === "press" && !this.found && !event.shiftKey) stage.selection.clear();
+      return;
+    }
+    if (doing === "box") {
+      const found = stage.within(stage.preview.box);
+      stage.preview = null;
+      const kept = event.shiftKey ? stage.selection.things.filter(({ key }) => !found.some((one) => one.key === key)) : [];
+      stage.selection.set([...kept, ...found]);
+      stage.redraw();
+      return;
+    }
+    this.commit(doing);
+  }
+
+  /** Let the document say what is drawn. */
+  commit(doing) {
+    const { stage } = this;
+    const changes = [];
+    for (const thing of stage.chosenThings) {
+      const pose = stage.moved.get(thing.path);
+      if (pose) changes.push(poseChange(thing, pose));
+    }
+    const { preview } = stage;
+    if (doing === "end" && preview?.wall) changes.push({ op: "walls", change: [[stage.chosenWalls[0], preview.wall]] });
+    else if (preview?.numbers?.length) changes.push({ op: "walls", change: preview.numbers.map((n, k) => [n, preview.walls[k]]) });
+    const [thing, ...others] = stage.chosenThings;
+    const what = thing && !others.length && !preview?.numbers?.length ? thing.name : !thing && stage.chosenWalls.length === 1 ? "a wall" : "what was selected";
+    if (changes.length) this.page.edit(`${doing === "turn" ? "turn" : "move"} ${what}`, changes);
+    else stage.putBack();
+  }
+
+  cancel() {
+    this.doing = "";
+    this.stage.putBack();
+  }
+
+  key(event, middle) {
+    const { stage, page } = this;
+    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (event.ctrlKey || event.metaKey) return false;
+    if (steps && !event.shiftKey && stage.selection.things.length && page.isHolder) {
+      const step = event.altKey ? 0.01 : page.grid || 0.1;
+      this.shift(steps[0] * step, steps[1] * step, true);
+      this.commit("move");
+      return true;
+    }
+    if ((event.key === "[" || event.key === "]") && page.isHolder) {
+      for (const thing of stage.chosenThings.filter(({ turns, pose }) => turns && pose)) {
+        stage.place(thing, [thing.pose[0], thing.pose[1], thing.pose[2] + (event.key === "[" ? 5 : -5) * DEGREE]);
+      }
+      this.commit("turn");
+      return true;
+    }
+    if (event.key === "Enter") {
+      const found = stage.at(middle);
+      stage.selection.set(found ? [found] : []);
+      return true;
+    }
+    return false;
+  }
+}
+
+/** What the document has to say for a thing to stand at a pose: x, y [m], heading [°] from −180 to 180, null where it stays.
+ * @param {import("./stage.js").Thing} thing
+ * @param {number[]} pose */
+export function poseChange({ path, pose: before }, [x, y, heading]) {
+  const turned = heading - before[2];
+  const degrees = Math.round(((((heading / DEGREE) % 360) + 360) % 360) * 1e4) / 1e4;
+  const value = [x, y, Math.abs(turned) < 1e-9 ? null : degrees > 180 ? Math.round((degrees - 360) * 1e4) / 1e4 : degrees];
+  return { op: "pose", path, value };
+}

@@ -1,0 +1,304 @@
+// The Editor's canvas: what can be drawn of the document, what is selected, and what a tool is about to do.
+
+import { NEAR } from "../shared/pick.js";
+import { reach, trace } from "../shared/marks.js";
+import { StillStage } from "../shared/still.js";
+import { SceneLayer } from "../shared/world.js";
+import { Walls, holds, isIn } from "./geometry.js";
+
+/** @typedef {import("../shared/tool.js").Place} Place */
+
+/**
+ * A thing of the document, as `Thing` in amorsim/ui/editor/things.py.
+ * @typedef {{path: string, kind: string, name: string, note: string, footprint: import("../simulator/wire.js").Outline | null, pose: number[] | null,
+ *   moves: boolean, turns: boolean, robots: number[], obstacles: number[], faults: number}} Thing
+ */
+
+/**
+ * What is selected: a thing by its path, or a wall by its number.
+ * @typedef {import("../shared/pick.js").Found & {path?: string, wall?: number}} Chosen
+ */
+
+export const HANDLE = 26; // pixels from a body's edge to the handle that turns it
+
+/**
+ * What a tool is about to do, and the marks of what is selected.
+ * @extends {SceneLayer<EditStage>}
+ */
+class MarksLayer extends SceneLayer {
+  get isShown() {
+    return true;
+  }
+
+  /** @param {import("../shared/layer.js").Brush} brush */
+  draw({ context, camera, theme }) {
+    const { stage } = this;
+    const px = 1 / camera.scale;
+    context.lineWidth = 1.5 * px;
+    context.strokeStyle = theme.estimated;
+    context.setLineDash([5 * px, 3 * px]);
+    context.beginPath();
+    for (const thing of stage.chosenThings) {
+      const pose = stage.poseOf(thing);
+      if (!pose) continue;
+      const far = reach(thing.footprint) + 4 * px;
+      context.rect(pose[0] - far, pose[1] - far, 2 * far, 2 * far);
+    }
+    context.stroke();
+    context.setLineDash([]);
+    const preview = stage.preview;
+    if (preview) {
+      context.beginPath();
+      for (const { footprint, pose } of preview.bodies ?? []) trace(context, footprint, pose[0], pose[1], pose[2]);
+      for (const [a, b, c, d] of preview.walls ?? []) {
+        context.moveTo(a, b);
+        context.lineTo(c, d);
+      }
+      context.lineWidth = 2.5 * px;
+      context.stroke();
+      if (preview.box) {
+        const [x0, y0, x1, y1] = preview.box;
+        context.lineWidth = px;
+        context.setLineDash([4 * px, 3 * px]);
+        context.strokeRect(x0, y0, x1 - x0, y1 - y0);
+        context.setLineDash([]);
+      }
+    }
+    this.handles(context, px, theme);
+    if (preview?.mark) {
+      const { x, y, kind } = preview.mark;
+      const side = kind === "grid" || !kind ? 3 * px : 6 * px;
+      context.lineWidth = 2 * px;
+      context.strokeStyle = theme.measured;
+      context.strokeRect(x - side, y - side, 2 * side, 2 * side);
+    }
+  }
+
+  handles(context, px, theme) {
+    const { stage } = this;
+    const handle = stage.turnHandle();
+    if (handle) {
+      context.beginPath();
+      context.moveTo(handle.from[0], handle.from[1]);
+      context.lineTo(handle.x, handle.y);
+      context.lineWidth = 1.5 * px;
+      context.strokeStyle = theme.estimated;
+      context.stroke();
+      context.beginPath();
+      context.arc(handle.x, handle.y, 6 * px, 0, 2 * Math.PI);
+      context.fillStyle = theme.estimated;
+      context.fill();
+    }
+    for (const [x, y] of stage.wallHandles()) {
+      context.beginPath();
+      context.arc(x, y, 6 * px, 0, 2 * Math.PI);
+      context.fillStyle = theme.paper;
+      context.fill();
+      context.lineWidth = 2 * px;
+      context.strokeStyle = theme.estimated;
+      context.stroke();
+    }
+  }
+}
+
+/**
+ * Words beside what is being drawn.
+ * @extends {SceneLayer<EditStage>}
+ */
+class WordsLayer extends SceneLayer {
+  /** @type {"pane"} */
+  space = "pane";
+
+  get isShown() {
+    return Boolean(this.stage.preview?.words);
+  }
+
+  /** @param {import("../shared/layer.js").Brush} brush */
+  draw({ context, camera, theme }) {
+    const { words, at } = this.stage.preview;
+    const [left, top] = camera.toScreen(at[0], at[1]);
+    context.font = "600 13px system-ui, sans-serif";
+    const wide = context.measureText(words).width;
+    context.fillStyle = theme.paper;
+    context.globalAlpha = 0.85;
+    context.fillRect(left + 11, top - 24, wide + 8, 19);
+    context.globalAlpha = 1;
+    context.fillStyle = theme.estimated;
+    context.fillText(words, left + 15, top - 10);
+  }
+}
+
+export class EditStage extends StillStage {
+  /** @param {HTMLElement} root */
+  constructor(root) {
+    super(root, { id: "pane", label: "The scenario", picked: () => {} });
+    /** @type {Thing[]} */
+    this.things = [];
+    this.walls = new Walls([], [0, 0, 1, 1]);
+    /** What a tool is about to do. @type {any} */
+    this.preview = null;
+    /** Where things are while they are dragged, by path. @type {Map<string, number[]>} */
+    this.moved = new Map();
+    this.hidden = new Set(); // kinds of things that are hidden
+    this.locked = new Set(); // and those that cannot be picked
+    this.pane.layers.push(new MarksLayer(this), new WordsLayer(this));
+  }
+
+  /** Show what was read of the document; what is selected stays so, by its path.
+   * @param {{still: import("../simulator/wire.js").Still | null, things: Thing[]}} drawn
+   * @param {(name: string) => Promise<string | null>} pictureOf */
+  update({ still, things }, pictureOf) {
+    const chosen = this.selection.things;
+    this.things = things;
+    this.moved.clear();
+    const listeners = this.selection.listeners;
+    this.selection.listeners = []; // nobody is told that nothing is selected meanwhile
+    this.show(still, pictureOf);
+    this.selection.listeners = listeners;
+    this.whole = undefined;
+    if (this.hidden.size) this.hide();
+    this.walls = new Walls(still?.scene.maps[still.scene.map]?.segments ?? [], still?.extent ?? [0, 0, 1, 1]);
+    this.selection.set(chosen.flatMap((one) => this.again(/** @type {Chosen} */ (one))));
+  }
+
+  /** @param {Chosen} one
+   * @returns {Chosen[]} */
+  again(one) {
+    if (one.path !== undefined) {
+      const thing = this.things.find(({ path }) => path === one.path);
+      return thing ? [this.chosenOf(thing)] : [];
+    }
+    return one.wall !== undefined && one.wall < this.walls.walls.length ? [this.chosenWall(one.wall)] : [];
+  }
+
+  /** @param {Thing} thing
+   * @returns {Chosen} */
+  chosenOf(thing) {
+    return { kind: thing.kind, key: thing.path, path: thing.path, title: thing.name, lines: [thing.note] };
+  }
+
+  /** @param {number} n
+   * @returns {Chosen} */
+  chosenWall(n) {
+    return { kind: "wall", key: `wall ${n}`, wall: n, title: "wall", lines: [], view: "true", line: this.walls.walls[n] };
+  }
+
+  /** The things that are selected. */
+  get chosenThings() {
+    return this.selection.things.flatMap((one) => this.things.filter(({ path, footprint }) => footprint && path === /** @type {Chosen} */ (one).path));
+  }
+
+  /** The numbers of the walls that are selected. */
+  get chosenWalls() {
+    return this.selection.things.flatMap((one) => /** @type {Chosen} */ (one).wall ?? []);
+  }
+
+  /** Where a thing is, or is being dragged to.
+   * @param {Thing} thing */
+  poseOf(thing) {
+    return this.moved.get(thing.path) ?? thing.pose;
+  }
+
+  /** Draw a thing elsewhere, before the document says so.
+   * @param {Thing} thing
+   * @param {number[]} pose */
+  place(thing, pose) {
+    this.moved.set(thing.path, pose);
+    if (!this.frame) return;
+    if (thing.robots.length === 1) this.frame.truePoses.set(pose, 3 * thing.robots[0]);
+    if (thing.obstacles.length === 1) this.frame.obstacles.set(pose, 3 * thing.obstacles[0]);
+    this.redraw();
+  }
+
+  /** Take back what was drawn elsewhere. */
+  putBack() {
+    for (const thing of this.things) if (this.moved.has(thing.path) && thing.pose) this.place(thing, thing.pose);
+    this.moved.clear();
+    this.preview = null;
+    this.redraw();
+  }
+
+  /** What lies at a point: the smallest body, or else a wall.
+   * @param {{x: number, y: number}} point
+   * @returns {Chosen | null} */
+  at({ x, y }) {
+    const near = NEAR / this.camera.scale;
+    const hit = this.things
+      .filter((thing) => this.isFree(thing.kind) && thing.pose && thing.footprint)
+      .filter(({ footprint, pose }) => holds(footprint, pose, x, y) || Math.hypot(pose[0] - x, pose[1] - y) <= near)
+      .sort((a, b) => reach(a.footprint) - reach(b.footprint));
+    const small = hit.find(({ kind }) => kind !== "zone");
+    if (small) return this.chosenOf(small);
+    const crowd = this.series(x, y, near);
+    if (crowd) return this.chosenOf(crowd);
+    const n = this.isFree("wall") ? this.walls.nearest(x, y, near) : -1;
+    if (n >= 0) return this.chosenWall(n);
+    return hit.length ? this.chosenOf(hit[0]) : null;
+  }
+
+  /** Leave out what is hidden; walls and the floor are drawn again, too. */
+  hide() {
+    const { still } = this;
+    if (!still || !this.frame) return;
+    this.whole ??= this.scene;
+    const floor = this.whole.floor;
+    const kept = (kind, value) => (this.hidden.has(kind) ? [] : value);
+    this.scene = {
+      ...this.whole,
+      map: this.hidden.has("wall") ? undefined : this.whole.map,
+      floor: { ...floor, landmarks: kept("landmark", floor.landmarks), lights: kept("light", floor.lights), zones: kept("zone", floor.zones) },
+    };
+    const nowhere = [NaN, NaN, NaN];
+    still.robots.forEach((pose, i) => this.frame.truePoses.set(this.hidden.has("robot") || !pose ? nowhere : pose, 3 * i));
+    still.obstacles.forEach((pose, i) => {
+      const kind = still.scene.obstacles[i].part_of ? "robot" : "obstacle";
+      this.frame.obstacles.set(this.hidden.has(kind) || !pose ? nowhere : pose, 3 * i);
+    });
+    this.pictures.version += 1;
+    this.redraw();
+  }
+
+  isFree(kind) {
+    return !this.locked.has(kind) && !this.hidden.has(kind);
+  }
+
+  /** The table of many bodies, one of which lies at a point. */
+  series(x, y, near) {
+    if (!this.still || !this.scene) return null;
+    const { robots, obstacles } = this.still;
+    const isAt = (pose, far) => pose && Math.hypot(pose[0] - x, pose[1] - y) <= Math.max(far, near);
+    return this.things.find(
+      (thing) =>
+        !thing.pose && this.isFree(thing.kind) &&
+        (thing.robots.some((i) => isAt(robots[i], this.scene.robots[i].reach)) || thing.obstacles.some((i) => isAt(obstacles[i], this.scene.obstacles[i].reach))),
+    );
+  }
+
+  /** All that lies in a box.
+   * @param {number[]} box
+   * @returns {Chosen[]} */
+  within(box) {
+    const [x0, y0, x1, y1] = box;
+    const things = this.things.filter(({ pose, kind, moves }) => pose && moves && this.isFree(kind) && pose[0] >= x0 && pose[0] <= x1 && pose[1] >= y0 && pose[1] <= y1);
+    const walls = this.isFree("wall") ? this.walls.walls.flatMap((wall, n) => (isIn(wall, box) ? [this.chosenWall(n)] : [])) : [];
+    return [...things.map((thing) => this.chosenOf(thing)), ...walls];
+  }
+
+  /** Where the handle is that turns the one thing that is selected, or null. */
+  turnHandle() {
+    const [thing, ...others] = this.chosenThings;
+    if (!thing?.turns || others.length || this.chosenWalls.length) return null;
+    const pose = this.poseOf(thing);
+    if (!pose) return null;
+    const far = reach(thing.footprint) + HANDLE / this.camera.scale;
+    return { thing, from: pose, x: pose[0] + far * Math.cos(pose[2]), y: pose[1] + far * Math.sin(pose[2]) };
+  }
+
+  /** The ends of the one wall that is selected. */
+  wallHandles() {
+    const walls = this.chosenWalls;
+    if (walls.length !== 1 || this.selection.things.length !== 1 || this.preview?.walls) return [];
+    const [a, b, c, d] = this.walls.walls[walls[0]];
+    return [[a, b], [c, d]];
+  }
+}

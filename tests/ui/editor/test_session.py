@@ -1,0 +1,359 @@
+"""The Editor's session, by its commands: what changes, what stays, what can be undone, and what is said."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import amorsim as am
+from amorsim.plugins.manager import default_registry
+from amorsim.ui.editor.session import EditSession
+from amorsim.ui.editor.work import Work
+from tests.ui.aside import aside
+
+BUNDLED = default_registry().names("scenario")
+
+Talk = Callable[[EditSession], Awaitable[None]]
+
+
+def talk(name: str, folder: Path, say: Talk) -> Work:
+    """Let a session run for as long as something is said to it; returns what it has edited."""
+    work = Work(name, folder)
+
+    async def all_of_it() -> None:
+        async with EditSession(work) as session:
+            await say(session)
+
+    aside(all_of_it())
+    return work
+
+
+async def do(session: EditSession, **command: Any) -> dict[str, Any]:
+    said = await session.request(command)
+    assert said["ok"], said
+    return said
+
+
+async def drawn(session: EditSession) -> dict[str, Any]:
+    """What is drawn, once all changes are read."""
+    number = 0
+    found: dict[str, Any] = {}
+    while True:
+        said = await do(session, do="document", after=number)
+        number, found = said["number"], said.get("drawn", found)
+        if not said["is_behind"]:
+            return found
+
+
+def own_copy(name: str, folder: Path) -> Path:
+    """A bundled scenario as a user's own files."""
+    file = folder / f"{name}.toml"
+    am.open_document(name).save(file, copy=True)
+    return file
+
+
+@pytest.mark.parametrize("name", BUNDLED)
+def test_opening_and_saving_changes_no_byte(name: str, tmp_path: Path) -> None:
+    file = own_copy(name, tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+
+    async def say(session: EditSession) -> None:
+        await do(session, do="save")
+        await do(session, do="save", force=True)
+
+    talk(str(file), tmp_path, say)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", BUNDLED)
+def test_changing_one_thing_and_undoing_gives_the_same_bytes(name: str, tmp_path: Path) -> None:
+    file = own_copy(name, tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+
+    async def say(session: EditSession) -> None:
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 77}])
+        wall = {"op": "walls", "add": [[1.0, 1.0, 1.5, 1.0]]}
+        if len((await drawn(session))["still"]["scene"]["maps"][0]["segments"]) > 1:
+            wall |= {"remove": [0], "change": [[1, [0.5, 0.5, 0.75, 0.5]]]}
+        await do(session, do="edit", label="walls", changes=[wall])
+        robot = {"op": "set", "path": "robots.0.drive.nothing", "value": 1.0}
+        await do(session, do="edit", label="robot", changes=[robot, {"op": "remove", "path": "robots.0"}])
+        changed = await do(session, do="save")
+        assert Path(changed["file"]).read_bytes() != before[file]
+        for step in ("robot", "walls", "seed"):
+            assert (await do(session, do="undo"))["label"] == step
+        assert (await do(session, do="undo"))["label"] == ""
+        await do(session, do="save")
+
+    talk(str(file), tmp_path, say)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_bundled_scenario_is_edited_as_a_copy(tmp_path: Path) -> None:
+    shipped = am.open_document("demo").path.with_name("office.wld").read_bytes()
+
+    async def say(session: EditSession) -> None:
+        await do(session, do="edit", label="draw", changes=[{"op": "walls", "add": [[1.0, 9.0, 2.0, 9.0]]}])
+        refused = await session.request({"do": "save"})
+        assert "no file yet" in refused["error"]
+        await do(session, do="save_as", name="demo")
+        assert session.state()["is_saved"]
+        await do(session, do="undo")
+        assert not session.state()["is_saved"]
+        await do(session, do="save")
+
+    talk("demo", tmp_path, say)
+    assert am.open_document("demo").path.with_name("office.wld").read_bytes() == shipped
+    assert (tmp_path / "office.wld").read_bytes() == shipped
+    assert (tmp_path / "demo.toml").read_text() == am.open_document("demo").text
+
+
+def test_an_empty_page_becomes_a_scenario_that_runs(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        seen = await drawn(session)
+        assert {fault["path"] for fault in seen["faults"]} == {"world", "robots"}
+        walls = [[1, 1, 6, 1], [6, 1, 6, 5], [6, 5, 1, 5], [1, 5, 1, 1]]
+        await do(session, do="edit", label="draw", changes=[{"op": "walls", "add": walls}])
+        robot = {"name": "robot", "model": "pioneer2dx", "pose": {"x": 3.0, "y": 3.0, "heading_deg": 90.0}}
+        said = await do(session, do="edit", label="add", changes=[{"op": "add", "path": "robots", "value": robot}])
+        assert said["added"] == ["robots.0"]
+        seen = await drawn(session)
+        assert seen["faults"] == []
+        assert len(seen["still"]["scene"]["maps"][0]["segments"]) == 4
+        await do(session, do="save_as", name="mine")
+
+    talk("", tmp_path, say)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml", "untitled.wld"]
+    simulation = am.Simulation(am.load(tmp_path / "mine.toml"))
+    simulation.step()
+    (robot,) = simulation.scenario.robots
+    assert (robot.name, robot.pose.x, robot.pose.y) == ("robot", 3.0, 3.0)
+
+
+def test_what_is_drawn_and_said_is_that_of_the_present_text(tmp_path: Path) -> None:
+    file = own_copy("doors", tmp_path)
+
+    async def say(session: EditSession) -> None:
+        seen = await drawn(session)
+        count = len(seen["still"]["scene"]["maps"][0]["segments"])
+        changes = [
+            {"op": "walls", "add": [[1.0, 1.0, 2.0, 1.0]]},
+            {"op": "pose", "path": "robots.0", "value": [2.5, 4.5, None]},
+            {"op": "set", "path": "robots.1.controller.speeed", "value": 1.0},
+        ]
+        await do(session, do="edit", label="several", changes=changes)
+        seen = await drawn(session)
+        assert seen["still"]["scene"]["maps"][0]["segments"][count:] == [[1.0, 1.0, 2.0, 1.0]]
+        assert seen["still"]["robots"][0][:2] == [2.5, 4.5]
+        (fault,) = seen["faults"]
+        assert fault["at"] == "robots.1.controller.speeed"
+        assert fault["said"].startswith("controller") or "speeed" in fault["said"]
+        assert str(tmp_path) not in fault["message"]
+        things = {thing["name"]: thing for thing in seen["things"]}
+        assert things["scout"]["faults"] == 1
+        assert things["rover"]["faults"] == 0
+        assert len(session.work.history.done) == 1
+
+    talk(str(file), tmp_path, say)
+    assert file.read_text() == am.open_document("doors").text
+
+
+def test_a_step_that_fails_in_the_middle_changes_nothing(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        before = session.work.texts
+        changes = [{"op": "set", "path": "simulation.seed", "value": 5}, {"op": "remove", "path": "robots.7"}]
+        said = await session.request({"do": "edit", "label": "two", "changes": changes})
+        assert not said["ok"]
+        assert session.work.texts == before
+        assert session.work.history.done == []
+
+    talk("demo", tmp_path, say)
+
+
+def test_a_file_that_was_changed_by_hand_is_noticed(tmp_path: Path) -> None:
+    file = own_copy("demo", tmp_path)
+
+    async def say(session: EditSession) -> None:
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 5}])
+        file.write_text(file.read_text().replace("duration = 300.0", "duration = 30.0"))
+        number = 0
+        while True:
+            said = await asyncio.wait_for(do(session, do="document", after=number), 30.0)
+            number = said["number"]
+            if said["changed_outside"]:
+                break
+        assert said["changed_outside"] == ["demo.toml"]
+        refused = await session.request({"do": "save"})
+        assert refused["changed"]
+        assert "changed by something else" in refused["error"]
+        await do(session, do="reload")
+        assert session.work.document.get("simulation.duration") == 30.0
+        assert session.work.document.get("simulation.seed") == 1
+        await do(session, do="undo")
+        assert session.work.document.get("simulation.seed") == 5
+        await do(session, do="save", force=True)
+
+    talk(str(file), tmp_path, say)
+    assert am.open_document(file).get("simulation.duration") == 300.0
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="nothing is refused to root")
+def test_a_folder_without_permission_is_said_clearly(tmp_path: Path) -> None:
+    file = own_copy("demo", tmp_path)
+    file.chmod(0o444)
+
+    async def say(session: EditSession) -> None:
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 5}])
+        said = await session.request({"do": "save"})
+        assert "Permission denied" in said["error"]
+
+    talk(str(file), tmp_path, say)
+
+
+def test_save_as_stays_in_the_folder_and_replaces_nothing_unasked(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        for name in ("../demo", "/tmp/demo", ""):
+            assert not (await session.request({"do": "save_as", "name": name}))["ok"]
+        await do(session, do="save_as", name="demo")
+        said = await session.request({"do": "save_as", "name": "demo"})
+        assert "is there already" in said["error"]
+
+    talk("demo", tmp_path, say)
+
+
+def test_the_model_s_sensors_and_noise_can_be_changed_added_to_and_left_out(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        edits: list[dict[str, Any]] = [
+            {"op": "set", "path": "robots.0.sensors.gps", "value": {"use": "gps"}},
+            {"op": "add", "path": "robots.0.sensors.laser.noise", "value": {"use": "bias", "value": 0.1}},
+            {"op": "remove", "path": "robots.0.sensors.sonar"},
+            {"op": "set", "path": "robots.0.sensors.laser.beams", "value": 90},
+        ]
+        for edit in edits:
+            await do(session, do="edit", label="robot", changes=[edit])
+        noise = session.work.document.get("robots.0.sensors.laser.noise")
+        assert [one["use"] for one in noise] == ["gaussian", "quantize", "bias"]
+        seen = await drawn(session)
+        assert [fault["path"] for fault in seen["faults"] if "gps" not in fault["path"]] == []
+        assert "sonar" not in {one["name"] for one in seen["still"]["scene"]["kinds"][0]["sensors"]}
+        sections = (await do(session, do="inspect", path="robots.0"))["sections"]
+        titles = [section["title"] for section in sections]
+        assert "gps" in titles
+        assert "sonar" not in titles
+        fields = {field["path"]: field for section in sections for field in section["fields"]}
+        assert fields["robots.0.sensors.laser.beams"]["value"] == 90
+        assert fields["robots.0.sensors.laser.beams"]["is_given"]
+        assert fields["robots.0.sensors.laser.range_max"]["origin"] == "model"
+        assert not fields["robots.0.sensors.laser.range_max"]["is_given"]
+        for _ in edits:
+            await do(session, do="undo")
+        assert session.work.text == am.open_document("demo").text
+
+    talk("demo", tmp_path, say)
+
+
+@pytest.mark.parametrize("bundled", BUNDLED)
+def test_every_thing_has_an_inspector_whose_forms_can_be_set_as_they_are(bundled: str, tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        text = session.work.text
+        for thing in (await drawn(session))["things"]:
+            sections = (await do(session, do="inspect", path=thing["path"]))["sections"]
+            assert sections
+            for section in sections:
+                for field in section["fields"]:
+                    if field["is_given"] and not isinstance(field["value"], dict):
+                        change = {"op": "set", "path": field["path"], "value": field["value"]}
+                        await do(session, do="edit", label="same", changes=[change])
+                if section["toml"] and session.work.text == text and not section["origin"]:
+                    change = {"op": "toml", "path": section["path"], "text": section["toml"]}
+                    await do(session, do="edit", label="same", changes=[change])
+        assert session.work.text == text
+
+    talk(bundled, tmp_path, say)
+
+
+def test_one_window_holds_the_pen_and_another_may_ask_for_it(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        first, second = session.open_window("one"), session.open_window("two")
+        edit = {"do": "edit", "label": "x", "changes": [{"op": "set", "path": "simulation.seed", "value": 3}]}
+        assert "another window holds the pen" in (await session.ask(second, edit))["error"]
+        assert (await session.ask(second, {"do": "inspect", "path": "robots.0"}))["ok"]
+        assert (await session.ask(second, {"do": "controls", "want": "ask"}))["ok"]
+        assert (await session.ask(first, {"do": "controls", "want": "give"}))["ok"]
+        assert (await session.ask(second, edit))["ok"]
+        assert not (await session.ask(first, edit))["ok"]
+
+    talk("demo", tmp_path, say)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        {},
+        {"do": "nothing"},
+        {"do": "edit"},
+        {"do": "edit", "label": "x", "changes": []},
+        {"do": "edit", "label": "x", "changes": ["set"]},
+        {"do": "edit", "label": "x", "changes": [{"op": "walls", "add": [[0, 0, 1]]}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "walls", "remove": [100_000]}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "walls", "change": [[0, [0, 0, "a", 1]]]}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "pose", "path": "robots.0", "value": [0.0]}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "set", "path": "", "value": 1}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "set", "path": "robots.9.x", "value": 1}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "toml", "path": "robots.0.errors", "text": "a = "}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "add", "path": "world", "value": {}}]},
+        {"do": "inspect", "path": "robots.9"},
+        {"do": "inspect", "path": "format"},
+        {"do": "tables", "paths": [["robots"]]},
+        {"do": "save_as", "name": 3},
+        {"do": "document", "after": "x"},
+    ],
+)
+def test_what_makes_no_sense_is_refused_and_changes_nothing(command: dict[str, Any], tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        before = session.work.texts
+        said = await session.request(command)
+        assert not said["ok"]
+        assert said["error"]
+        assert {name: text for name, text in session.work.texts.items() if name in before} == before
+        assert session.work.history.done == []
+
+    talk("demo", tmp_path, say)
+
+
+@pytest.mark.parametrize("name", ["demo", "doors", "line"])
+def test_a_run_from_the_editor_has_the_digest_of_a_run_of_the_saved_file(name: str, tmp_path: Path) -> None:
+    digests: list[str] = []
+
+    def digest(file: Path) -> str:
+        simulation = am.Simulation(am.load(file))
+        for _ in range(20):
+            simulation.step()
+        return str(simulation.digest())
+
+    async def run(file: Path) -> str:
+        digests.append(await asyncio.to_thread(digest, file))
+        return "/run/x"
+
+    work = Work(name, tmp_path)
+
+    async def all_of_it() -> None:
+        async with EditSession(work, run=run) as session:
+            changes = [
+                {"op": "pose", "path": "robots.0", "value": [*(await where(session)), 30.0]},
+                {"op": "walls", "add": [[0.05, 0.05, 0.06, 0.05]]},
+            ]
+            await do(session, do="edit", label="several", changes=changes)
+            await do(session, do="run")
+            await do(session, do="save_as", name="mine")
+
+    async def where(session: EditSession) -> list[float]:
+        return list((await drawn(session))["still"]["robots"][0][:2])
+
+    aside(all_of_it())
+    assert digests == [digest(tmp_path / "mine.toml")]

@@ -1,0 +1,311 @@
+"""`amorsim edit` in a real Chromium: draw, move, undo, save and run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import amorsim as am
+from tests.ui.windows import SIMULATOR, Server, Window, eventually, new_user
+
+PAGE = "document.querySelector('.amorsim')?.editor"
+
+
+class Editor:
+    """The Editor in a browser of its own."""
+
+    def __init__(self, browser: Any, folder: Path, *words: str) -> None:
+        self.folder = folder
+        self.server = Server(folder / "x", words=("edit", *words), env={"AMORSIM_STATE": str(folder / ".state")})
+        self.page = new_user(browser).new_page()
+        self.window = Window(self.page)
+        self.page.goto(self.server.address)
+        self.until("state && !state.is_behind && stage.still && isHolder", seconds=120.0)
+
+    def until(self, expression: str, *, seconds: float = 30.0) -> None:
+        """Wait until something holds of the page; names in the expression are the page's."""
+        self.page.wait_for_function(
+            f"() => {{ const one = {PAGE}; if (!one) return false; with (one) return {expression}; }}",
+            timeout=1000 * seconds,
+        )
+
+    def see(self, expression: str) -> Any:
+        return self.page.evaluate(f"{PAGE}.{expression}")
+
+    def at(self, x: float, y: float) -> tuple[float, float]:
+        """Where a place of the world [m] is on the page."""
+        left, top = self.page.evaluate(
+            f"""([x, y]) => {{
+                const {{ pane, camera }} = {PAGE}.stage;
+                const box = pane.canvas.getBoundingClientRect();
+                const [left, top] = camera.toScreen(x, y);
+                return [box.left + left, box.top + top];
+            }}""",
+            [x, y],
+        )
+        return left, top
+
+    def click(self, x: float, y: float) -> None:
+        self.page.mouse.move(*self.at(x, y))
+        self.page.mouse.down()
+        self.page.mouse.up()
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
+        self.page.mouse.move(*self.at(*start))
+        self.page.mouse.down()
+        middle = [(a + b) / 2 for a, b in zip(start, end, strict=True)]
+        self.page.mouse.move(*self.at(middle[0], middle[1]))
+        self.page.mouse.move(*self.at(*end))
+        self.page.mouse.up()
+
+    def step(self, does: Any) -> None:
+        """Do something that makes one step, and wait until all that it means is drawn."""
+        number = self.see("state.number")
+        does()
+        self.until(f"state.number > {number} && !state.is_behind")
+
+    def look_near(self, x: float, y: float, scale: float = 60.0) -> None:
+        self.page.evaluate(
+            f"([x, y, s]) => {{ const c = {PAGE}.stage.camera; c.scale = s; c.centre(x, y); }}", [x, y, scale]
+        )
+
+    def close(self) -> None:
+        problems = self.window.problems
+        self.page.context.close()
+        self.server.close()
+        assert problems == []
+
+
+@pytest.fixture
+def open_editor(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    opened: list[Editor] = []
+
+    def open_one(*words: str) -> Editor:
+        opened.append(Editor(browser, tmp_path, *words))
+        return opened[-1]
+
+    yield open_one
+    for editor in opened:
+        editor.close()
+
+
+def test_demo_is_changed_undone_saved_and_run(open_editor: Any, tmp_path: Path) -> None:
+    editor = open_editor("demo")
+    page = editor.page
+    assert page.url.endswith("/edit/demo")
+    walls = len(editor.see("stage.walls.walls"))
+
+    # A robot is moved by dragging, and turned by its handle.
+    editor.look_near(1.4, 8.2)
+    editor.step(lambda: editor.drag((1.4, 8.2), (2.4, 8.2)))
+    assert editor.see("stage.still.robots[0]")[:2] == pytest.approx([2.4, 8.2])
+    assert page.inner_text("#inspector-title") == "rover"
+    handle = editor.see("stage.turnHandle()")
+    editor.step(lambda: editor.drag((handle["x"], handle["y"]), (2.4, 9.2)))
+    assert editor.see("stage.still.robots[0][2]") == pytest.approx(1.5708, abs=1e-3)
+
+    # A wall is drawn, by two clicks that snap to the grid.
+    page.keyboard.press("w")
+    editor.click(1.03, 6.98)
+    editor.step(lambda: editor.click(2.52, 7.01))
+    assert editor.see("stage.walls.walls.at(-1)") == pytest.approx([1.0, 7.0, 2.5, 7.0])
+    assert len(editor.see("stage.walls.walls")) == walls + 1
+    assert editor.see("state.steps") == 3
+
+    # All of it is undone and done again.
+    text = am.open_document("demo").text
+    for _ in range(3):
+        editor.step(lambda: page.keyboard.press("Control+z"))
+    assert page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")["text"] == text
+    assert len(editor.see("stage.walls.walls")) == walls
+    for _ in range(3):
+        editor.step(lambda: page.keyboard.press("Control+y"))
+    assert len(editor.see("stage.walls.walls")) == walls + 1
+
+    # It is saved as the user's own, with its map.
+    page.keyboard.press("Control+s")
+    page.fill("#asked-name", "mine")
+    editor.step(lambda: page.click("dialog .main"))
+    scenario = am.load(tmp_path / "mine.toml")
+    assert scenario.robots[0].pose is not None
+    assert scenario.robots[0].pose.x == pytest.approx(2.4)
+    assert scenario.map.segments is not None
+    assert scenario.map.segments[-1].tolist() == [1.0, 7.0, 2.5, 7.0]
+    assert page.inner_text(".saved") == "saved"
+
+    # It runs, with a change that is not saved; coming back keeps everything.
+    editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
+    page.click(".run")
+    page.wait_for_url("**/run/mine", timeout=120_000)
+    page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
+    assert page.evaluate(f"{SIMULATOR}.stage.scene.seed") == 77
+    page.go_back()
+    editor.until("state && !state.is_behind && stage.still")
+    assert editor.see("state.steps") == 4
+    assert am.load(tmp_path / "mine.toml").seed == 1
+
+
+def test_an_empty_page_gets_walls_and_a_robot_and_runs(open_editor: Any) -> None:
+    editor = open_editor()
+    page = editor.page
+    assert "2 faults" in page.inner_text(".status")
+    page.keyboard.press("r")
+    editor.look_near(0.0, 0.0)
+    editor.click(-3.0, -2.0)
+    editor.step(lambda: editor.click(3.0, 2.0))
+    assert len(editor.see("stage.walls.walls")) == 4
+    editor.look_near(0.0, 0.0)
+    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    editor.step(lambda: editor.click(1.0, 0.5))
+    editor.until("stage.selection.only?.path === 'robots.0'")
+    assert page.inner_text(".status").startswith("no faults")
+    page.click(".run")
+    page.wait_for_url("**/run/untitled", timeout=120_000)
+    page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
+
+
+def test_a_value_is_changed_in_the_inspector_and_its_fault_is_said_at_the_field(open_editor: Any) -> None:
+    editor = open_editor("demo")
+    page = editor.page
+    page.click('[data-key="robots.0"]')
+    page.wait_for_selector('[data-section="robots.0.sensors.laser"]')
+    page.click('[data-section="robots.0.sensors.laser"] > summary')
+    field = page.locator('[data-path="robots.0.sensors.laser.range_max"] input')
+    assert field.input_value() == "8"
+    field.fill("-1")
+    editor.step(lambda: field.press("Enter"))
+    assert "1 fault" in page.inner_text(".status")
+    error = page.locator('[data-path="robots.0.sensors.laser.range_max"] .error')
+    assert eventually(lambda: "> 0" in error.inner_text())
+    page.click('[data-key="world"]')
+    page.click(".drawing .fault")
+    editor.until("stage.selection.only?.path === 'robots.0'")
+    page.evaluate("document.activeElement.blur()")
+    editor.step(lambda: page.keyboard.press("Control+z"))
+    assert page.inner_text(".status").startswith("no faults")
+
+
+def test_all_can_be_done_by_the_keyboard(open_editor: Any) -> None:
+    editor = open_editor("doors")
+    page = editor.page
+    walls = len(editor.see("stage.walls.walls"))
+    page.focus("#pane")
+    # A wall, from the middle of the canvas to where the middle is then.
+    page.keyboard.press("w")
+    editor.look_near(3.0, 6.0)
+    page.keyboard.press("Enter")
+    editor.look_near(4.0, 6.5)
+    editor.step(lambda: page.keyboard.press("Enter"))
+    assert editor.see("stage.walls.walls.at(-1)") == pytest.approx([3.0, 6.0, 4.0, 6.5])
+    # Select what is in the middle, move it, turn it, copy it, delete it.
+    page.keyboard.press("Escape")
+    page.keyboard.press("v")
+    editor.look_near(2.0, 4.0)
+    page.keyboard.press("Enter")
+    editor.until("stage.selection.only?.path === 'robots.0'")
+    editor.step(lambda: page.keyboard.press("ArrowRight"))
+    assert editor.see("stage.still.robots[0]")[:2] == pytest.approx([2.1, 4.0])
+    editor.step(lambda: page.keyboard.press("["))
+    assert editor.see("stage.still.robots[0][2]") == pytest.approx(0.0873, abs=1e-3)
+    editor.step(lambda: page.keyboard.press("Control+d"))
+    editor.until("stage.selection.only?.path === 'robots.2'")
+    editor.step(lambda: page.keyboard.press("Delete"))
+    page.keyboard.press("Control+a")
+    editor.step(lambda: page.keyboard.press("Delete"))
+    assert editor.see("stage.walls.walls") == []
+    for _ in range(6):
+        editor.step(lambda: page.keyboard.press("Control+z"))
+    assert len(editor.see("stage.walls.walls")) == walls
+    assert page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")["text"] == am.open_document("doors").text
+
+
+def test_circles_arrays_mirrors_boxes_and_hidden_layers(open_editor: Any) -> None:
+    editor = open_editor()
+    page = editor.page
+    page.keyboard.press("c")
+    editor.look_near(0.0, 0.0)
+    editor.click(0.0, 0.0)
+    editor.step(lambda: editor.click(1.0, 0.0))
+    circle = editor.see("stage.walls.walls")
+    sagitta = 1.0 - min(((a + c) ** 2 + (b + d) ** 2) ** 0.5 / 2 for a, b, c, d in circle)
+    assert 0.0 < sagitta <= 0.0051
+    # A wall of a typed length and angle.
+    page.keyboard.press("w")
+    editor.look_near(3.0, 0.0)
+    editor.click(3.0, 0.0)
+    page.fill("#typed-length", "1.5")
+    page.fill("#typed-angle", "90")
+    editor.step(lambda: page.press("#typed-angle", "Enter"))
+    assert editor.see("stage.walls.walls.at(-1)") == pytest.approx([3.0, 0.0, 3.0, 1.5])
+    # A box takes the wall alone; copies of it in rows.
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("v")
+    editor.look_near(3.0, 0.0)
+    editor.drag((2.5, -0.5), (3.5, 2.0))
+    assert editor.see("stage.chosenWalls") == [len(circle)]
+    page.click("text=array…")
+    editor.step(lambda: page.click("dialog .main"))
+    assert [wall[0] for wall in editor.see("stage.walls.walls")[len(circle) :]] == pytest.approx([3.0, 4.0, 5.0])
+    editor.look_near(4.0, 0.0)
+    editor.drag((2.5, -0.5), (6.5, 2.0))
+    editor.step(lambda: page.click("text=mirror"))
+    assert [wall[0] for wall in editor.see("stage.walls.walls")[len(circle) :]] == pytest.approx([5.0, 4.0, 3.0])
+    page.click("[aria-label='hide walls']")
+    assert editor.see("stage.scene.map ?? null") is None
+    editor.look_near(4.0, 0.0)
+    page.keyboard.press("Escape")
+    editor.click(4.0, 0.5)
+    assert editor.see("stage.selection.things") == []
+    page.click("[aria-label='hide walls']")
+    editor.click(4.0, 0.5)
+    assert editor.see("stage.selection.only.kind") == "wall"
+    # Measuring changes nothing.
+    steps = editor.see("state.steps")
+    page.keyboard.press("m")
+    editor.click(3.0, 0.0)
+    editor.click(5.0, 0.0)
+    assert editor.see("stage.preview.words").startswith("2 m") or "2.00 m" in editor.see("stage.preview.words")
+    assert editor.see("state.steps") == steps
+
+
+def test_a_second_window_watches_until_it_gets_the_pen(open_editor: Any, browser: Any) -> None:
+    editor = open_editor("demo")
+    other = new_user(browser).new_page()
+    other.goto(editor.server.address)
+    other.wait_for_function(f"() => {PAGE}?.state && {PAGE}.stage.still")
+    assert not other.is_visible(".run")
+    assert other.inner_text(".pen").startswith("ask")
+    said = other.evaluate(f"{PAGE}.edit('x', [{{op: 'set', path: 'simulation.seed', value: 3}}])")
+    assert "pen" in said["error"]
+    other.click("text=ask for the pen")
+    editor.page.click("text=give the pen")
+    other.wait_for_selector(".run")
+    assert eventually(lambda: not editor.page.is_visible(".run"))
+    other.context.close()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("name", ["demo", "doors", ""])
+def test_axe_finds_nothing_and_nothing_overlaps(open_editor: Any, theme: str, name: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    editor = open_editor(*([name] if name else []))
+    page = editor.page
+    if page.evaluate("document.documentElement.dataset.theme") != theme:
+        page.keyboard.press("l")
+    for key in ("simulation", "robots.0"):
+        if page.locator(f'[data-key="{key}"]').count():
+            page.click(f'[data-key="{key}"]')
+            page.wait_for_selector(f'[data-section="{key}"]')
+            page.evaluate("document.querySelectorAll('.inspector details').forEach(one => one.open = true)")
+        found = axe.run(page).response["violations"]
+        assert [f"{one['id']}: {one['nodes'][0]['html']}" for one in found] == []
+    outside = page.evaluate(
+        """() => [...document.querySelectorAll(".bar *, .head *, .options *, .panel, .status *")].filter(one => {
+            const box = one.getBoundingClientRect();
+            return box.width && (box.left < 0 || box.right > innerWidth + 1 || box.bottom > innerHeight + 1);
+        }).map(one => one.outerHTML.slice(0, 80))"""
+    )
+    assert outside == []
