@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
+from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Planner, Recorder, Sensor
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
@@ -22,6 +22,7 @@ from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
 from amorsim.testing.maps import check_map_loader
+from amorsim.testing.planners import check_planner
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.trial import Record, Trial, try_rows
@@ -36,6 +37,7 @@ _KINDS: dict[str, type] = {
     "estimator": Estimator,
     "controller": Controller,
     "motion": Motion,
+    "planner": Planner,
     "map_loader": MapLoader,
     "recorder": Recorder,
 }
@@ -65,8 +67,8 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, motion, map loader or recorder; or its class, of which
-        one is made with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, planner, motion, map loader or recorder; or its
+        class, of which one is made with its defaults, and with some value where it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -107,6 +109,9 @@ def check_component(
     _check_pickling(who, component)
     if isinstance(component, MapLoader):
         check_map_loader(who, component, None if path is None else Path(path))
+        return
+    if isinstance(component, Planner):
+        check_planner(who, component)
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

@@ -142,7 +142,7 @@ def at(document, path):
 
 def cases():
     for entry in REGISTRY.entries():
-        if entry.kind in ("robot", "device", "scenario", "recorder"):
+        if entry.kind in ("robot", "device", "scenario", "planner", "recorder"):
             continue
         document, path, unit = place_of(entry.kind, entry.name)
         fields = file_fields(REGISTRY.get(entry.kind, entry.name), unit)
