@@ -51,14 +51,18 @@ class Cells:
         """Columns, without the border's."""
         return self.width - 2
 
-    def cell_at(self, x: float, y: float) -> int | None:
-        """The cell of a place [m] of the world; None outside the map."""
+    def in_cells(self, x: float, y: float) -> tuple[float, float]:
+        """A place [m] of the world in the map's frame [cells], from its lower left corner."""
         origin_x, origin_y, yaw = self.origin
         dx, dy = x - origin_x, y - origin_y
         if yaw != 0.0:
             c, s = math.cos(yaw), math.sin(yaw)
             dx, dy = c * dx + s * dy, c * dy - s * dx
-        across, up = dx / self.side, dy / self.side
+        return dx / self.side, dy / self.side
+
+    def cell_at(self, x: float, y: float) -> int | None:
+        """The cell of a place [m] of the world; None outside the map."""
+        across, up = self.in_cells(x, y)
         if not (0.0 <= across < self.cols and 0.0 <= up < self.rows):
             return None
         return (int(up) + 1) * self.width + int(across) + 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import attrs
 import numpy as np
@@ -16,6 +16,7 @@ from amorsim.contracts import Plan, Planner
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
+from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.frontier import Search, new_search
 from amorsim.kernels.search.octile import FOUND, GOING_ON, expand_octile
 
@@ -44,6 +45,9 @@ class Found(NamedTuple):
 @attrs.frozen(kw_only=True)
 class GridPlanner(Planner):
     """A planner on square cells. A cell is free if all of it keeps the footprint's reach from every occupied cell."""
+
+    any_angle: ClassVar[bool] = False
+    """Whether the lines of paths may have any direction."""
 
     cell: float | None = parameter(None, unit="m", gt=0, help="side of the cells; without it that of the map's")
     budget: int = parameter(100_000_000, ge=0, help="cells expanded at most")
@@ -86,6 +90,8 @@ class GridPlanner(Planner):
             )
             return Plan(status=found.status, expanded=len(searched), searched=searched, message=message)
         points, length = _from_end_to_end(cells, found, *ends)
+        if self.any_angle:
+            points, length = _without_needless_centres(cells, points, length)
         return Plan(
             status="found",
             poses=_poses(points, ends[1][2]),
@@ -155,6 +161,20 @@ def _from_end_to_end(
     between = centres[1 if first <= same else 0 : -1 if last <= same else None]
     points = np.concatenate([ends[:1], between, ends[1:]])
     return points, found.length * cells.side + (first if first > same else 0.0) + (last if last > same else 0.0)
+
+
+def _without_needless_centres(cells: Cells, points: Array, length: float) -> tuple[Array, float]:
+    """A path without the centres of the cells of start and goal, where a straight line does, and its length [m]."""
+    kept = points
+    for end in (0, -1):
+        after = 2 if end == 0 else -3
+        if len(kept) > 2 and is_open_line(
+            cells.free, cells.width, *cells.in_cells(*kept[end].tolist()), *cells.in_cells(*kept[after].tolist())
+        ):
+            kept = np.delete(kept, 1 if end == 0 else -2, axis=0)
+    if len(kept) == len(points):
+        return points, length
+    return kept, math.fsum(np.hypot(*np.diff(kept, axis=0).T).tolist())
 
 
 def _poses(points: Array, heading: float | None) -> Array:

@@ -98,6 +98,8 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("dijkstra", "amorsim.planners.dijkstra:Dijkstra")
     registry.planner("a_star", "amorsim.planners.a_star:AStar")
     registry.planner("wavefront", "amorsim.planners.wavefront:Wavefront")
+    registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
+    registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
 

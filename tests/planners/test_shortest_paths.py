@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from amorsim.maps.movingai import Problem, read_problems
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "movingai"
 NAMES = ("16room_000", "arena", "den000d", "maze-32-32-4")
-PLANNERS = ("a_star", "dijkstra", "wavefront")
+PLANNERS = ("a_star", "dijkstra", "wavefront", "jump_point")
 
 
 def planner(name):
@@ -92,8 +93,15 @@ def naive(free, start, goal):
 
 
 def check_steps(plan, world):
-    """A path whose steps lead to neighbours and cut no corner."""
-    cells = np.floor(plan.points).astype(int)[:, ::-1]
+    """A path of straight and diagonal lines whose steps cut no corner."""
+    corners = np.floor(plan.points).astype(int)[:, ::-1]
+    cells = [corners[:1]]
+    for first, last in itertools.pairwise(corners):
+        count = np.abs(last - first).max()
+        step, rest = np.divmod(last - first, count)
+        assert not rest.any()
+        cells.append(first + step * np.arange(1, count + 1)[:, None])
+    cells = np.concatenate(cells)
     taken = world.to_array()
     for (row, col), (up, across) in zip(cells[:-1], np.diff(cells, axis=0), strict=True):
         assert max(abs(up), abs(across)) == 1
@@ -122,6 +130,7 @@ def test_a_star_expands_less_than_dijkstra():
     world = am.Map.from_array(np.zeros((50, 50)), resolution=1.0)
     plans = {name: SHORTEST[name].plan(world, (5.5, 25.5), (30.5, 25.5)) for name in PLANNERS}
     assert plans["a_star"].expanded == 26
+    assert plans["jump_point"].expanded == 2
     assert plans["dijkstra"].expanded > 500
     assert plans["wavefront"].expanded == 2500
 

@@ -7,7 +7,7 @@ import math
 from amorsim.kernels.compile import inlined, kernel, part
 from amorsim.kernels.search.frontier import DONE, Search, offer, take
 
-__all__ = ["DIAGONAL", "FOUND", "GOING_ON", "NONE_LEFT", "expand_octile", "octile_distance"]
+__all__ = ["DIAGONAL", "FOUND", "GOING_ON", "NONE_LEFT", "expand_octile", "octile_distance", "reach"]
 
 DIAGONAL = math.sqrt(2.0)
 
@@ -24,7 +24,7 @@ def octile_distance(width: int, cell: int, other: int) -> float:
 
 
 @inlined
-def _reach(search: Search, width: int, goal: int, weight: float, cell: int, other: int, step: float) -> None:
+def reach(search: Search, width: int, goal: int, weight: float, cell: int, other: int, step: float) -> None:
     """Reach a free cell from a neighbour, if that is new or shorter."""
     place = search.place[other]
     if place == DONE:
@@ -54,19 +54,19 @@ def expand_octile(search: Search, width: int, goal: int, weight: float, most: in
         east, west = free[cell + 1] != 0, free[cell - 1] != 0
         north, south = free[cell + width] != 0, free[cell - width] != 0
         if east:
-            _reach(search, width, goal, weight, cell, cell + 1, 1.0)
+            reach(search, width, goal, weight, cell, cell + 1, 1.0)
         if west:
-            _reach(search, width, goal, weight, cell, cell - 1, 1.0)
+            reach(search, width, goal, weight, cell, cell - 1, 1.0)
         if north:
-            _reach(search, width, goal, weight, cell, cell + width, 1.0)
+            reach(search, width, goal, weight, cell, cell + width, 1.0)
             if east and free[cell + width + 1]:
-                _reach(search, width, goal, weight, cell, cell + width + 1, DIAGONAL)
+                reach(search, width, goal, weight, cell, cell + width + 1, DIAGONAL)
             if west and free[cell + width - 1]:
-                _reach(search, width, goal, weight, cell, cell + width - 1, DIAGONAL)
+                reach(search, width, goal, weight, cell, cell + width - 1, DIAGONAL)
         if south:
-            _reach(search, width, goal, weight, cell, cell - width, 1.0)
+            reach(search, width, goal, weight, cell, cell - width, 1.0)
             if east and free[cell - width + 1]:
-                _reach(search, width, goal, weight, cell, cell - width + 1, DIAGONAL)
+                reach(search, width, goal, weight, cell, cell - width + 1, DIAGONAL)
             if west and free[cell - width - 1]:
-                _reach(search, width, goal, weight, cell, cell - width - 1, DIAGONAL)
+                reach(search, width, goal, weight, cell, cell - width - 1, DIAGONAL)
     return GOING_ON if search.used[0] > 0 else NONE_LEFT
