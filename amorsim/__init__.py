@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
+    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing
     from amorsim.contracts import (
         Aim,
         Beliefs,
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
         NoiseStep,
         ObstacleFrame,
         Part,
+        Plan,
+        Planner,
         Recorder,
         RobotModel,
         RunInfo,
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
         DocumentError,
         Fault,
         MapError,
+        PlanError,
         PluginError,
         RunError,
         ScenarioError,
@@ -108,13 +111,13 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo "
+        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel RunInfo "
         "ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PluginError "
-        "RunError ScenarioError SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PlanError "
+        "PluginError RunError ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -146,7 +149,7 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")
+_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
@@ -200,6 +203,9 @@ __all__ = [
     "ParameterError",
     "Part",
     "Partial",
+    "Plan",
+    "PlanError",
+    "Planner",
     "PluginError",
     "Pose",
     "RandomStart",
@@ -245,6 +251,7 @@ __all__ = [
     "noise",
     "open_document",
     "parameter",
+    "planners",
     "record",
     "relative",
     "reproduce",

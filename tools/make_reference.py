@@ -48,6 +48,7 @@ _KINDS = {
     "motion": ("Motions", "In `motion` of an obstacle."),
     "estimator": ("Estimators", "In `[robots.estimators.NAME]`."),
     "controller": ("Controllers", "In `controller` of a robot."),
+    "planner": ("Planners", "In Python: `am.planners`. A scenario does not choose one."),
     "recorder": ("Recorders", "What writes the files of a run; a scenario does not choose one."),
 }
 

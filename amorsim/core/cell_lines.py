@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from amorsim.core.map import Map
+from amorsim.core.map import Map, Place
 
-__all__ = ["extent_of", "to_world", "wall_lines"]
+__all__ = ["extent_of", "placed", "to_world", "wall_lines"]
 
 
 def wall_lines(world: Map) -> NDArray[np.float64]:
@@ -43,7 +43,12 @@ def extent_of(world: Map) -> tuple[float, float, float, float]:
 
 def to_world(world: Map, places: NDArray[np.float64]) -> NDArray[np.float64]:
     """Places (n, 2) [m] of a map's frame in the world."""
-    x, y, yaw = world.origin
+    return placed(world.origin, places)
+
+
+def placed(origin: Place, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Places (n, 2) [m] in the frame of a map with this `origin`, in the world."""
+    x, y, yaw = origin
     if yaw == 0.0:
         return np.asarray(places + np.array([x, y]))
     c, s = math.cos(yaw), math.sin(yaw)

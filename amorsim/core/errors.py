@@ -44,6 +44,10 @@ class ComponentError(AmorsimError):
     """A component that breaks its contract."""
 
 
+class PlanError(AmorsimError):
+    """A start, goal or map that a planner cannot take."""
+
+
 class ContactError(AmorsimError):
     """A step whose contacts cannot be found, because a body moves too far in it."""
 

@@ -103,6 +103,12 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("braitenberg", "amorsim.controllers.braitenberg:Braitenberg")
     registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
 
+    registry.planner("dijkstra", "amorsim.planners.dijkstra:Dijkstra")
+    registry.planner("a_star", "amorsim.planners.a_star:AStar")
+    registry.planner("wavefront", "amorsim.planners.wavefront:Wavefront")
+    registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
+    registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
+
     registry.recorder("text", "amorsim.recorders.text:Text")
 
     for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):

@@ -30,6 +30,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "motion": ("use",),
     "estimator": ("use",),
     "controller": ("use",),
+    "planner": ("use",),
     "recorder": ("use",),
 }
 """Keys that stand beside a component's fields in a scenario, and that no field may be called by."""

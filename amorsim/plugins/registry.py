@@ -10,7 +10,18 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, ScenarioLoader, Sensor
+from amorsim.contracts import (
+    Controller,
+    Drive,
+    Estimator,
+    MapLoader,
+    Motion,
+    Noise,
+    Planner,
+    Recorder,
+    ScenarioLoader,
+    Sensor,
+)
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.plugins.checks import check_class, check_name
 
@@ -25,6 +36,7 @@ KINDS: Mapping[str, type] = {
     "motion": Motion,
     "estimator": Estimator,
     "controller": Controller,
+    "planner": Planner,
     "recorder": Recorder,
 }
 """The kinds of component, and the contract of each."""
@@ -120,6 +132,10 @@ class Registry:
     def controller(self, name: str, cls: type[Controller] | str) -> None:
         """Register a controller."""
         self._add("controller", name, cls)
+
+    def planner(self, name: str, cls: type[Planner] | str) -> None:
+        """Register a planner."""
+        self._add("planner", name, cls)
 
     def recorder(self, name: str, cls: type[Recorder] | str) -> None:
         """Register a recorder."""

@@ -12,7 +12,18 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, ScenarioLoader, Sensor
+from amorsim.contracts import (
+    Controller,
+    Drive,
+    Estimator,
+    MapLoader,
+    Motion,
+    Noise,
+    Planner,
+    Recorder,
+    ScenarioLoader,
+    Sensor,
+)
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
@@ -22,6 +33,7 @@ from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
 from amorsim.testing.maps import check_map_loader
+from amorsim.testing.planners import check_planner
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.scenario_loaders import check_scenario_loader
@@ -37,6 +49,7 @@ _KINDS: dict[str, type] = {
     "estimator": Estimator,
     "controller": Controller,
     "motion": Motion,
+    "planner": Planner,
     "map_loader": MapLoader,
     "scenario_loader": ScenarioLoader,
     "recorder": Recorder,
@@ -67,8 +80,8 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, motion, map loader, scenario loader or recorder; or its
-        class, of which one is made with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader or recorder;
+        or its class, of which one is made with its defaults, and with some value where it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -112,6 +125,9 @@ def check_component(
         return
     if isinstance(component, ScenarioLoader):
         check_scenario_loader(who, component, None if path is None else Path(path))
+        return
+    if isinstance(component, Planner):
+        check_planner(who, component)
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

@@ -157,7 +157,7 @@ def at(document, path):
 
 def cases():
     for entry in REGISTRY.entries():
-        if entry.kind in ("robot", "device", "scenario", "recorder", "scenario_loader"):
+        if entry.kind in ("robot", "device", "scenario", "planner", "recorder", "scenario_loader"):
             continue
         document, path, unit = place_of(entry.kind, entry.name)
         fields = file_fields(REGISTRY.get(entry.kind, entry.name), unit)
