@@ -111,8 +111,8 @@ if TYPE_CHECKING:
 _MODULES = {
     "amorsim.contracts": (
         "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel RunInfo "
-        "ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View parameter"
+        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel "
+        "RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
