@@ -152,7 +152,9 @@ def open_picture(path: Path) -> Picture:
             frames = getattr(image, "n_frames", 1)
             image.load()
     except Image.DecompressionBombError as error:
-        raise MapError(f"it is too large to unpack: {error}") from error
+        most = 2 * (Image.MAX_IMAGE_PIXELS or 0)
+        problem = f"expected {most} pixels at most; make it smaller, or the map of larger cells (resolution)"
+        raise MapError(f"it is too large to unpack: {problem}") from error
     except UnidentifiedImageError as error:  # its text names the file object, which does not help a user
         raise MapError(f"it is no {_formats()} image, or its header is damaged") from error
     except Exception as error:  # a damaged file makes pillow raise nearly anything

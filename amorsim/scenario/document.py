@@ -34,7 +34,7 @@ from amorsim.scenario.partial import Partial, read_partial
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.toml_values import plain
+from amorsim.scenario.toml_values import checked_text, plain
 from amorsim.scenario.worlds import Maps
 from amorsim.scenario.write import table_text
 from amorsim.scenario.written import Written, line_of, read_written
@@ -279,7 +279,7 @@ class Document:
                 place = found_at(self._origins.merged(self._editor.values, (*at, part)), at)
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
-            part = part.strip() if isinstance(path, str) else part
+            part = checked_text(part.strip() if isinstance(path, str) else part)
             if isinstance(place, list):
                 index = index_of(place, part)
                 if isinstance(index, str):

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import PluginError, did_you_mean
-from amorsim.core.reading import read_text, reason
+from amorsim.core.reading import read_bytes, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Branch, Node, Source, shown
 from amorsim.scenario.written import Written, read_written
@@ -64,7 +64,7 @@ def read_toml(path: Path) -> dict[str, Any] | str:
 def read_file(path: Path) -> Written | str:
     """What a TOML file says, and which of its lines are no TOML; or a text that says why it cannot be read."""
     try:
-        text = read_text(path)
+        text = read_bytes(path).decode()  # with its line ends, for TOML has no lone CR
     except FileNotFoundError:
         return "there is no such file"
     except UnicodeDecodeError as error:

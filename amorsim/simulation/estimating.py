@@ -67,7 +67,7 @@ class Estimators:
             try:
                 self.states[name] = dict(estimator.start(context))
             except RAISED as error:
-                self._whose.blame(f"estimator {name!r}", estimator, error)
+                self._whose.blame_start(f"estimator {name!r}", estimator, error)
         told = context.pose
         self.estimates = {name: Estimate(told, np.zeros((len(told), 3, 3))) for name in self._estimators or ("none",)}
 

@@ -194,6 +194,16 @@ def test_a_change_that_fails_half_way_leaves_nothing(document, monkeypatch):
     assert document.text == TEXT
 
 
+@pytest.mark.parametrize("value", ["\ud800", ["a", {"b": "\udfff"}], {"\udc80": 1}])
+def test_what_no_file_can_hold_is_refused(document, value):
+    before = document.text
+    with pytest.raises(am.DocumentError, match="a text that UTF-8 can hold"):
+        document.set("robots.rover.colour", value)
+    with pytest.raises(am.DocumentError, match="a text that UTF-8 can hold"):
+        document.set("robots.rover.\ud800", 1)
+    assert document.text == before
+
+
 def test_what_is_no_toml_stays_and_the_rest_can_be_changed(tmp_path):
     text = TEXT.replace("dt = 0.10 ", "dt = 0.1.0 ").replace('name = "box"', 'name = "box\nname = 3\nname = 4')
     path = tmp_path / "bad.toml"
