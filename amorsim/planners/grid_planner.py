@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, free_cells, place_of
 from amorsim.contracts import Plan, Planner
+from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
@@ -24,9 +25,6 @@ __all__ = ["Found", "GridPlanner", "found_by", "octile_length", "path_through", 
 
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int32]
-
-# Cells expanded between two looks at the keyboard: some milliseconds.
-_AT_A_TIME = 20_000
 
 
 class Found(NamedTuple):
@@ -59,6 +57,8 @@ class GridPlanner(Planner):
 
     def cells_of(self, world: Map, footprint: Shape | None) -> Cells:
         """The cells of a map that a robot with this footprint may be in."""
+        if not isinstance(footprint, Shape | None):
+            raise PlanError(f"footprint is {footprint!r}; expected a Shape, such as am.Shape.circle(0.25), or None")
         reach = 0.0 if footprint is None else footprint.reach
         return free_cells(world, reach, side=self.cell, avoid_unknown=self.avoid_unknown)
 
@@ -102,13 +102,18 @@ class GridPlanner(Planner):
         )
 
 
-def run_search(cells: Cells, start: int, budget: int, expand: Callable[[Search, int], int]) -> tuple[str, Search]:
-    """Run a search kernel, some cells at a time, so that Ctrl-C is noticed; ``expand(search, most)`` calls it."""
+def run_search(
+    cells: Cells, start: int, budget: int, expand: Callable[[Search, int], int], at_a_time: int = 20_000
+) -> tuple[str, Search]:
+    """Run a search kernel, some cells at a time, so that Ctrl-C is noticed; ``expand(search, most)`` calls it.
+
+    So many cells should take some milliseconds.
+    """
     search = new_search(cells.free, start)
     status = GOING_ON
     left = budget
     while status == GOING_ON and left > 0:
-        most = min(left, _AT_A_TIME)
+        most = min(left, at_a_time)
         status = expand(search, most)
         left -= most
     return {GOING_ON: "budget", FOUND: "found"}.get(status, "unreachable"), search
