@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, free_cells, place_of
 from amorsim.contracts import Plan, Planner
+from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
@@ -20,13 +21,14 @@ from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.frontier import Search, new_search
 from amorsim.kernels.search.octile import FOUND, GOING_ON, expand_octile
 
-__all__ = ["Found", "GridPlanner", "found_by", "octile_length", "path_through", "run_octile", "run_search"]
+__all__ = ["Found", "GridPlanner", "Place", "found_by", "octile_length", "path_through", "run_octile", "run_search"]
 
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int32]
 
-# Cells expanded between two looks at the keyboard: some milliseconds.
-_AT_A_TIME = 20_000
+
+Place = tuple[float, float, float | None]
+"""x, y [m] and heading [rad] of a start or goal; None for a heading that is not given."""
 
 
 class Found(NamedTuple):
@@ -59,6 +61,8 @@ class GridPlanner(Planner):
 
     def cells_of(self, world: Map, footprint: Shape | None) -> Cells:
         """The cells of a map that a robot with this footprint may be in."""
+        if not isinstance(footprint, Shape | None):
+            raise PlanError(f"footprint is {footprint!r}; expected a Shape, such as am.Shape.circle(0.25), or None")
         reach = 0.0 if footprint is None else footprint.reach
         return free_cells(world, reach, side=self.cell, avoid_unknown=self.avoid_unknown)
 
@@ -71,7 +75,11 @@ class GridPlanner(Planner):
         goal's cell to the goal; within one cell it is a straight line. `Plan.cost` is the length between the centres.
         """
         ends = place_of(start, "start"), place_of(goal, "goal")
-        cells = self.cells_of(world, footprint)
+        return self.plan_on(self.cells_of(world, footprint), *ends, self.search)
+
+    def plan_on(self, cells: Cells, start: Place, goal: Place, search: Callable[[Cells, int, int], Found]) -> Plan:
+        """The plan on these cells, by a search between two free ones."""
+        ends = (start, goal)
         places = []
         for name, (x, y, _) in zip(("start", "goal"), ends, strict=True):
             place = cells.cell_at(x, y)
@@ -80,7 +88,7 @@ class GridPlanner(Planner):
             if not cells.free[place]:
                 return Plan(status=f"{name}_blocked", message=_why_blocked(cells, name, x, y, place))
             places.append(place)
-        found = self.search(cells, *places)
+        found = search(cells, *places)
         searched = cells.places(found.searched)
         if found.status != "found":
             message = (
@@ -102,13 +110,18 @@ class GridPlanner(Planner):
         )
 
 
-def run_search(cells: Cells, start: int, budget: int, expand: Callable[[Search, int], int]) -> tuple[str, Search]:
-    """Run a search kernel, some cells at a time, so that Ctrl-C is noticed; ``expand(search, most)`` calls it."""
+def run_search(
+    cells: Cells, start: int, budget: int, expand: Callable[[Search, int], int], at_a_time: int = 20_000
+) -> tuple[str, Search]:
+    """Run a search kernel, some cells at a time, so that Ctrl-C is noticed; ``expand(search, most)`` calls it.
+
+    So many cells should take some milliseconds.
+    """
     search = new_search(cells.free, start)
     status = GOING_ON
     left = budget
     while status == GOING_ON and left > 0:
-        most = min(left, _AT_A_TIME)
+        most = min(left, at_a_time)
         status = expand(search, most)
         left -= most
     return {GOING_ON: "budget", FOUND: "found"}.get(status, "unreachable"), search
@@ -147,9 +160,7 @@ def octile_length(path: Numbers, width: int) -> float:
     return int(np.maximum(up, across).sum()) - diagonal + math.sqrt(2.0) * diagonal
 
 
-def _from_end_to_end(
-    cells: Cells, found: Found, start: tuple[float, float, float | None], goal: tuple[float, float, float | None]
-) -> tuple[Array, float]:
+def _from_end_to_end(cells: Cells, found: Found, start: Place, goal: Place) -> tuple[Array, float]:
     """The points of a path with its start and goal, and its length [m]."""
     ends = np.array([start[:2], goal[:2]])
     if len(found.path) == 1:  # both in one cell

@@ -22,6 +22,10 @@ class JumpPoint(GridPlanner):
     def search(self, cells: Cells, start: int, goal: int) -> Found:
         """Search for a path between two free cells."""
         status, search = run_search(
-            cells, start, self.budget, lambda search, most: expand_jumps(search, cells.width, goal, most)
+            cells,
+            start,
+            self.budget,
+            lambda search, most: expand_jumps(search, cells.width, goal, most),
+            at_a_time=200,  # each may look at all cells ahead
         )
         return found_by(status, search, start, goal, lambda path: octile_length(path, cells.width))

@@ -37,6 +37,7 @@ class ThetaStar(GridPlanner):
             start,
             self.budget,
             lambda search, most: expand_any_angle(search, cells.width, goal, self.lazy, most),
+            at_a_time=2_000,  # with eight lines of sight each
         )
         return found_by(status, search, start, goal, lambda path: _length(path, cells.width))
 

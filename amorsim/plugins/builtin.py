@@ -107,6 +107,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("a_star", "amorsim.planners.a_star:AStar")
     registry.planner("wavefront", "amorsim.planners.wavefront:Wavefront")
     registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
+    registry.planner("d_star_lite", "amorsim.planners.d_star_lite:DStarLite")
     registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
 
     registry.recorder("text", "amorsim.recorders.text:Text")

@@ -6,8 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 import amorsim as am
+from amorsim.algorithms.cells import free_cells
+from amorsim.kernels.search.octile import GOING_ON
+from amorsim.planners.grid_planner import run_search
 from amorsim.plugins.manager import make_registry
 
 REGISTRY = make_registry(entry_points=[])
@@ -102,6 +108,64 @@ def test_cells_of_another_size(name):
     assert plan.length == pytest.approx(1.6, abs=1e-9)
     with pytest.raises(am.PlanError, match=r"expected 50000000 at most: set the planner's cell to 0\.0004 m or more"):
         cls(cell=0.0001).plan(rooms(), LEFT, RIGHT)
+
+
+def test_a_search_pauses_for_the_keyboard_and_stops_at_its_budget():
+    cells = am.planners.AStar().cells_of(rooms(), None)
+    asked = []
+
+    def expand(_, most):
+        asked.append(most)
+        return GOING_ON
+
+    status, _ = run_search(cells, 50, 45_000, expand)
+    assert (status, asked) == ("budget", [20_000, 20_000, 5_000])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_no_footprint_is_refused(name):
+    with pytest.raises(am.PlanError, match=r"footprint is 0\.3; expected a Shape, such as am\.Shape\.circle"):
+        REGISTRY.get("planner", name)().plan(rooms(), LEFT, RIGHT, footprint=0.3)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("bad", [(math.nan, 0.0), (0.0, 0.0, math.inf), (1.0,), (1.0, 2.0, 3.0, 4.0), "here", None])
+def test_what_is_no_place_is_refused(name, bad):
+    planner = REGISTRY.get("planner", name)()
+    with pytest.raises(am.PlanError, match=r"start is .*; expected"):
+        planner.plan(rooms(), bad, RIGHT)
+    with pytest.raises(am.PlanError, match=r"goal is .*; expected"):
+        planner.plan(rooms(), LEFT, bad)
+
+
+def test_a_field_needs_a_goal_and_a_budget():
+    field = am.planners.Wavefront().field(rooms(), RIGHT)
+    assert field.to_go.shape == (20, 39)
+    plan = am.planners.AStar().plan(rooms(), LEFT, RIGHT)
+    assert field.to_go[4, 5] == pytest.approx(plan.length, rel=1e-12)
+    with pytest.raises(am.PlanError, match="not in a free cell"):
+        am.planners.Wavefront().field(rooms(), (3.95, -0.95))
+    with pytest.raises(am.PlanError, match="budget of 7 cells"):
+        am.planners.Wavefront(budget=7).field(rooms(), RIGHT)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    taken=hnp.arrays(np.uint8, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.sampled_from([0, 0, 0, 1])),
+    reach=st.sampled_from([0.1, 0.2, 0.25, 0.3, 0.5]),
+)
+def test_a_free_cell_keeps_the_reach_in_every_point(taken, reach):
+    """Gaps between squares, measured one by one; outside the array everything is occupied."""
+    cells = free_cells(am.Map.from_array(taken, resolution=0.1), reach)
+    free = cells.free.reshape(-1, cells.width)[1:-1, 1:-1]
+    around = 7
+    occupied = np.argwhere(np.pad(taken, around, constant_values=1)) - around
+    for row, col in np.ndindex(taken.shape):
+        gaps = np.maximum(np.abs(occupied - (row, col)) - 1, 0)
+        nearest = int((gaps**2).sum(axis=1).min())
+        # In hundredths of a square metre, so that touching is told from overlapping exactly.
+        keeps = nearest * 100 >= round(reach * 100) ** 2
+        assert free[row, col] == (keeps and not taken[row, col])
 
 
 def test_unknown_cells_are_passed_or_avoided():

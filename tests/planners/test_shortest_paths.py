@@ -18,7 +18,7 @@ from amorsim.maps.movingai import Problem, read_problems
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "movingai"
 NAMES = ("16room_000", "arena", "den000d", "maze-32-32-4")
-PLANNERS = ("a_star", "dijkstra", "wavefront", "jump_point")
+PLANNERS = ("a_star", "dijkstra", "wavefront", "jump_point", "d_star_lite")
 
 
 def planner(name):
