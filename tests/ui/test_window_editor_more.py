@@ -137,6 +137,22 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
     assert eventually(lambda: am.open_document(file).faults() == ())
 
 
+def test_thousands_of_walls_are_moved_in_one_step(open_editor: Any, tmp_path: Path) -> None:
+    am.open_document("doors").save(tmp_path / "mine.toml", copy=True)
+    walls = tmp_path / "rooms.wld"
+    walls.write_text(walls.read_text() + "".join(f"{x} {y} {x + 1} {y}\n" for x in range(50) for y in range(100)))
+    editor = open_editor("mine.toml")
+    before = editor.see("stage.walls.walls")
+    assert len(before) > 5000
+    editor.page.keyboard.press("Control+a")
+    editor.page.focus("#pane")
+    editor.step(lambda: editor.page.keyboard.press("ArrowRight"))
+    after = editor.see("stage.walls.walls")
+    assert max(abs(wall[0] + 0.1 - moved[0]) for wall, moved in zip(before, after, strict=True)) < 1e-6
+    editor.step(lambda: editor.page.keyboard.press("Control+z"))
+    assert editor.see("stage.walls.walls") == before
+
+
 def asked(address: str, path: str, **headers: str) -> int:
     parts = urlsplit(address)
     connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)

@@ -332,6 +332,8 @@ def test_one_window_holds_the_pen_and_another_may_ask_for_it(tmp_path: Path) -> 
         {"do": "edit", "label": "x", "changes": [{"op": "set", "path": "robots.9.x", "value": 1}]},
         {"do": "edit", "label": "x", "changes": [{"op": "toml", "path": "robots.0.errors", "text": "a = "}]},
         {"do": "edit", "label": "x", "changes": [{"op": "add", "path": "world", "value": {}}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "shape", "path": "robots.0.shape", "value": []}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "text", "text": "# \ud800"}]},
         {"do": "inspect", "path": "robots.9"},
         {"do": "inspect", "path": "format"},
         {"do": "tables", "paths": [["robots"]]},
