@@ -17,7 +17,7 @@ from amorsim.ui.serve.wire import shown
 
 __all__ = ["apply", "own_table"]
 
-MOST_CHANGES = 2000
+MOST_CHANGES = 20_000
 _SAME = 1e-6  # [m, deg], by which a number that was not touched may differ, since it was shown
 
 Change = Mapping[str, Any]
@@ -122,7 +122,7 @@ def _pose(work: Work, change: Change) -> None:
 
 def _shape(work: Work, change: Change) -> None:
     kind = change.get("value")
-    if kind not in SHAPES:
+    if not isinstance(kind, str) or kind not in SHAPES:
         raise AmorsimError(f"value: expected {', '.join(SHAPES)}, got {shown(kind)}")
     work.document.set(_path(change), {kind: SHAPES[kind]})
 
@@ -143,7 +143,7 @@ def _toml(work: Work, change: Change) -> None:
 
 def _text(work: Work, change: Change) -> None:
     text = change.get("text")
-    if not isinstance(text, str):
+    if not isinstance(text, str) or any("\ud800" <= letter <= "\udfff" for letter in text):
         raise AmorsimError(f"text: expected a text, got {shown(text)}")
     work.set_text(text)
 

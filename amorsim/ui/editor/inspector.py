@@ -15,6 +15,7 @@ from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Robot, Scenario
 from amorsim.scenario.toml_values import as_toml
+from amorsim.ui.editor.errors import deviations, fields_of, targets
 from amorsim.ui.forms.description import FieldForm, form_of
 
 __all__ = ["Section", "Use", "inspect", "toml_of"]
@@ -144,7 +145,7 @@ class _Inspector:
         yield from self._component("Controller", ("controller",), "controller", is_optional=True)
         yield from self._chain("Ground", ("ground",), "m")
         yield from self._shape()
-        yield self._as_toml("Errors", ("errors",))
+        yield from self._errors(names)
         yield self._as_toml("Knowledge", ("knowledge",))
 
     def _sensor(self, name: str) -> Iterator[Section]:
@@ -169,6 +170,31 @@ class _Inspector:
             yield from self._component(
                 str(name), (*at, number), "noise", depth=depth + 1, can_go=True, unit=unit, beside=("name", "column")
             )
+
+    def _errors(self, sensors: list[str]) -> Iterator[Section]:
+        known = targets(self._class(("drive",)), {name: self._class(("sensors", name)) for name in sensors})
+        said = list(deviations(self.table.get("errors")))
+        section = self._as_toml("Errors", ("errors",))
+        choices = [".".join(path) for path in known if path not in dict(said)]
+        section["adding"] = [
+            {
+                "label": "add an error",
+                "path": self._path(("errors",)),
+                "kind": "error",
+                "choices": choices,
+                "is_list": False,
+            }
+        ]
+        yield section
+        for path, value in said:
+            at = ("errors", *path)
+            unit = known[path].unit if path in known else ""
+            section = self._section(".".join(path), at, fields_of(value, self._path(at), unit))
+            for field in section["fields"]:
+                self._mark(field, tuple(field["path"].split(".")[len(self.at) :]))
+            section["depth"] = 1
+            section["can_go"] = True
+            yield section
 
     def _obstacle(self) -> Iterator[Section]:
         yield self._section("Obstacle", (), [*self._name(), *self._form(Obstacle, (), LOOKS)])

@@ -34,6 +34,12 @@ class Looked:
     things: list[Thing]
     builder: StillBuilder | None
 
+    @classmethod
+    def failed(cls, name: str, problem: str) -> Looked:
+        """Of a document that cannot be looked at."""
+        fault = Fault(file=name, path="", message=f"cannot be read: {problem}")
+        return cls(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], builder=None)
+
 
 def look(document: Document, text: str, values: Mapping[str, Any], name: str, folder: Path) -> Looked:
     """Read a document.
@@ -60,8 +66,7 @@ def look(document: Document, text: str, values: Mapping[str, Any], name: str, fo
         )
     except Exception as error:  # what a plugin may raise; it must not end the session
         sys.stderr.write("".join(traceback.format_exception(error)))
-        fault = Fault(file=name, path="", message=f"cannot be read: {error_in_words(error)}")
-        return Looked(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], builder=None)
+        return Looked.failed(name, error_in_words(error))
 
 
 def _said(fault: Fault, document: Document, name: str, folder: Path) -> Fault:

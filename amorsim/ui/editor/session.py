@@ -8,12 +8,15 @@ from __future__ import annotations
 import asyncio
 import base64
 import contextlib
+import sys
 import tempfile
+import traceback
 from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import error_in_words
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.ui.editor.changes import apply, own_table
@@ -102,8 +105,13 @@ class EditSession:
             await self._wanted.wait()
             self._wanted.clear()
             work = self.work
-            view, text, values = work.view(folder), work.text, work.document.values
-            self._looked = await asyncio.to_thread(look, view, text, values, f"{work.name}.toml", folder)
+            name = f"{work.name}.toml"
+            try:
+                view, text, values = work.view(folder), work.text, work.document.values
+            except (AmorsimError, OSError) as error:
+                self._looked = Looked.failed(name, str(error))
+            else:
+                self._looked = await asyncio.to_thread(look, view, text, values, name, folder)
             self._is_behind = self._wanted.is_set()
             self._tell(is_drawn=True)
 
@@ -207,6 +215,9 @@ class EditSession:
             return {"ok": False, "error": str(error), "changed": True}
         except AmorsimError as error:
             return {"ok": False, "error": str(error)}
+        except Exception as error:  # what a plugin's class may raise; the window goes on, and nothing was changed
+            sys.stderr.write("".join(traceback.format_exception(error)))
+            return {"ok": False, "error": f"this failed: {error_in_words(error)}"}
 
     async def _answer(self, command: Table) -> Answer:
         work = self.work

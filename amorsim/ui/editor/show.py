@@ -27,6 +27,8 @@ __all__ = ["edit"]
 
 LONGEST_REST = 0.5  # [s] that the server gets to end once the simulations have
 
+LONGEST = 8 * 1024 * 1024  # [bytes] of a window's message: a file as text, or thousands of walls that are moved
+
 Say = Callable[[str], None]
 
 
@@ -78,7 +80,7 @@ def edit(
         pages.add("edit", work.name, session)
         session.start()
         try:
-            await serve(pages, host=host, port=port, ready=invitation.ready, ending=end)
+            await serve(pages, host=host, port=port, ready=invitation.ready, ending=end, longest_message=LONGEST)
         finally:
             await runs.close()
             await session.close()

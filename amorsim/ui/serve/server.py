@@ -169,11 +169,12 @@ async def serve(
     port: int = 0,
     ready: Callable[[Door], None],
     ending: Callable[[], Awaitable[None]] = _nothing,
+    longest_message: int = LONGEST_MESSAGE,
 ) -> None:
     """Serve pages until the process is told to end.
 
     `ready` is given the door, which makes addresses to open the window by; `ending` is awaited as soon as the process
-    is told.
+    is told. A window's message has `longest_message` bytes at most.
     """
     with listen(host, port) as bound:
         door = Door(host=host, port=bound.getsockname()[1])
@@ -186,7 +187,7 @@ async def serve(
             access_log=False,
             server_header=False,
             timeout_graceful_shutdown=1,
-            ws_max_size=LONGEST_MESSAGE,
+            ws_max_size=longest_message,
             ws_per_message_deflate=False,  # frames are floats: it would cost more than it saves
         )
         await _Server(config, ending).serve(sockets=[bound])

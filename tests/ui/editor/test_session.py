@@ -277,6 +277,31 @@ def test_every_thing_has_an_inspector_whose_forms_can_be_set_as_they_are(bundled
     talk(bundled, tmp_path, say)
 
 
+def test_errors_have_forms_fixed_or_drawn(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        sections = (await do(session, do="inspect", path="robots.0"))["sections"]
+        (errors,) = [section for section in sections if section["path"] == "robots.0.errors"]
+        (adding,) = errors["adding"]
+        assert "drive.wheel_radius_right" in adding["choices"]
+        assert "sensors.laser.mount.heading_deg" in adding["choices"]
+        assert "drive.track" not in adding["choices"]  # it has one
+        for target in adding["choices"]:
+            change = {"op": "set", "path": f"robots.0.errors.{target}", "value": {"scale": 1}}
+            await do(session, do="edit", label="error", changes=[change])
+        assert (await drawn(session))["faults"] == []
+        change = {"op": "set", "path": "robots.0.errors.drive.track.scale", "value": {"normal": [1.0, 0.01]}}
+        await do(session, do="edit", label="error", changes=[change])
+        assert (await drawn(session))["faults"] == []
+        sections = (await do(session, do="inspect", path="robots.0"))["sections"]
+        (track,) = [section for section in sections if section["path"] == "robots.0.errors.drive.track"]
+        fields = {field["label"]: field for field in track["fields"]}
+        assert fields["scale"]["value"] == {"normal": [1.0, 0.01]}
+        assert fields["add"]["widget"]["unit"] == "m"
+        assert track["can_go"]
+
+    talk("demo", tmp_path, say)
+
+
 def test_one_window_holds_the_pen_and_another_may_ask_for_it(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         first, second = session.open_window("one"), session.open_window("two")
@@ -307,6 +332,8 @@ def test_one_window_holds_the_pen_and_another_may_ask_for_it(tmp_path: Path) -> 
         {"do": "edit", "label": "x", "changes": [{"op": "set", "path": "robots.9.x", "value": 1}]},
         {"do": "edit", "label": "x", "changes": [{"op": "toml", "path": "robots.0.errors", "text": "a = "}]},
         {"do": "edit", "label": "x", "changes": [{"op": "add", "path": "world", "value": {}}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "shape", "path": "robots.0.shape", "value": []}]},
+        {"do": "edit", "label": "x", "changes": [{"op": "text", "text": "# \ud800"}]},
         {"do": "inspect", "path": "robots.9"},
         {"do": "inspect", "path": "format"},
         {"do": "tables", "paths": [["robots"]]},

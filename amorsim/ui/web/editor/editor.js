@@ -1,13 +1,13 @@
 // The Editor's page: a document that the server keeps, drawn and listed; every gesture is a step that can be undone.
 
 import { h, say } from "../shared/dom.js";
-import { askName, tell } from "../shared/dialogs.js";
 import { numberIn } from "../shared/field.js";
 import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { copyOf, pasted } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, PlaceTool, RectangleTool } from "./draw_tools.js";
+import { showText } from "./files.js";
 import { Inspector } from "./inspector.js";
 import { listen } from "./keys.js";
 import { DOINGS, build } from "./layout.js";
@@ -124,7 +124,7 @@ export class EditorPage {
   goTo(at) {
     const thing = this.stage.things.filter(({ path }) => at === path || at.startsWith(`${path}.`))[0];
     if (thing) this.stage.selection.set([this.stage.chosenOf(thing)]);
-    else this.showText();
+    else showText(this);
   }
 
   async image(name) {
@@ -237,52 +237,6 @@ export class EditorPage {
     await this.copy();
     await this.paste();
     this.clip = kept ?? this.clip;
-  }
-
-  // ------------------------------------------------------------------------------------------------------------ files
-
-  async save() {
-    if (this.state?.is_new) {
-      this.saveAs();
-      return;
-    }
-    const said = await this.connection.ask({ do: "save" });
-    this.hint(said.ok ? `saved ${said.file}` : said.error);
-    if (!said.ok && !said.changed) tell("Not saved", h("p", {}, said.error));
-  }
-
-  saveAs() {
-    const { name, folder } = this.state;
-    askName("Save as", "file", name, `in ${folder}; a map that is drawn here, and what a copy needs, is saved next to it`, async (given) => {
-      const said = await this.connection.ask({ do: "save_as", name: given });
-      if (said.ok) this.hint(`saved ${said.file}`);
-      return said;
-    });
-  }
-
-  async run() {
-    const { run } = this.parts;
-    run.disabled = true;
-    say(run, "starting …");
-    const said = await this.connection.ask({ do: "run" });
-    run.disabled = false;
-    say(run, "▶ run");
-    if (said.ok) location.assign(said.path);
-    else tell("It cannot be run", h("pre", {}, said.error));
-  }
-
-  /** The whole file, to be read and changed. */
-  async showText() {
-    const said = await this.connection.ask({ do: "text" });
-    if (!said.ok) return;
-    const area = h("textarea", { "aria-label": "the scenario's file", spellcheck: "false" });
-    area.value = said.text;
-    area.readOnly = this.watching;
-    const set = h("button", { class: "main holders-only", onclick: async () => {
-      const done = await this.edit("change the text", [{ op: "text", text: area.value }]);
-      if (done.ok) area.closest("dialog").close();
-    } }, "set");
-    tell(this.state.name, area, h("div", { class: "buttons" }, set));
   }
 
   // ----------------------------------------------------------------------------------------------------------- tools

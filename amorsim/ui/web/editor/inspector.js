@@ -215,6 +215,7 @@ export class Inspector {
     const add = () => {
       const use = select.value;
       if (isList) return page.edit(`add ${use}`, [{ op: "add", path, value: { use } }]);
+      if (kind === "error") return page.edit(`add an error of ${use}`, [{ op: "set", path: `${path}.${use}`, value: { scale: 1 } }]);
       const taken = [...this.element.querySelectorAll("[data-section]")].map((one) => /** @type {HTMLElement} */ (one).dataset.section);
       let [name, number] = [use, 1];
       while (taken.includes(`${path}.${name}`)) name = `${use}${++number}`;

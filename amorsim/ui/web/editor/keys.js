@@ -3,6 +3,7 @@
 import { h } from "../shared/dom.js";
 import { tell } from "../shared/dialogs.js";
 import { askArray, mirror } from "./arrange.js";
+import { run, save, saveAs, showText } from "./files.js";
 import { KEYS } from "./layout.js";
 
 /** @param {import("./editor.js").EditorPage} page */
@@ -11,8 +12,8 @@ export function listen(page) {
   const { camera } = stage;
   for (const [name, button] of parts.tools) button.addEventListener("click", () => page.take(name));
   const clicks = {
-    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => page.save(), saveAs: () => page.saveAs(), run: () => page.run(),
-    text: () => page.showText(), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
+    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => save(page), saveAs: () => saveAs(page), run: () => run(page),
+    text: () => showText(page), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
     in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
   };
   for (const [name, does] of Object.entries(clicks)) parts[name].addEventListener("click", does);
@@ -40,7 +41,7 @@ const plain = (page) => ({
 });
 
 const withControl = (page) => ({
-  z: () => page.step("undo"), y: () => page.step("redo"), Z: () => page.step("redo"), s: () => page.save(), S: () => page.saveAs(),
+  z: () => page.step("undo"), y: () => page.step("redo"), Z: () => page.step("redo"), s: () => save(page), S: () => saveAs(page),
   c: () => page.copy(), x: () => page.isHolder && page.copy(true), v: () => page.isHolder && page.paste(), d: () => page.isHolder && page.duplicate(),
   a: () => page.stage.selection.set(page.stage.within([-Infinity, -Infinity, Infinity, Infinity])),
 });

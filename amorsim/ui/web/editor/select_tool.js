@@ -84,8 +84,9 @@ export class SelectTool extends Tool {
     const base = things[0]?.pose ?? stage.walls.walls[walls[0]];
     if (!base) return;
     const grid = isFree ? 0 : this.page.grid;
-    const onto = (value) => (grid ? Math.round(value / grid) * grid : value);
-    const [right, up] = [round(onto(base[0] + dx) - base[0]), round(onto(base[1] + dy) - base[1])];
+    // What is moved along one axis keeps its place along the other, be it on the grid or not.
+    const onto = (value, shift) => (!grid ? shift : Math.abs(shift) < grid / 2 ? 0 : Math.round((value + shift) / grid) * grid - value);
+    const [right, up] = [round(onto(base[0], dx)), round(onto(base[1], dy))];
     for (const thing of things) stage.place(thing, [round(thing.pose[0] + right), round(thing.pose[1] + up), thing.pose[2]]);
     const lines = walls.map((n) => stage.walls.walls[n].map((value, k) => round(value + (k % 2 ? up : right))));
     stage.preview = { walls: lines, numbers: walls, words: `${round(right)}, ${round(up)} m`, at: [base[0] + right, base[1] + up] };

@@ -1,10 +1,10 @@
 // The Editor's canvas: what can be drawn of the document, what is selected, and what a tool is about to do.
 
 import { NEAR } from "../shared/pick.js";
-import { reach, trace } from "../shared/marks.js";
+import { reach } from "../shared/marks.js";
 import { StillStage } from "../shared/still.js";
-import { SceneLayer } from "../shared/world.js";
 import { Walls, holds, isIn } from "./geometry.js";
+import { MarksLayer, WordsLayer } from "./layers.js";
 
 /** @typedef {import("../shared/tool.js").Place} Place */
 
@@ -20,113 +20,6 @@ import { Walls, holds, isIn } from "./geometry.js";
  */
 
 export const HANDLE = 26; // pixels from a body's edge to the handle that turns it
-
-/**
- * What a tool is about to do, and the marks of what is selected.
- * @extends {SceneLayer<EditStage>}
- */
-class MarksLayer extends SceneLayer {
-  get isShown() {
-    return true;
-  }
-
-  /** @param {import("../shared/layer.js").Brush} brush */
-  draw({ context, camera, theme }) {
-    const { stage } = this;
-    const px = 1 / camera.scale;
-    context.lineWidth = 1.5 * px;
-    context.strokeStyle = theme.estimated;
-    context.setLineDash([5 * px, 3 * px]);
-    context.beginPath();
-    for (const thing of stage.chosenThings) {
-      const pose = stage.poseOf(thing);
-      if (!pose) continue;
-      const far = reach(thing.footprint) + 4 * px;
-      context.rect(pose[0] - far, pose[1] - far, 2 * far, 2 * far);
-    }
-    context.stroke();
-    context.setLineDash([]);
-    const preview = stage.preview;
-    if (preview) {
-      context.beginPath();
-      for (const { footprint, pose } of preview.bodies ?? []) trace(context, footprint, pose[0], pose[1], pose[2]);
-      for (const [a, b, c, d] of preview.walls ?? []) {
-        context.moveTo(a, b);
-        context.lineTo(c, d);
-      }
-      context.lineWidth = 2.5 * px;
-      context.stroke();
-      if (preview.box) {
-        const [x0, y0, x1, y1] = preview.box;
-        context.lineWidth = px;
-        context.setLineDash([4 * px, 3 * px]);
-        context.strokeRect(x0, y0, x1 - x0, y1 - y0);
-        context.setLineDash([]);
-      }
-    }
-    this.handles(context, px, theme);
-    if (preview?.mark) {
-      const { x, y, kind } = preview.mark;
-      const side = kind === "grid" || !kind ? 3 * px : 6 * px;
-      context.lineWidth = 2 * px;
-      context.strokeStyle = theme.measured;
-      context.strokeRect(x - side, y - side, 2 * side, 2 * side);
-    }
-  }
-
-  handles(context, px, theme) {
-    const { stage } = this;
-    const handle = stage.turnHandle();
-    if (handle) {
-      context.beginPath();
-      context.moveTo(handle.from[0], handle.from[1]);
-      context.lineTo(handle.x, handle.y);
-      context.lineWidth = 1.5 * px;
-      context.strokeStyle = theme.estimated;
-      context.stroke();
-      context.beginPath();
-      context.arc(handle.x, handle.y, 6 * px, 0, 2 * Math.PI);
-      context.fillStyle = theme.estimated;
-      context.fill();
-    }
-    for (const [x, y] of stage.wallHandles()) {
-      context.beginPath();
-      context.arc(x, y, 6 * px, 0, 2 * Math.PI);
-      context.fillStyle = theme.paper;
-      context.fill();
-      context.lineWidth = 2 * px;
-      context.strokeStyle = theme.estimated;
-      context.stroke();
-    }
-  }
-}
-
-/**
- * Words beside what is being drawn.
- * @extends {SceneLayer<EditStage>}
- */
-class WordsLayer extends SceneLayer {
-  /** @type {"pane"} */
-  space = "pane";
-
-  get isShown() {
-    return Boolean(this.stage.preview?.words);
-  }
-
-  /** @param {import("../shared/layer.js").Brush} brush */
-  draw({ context, camera, theme }) {
-    const { words, at } = this.stage.preview;
-    const [left, top] = camera.toScreen(at[0], at[1]);
-    context.font = "600 13px system-ui, sans-serif";
-    const wide = context.measureText(words).width;
-    context.fillStyle = theme.paper;
-    context.globalAlpha = 0.85;
-    context.fillRect(left + 11, top - 24, wide + 8, 19);
-    context.globalAlpha = 1;
-    context.fillStyle = theme.estimated;
-    context.fillText(words, left + 15, top - 10);
-  }
-}
 
 export class EditStage extends StillStage {
   /** @param {HTMLElement} root */

@@ -1,0 +1,173 @@
+"""More of the Editor in a real Chromium: all bundled scenarios, robots from parts, a killed server, who gets in."""
+
+from __future__ import annotations
+
+import http.client
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+import amorsim as am
+from amorsim.plugins.manager import default_registry
+from tests.ui.test_window_editor import PAGE, Editor
+from tests.ui.windows import SIMULATOR, Server, eventually
+
+
+@pytest.fixture
+def open_editor(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    opened: list[Editor] = []
+
+    def open_one(*words: str) -> Editor:
+        opened.append(Editor(browser, tmp_path, *words))
+        return opened[-1]
+
+    yield open_one
+    for editor in opened:
+        editor.close()
+
+
+@pytest.mark.parametrize("name", default_registry().names("scenario"))
+def test_a_bundled_scenario_opens_and_one_thing_in_it_is_moved_and_undone(open_editor: Any, name: str) -> None:
+    editor = open_editor(name)
+    assert editor.page.inner_text(".status").startswith("no faults")
+    things = [thing for thing in editor.see("stage.things") if thing["pose"] and thing["moves"]]
+    if not things:  # a swarm starts at random: its seed
+        editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
+    else:
+        x, y, _ = things[0]["pose"]
+        editor.look_near(x, y, 100.0)
+        editor.step(lambda: editor.drag((x, y), (x + 0.1, y)))
+        (moved,) = [thing for thing in editor.see("stage.things") if thing["path"] == things[0]["path"]]
+        assert moved["pose"][0] == pytest.approx(round(x + 0.1, 1), abs=1e-3)  # on the grid
+        assert moved["pose"][1] == pytest.approx(y, abs=1e-4)
+    editor.step(lambda: editor.page.keyboard.press("Control+z"))
+    said = editor.page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")
+    assert said["text"] == am.open_document(name).text
+
+
+def test_a_robot_gets_a_sensor_with_noise_and_an_error_and_runs(open_editor: Any, tmp_path: Path) -> None:
+    editor = open_editor("demo")
+    page = editor.page
+    page.click('[data-key="robots.0"]')
+    page.wait_for_selector('[data-section="robots.0.sensors"]')
+    page.click('[data-section="robots.0.sensors"] > summary')
+    page.select_option("[id='add-robots.0.sensors']", "gyro")
+    editor.step(lambda: page.click("[aria-label='add to Sensors']"))
+    page.wait_for_selector('[data-section="robots.0.sensors.gyro2"]')
+    page.click('[data-section="robots.0.sensors.gyro2.noise"] > summary')
+    page.select_option("[id='add-robots.0.sensors.gyro2.noise']", "gaussian")
+    editor.step(lambda: page.click("[aria-label='add to Noise of gyro2']"))
+    page.wait_for_selector('[data-section="robots.0.sensors.gyro2.noise.0"]')
+    page.click('[data-section="robots.0.sensors.gyro2.noise.0"] > summary')
+    std = page.locator('[data-path^="robots.0.sensors.gyro2.noise.0.std"] input').first
+    std.fill("2")
+    editor.step(lambda: std.press("Enter"))
+    page.click('[data-section="robots.0.errors"] > summary')
+    area = page.locator('textarea[data-path="robots.0.errors"]')
+    area.fill("drive = { track = { scale = 1.1 } }\n")
+    editor.step(lambda: area.press("Control+Enter"))
+    assert page.inner_text(".status").startswith("no faults")
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Control+s")
+    page.fill("#asked-name", "mine")
+    editor.step(lambda: page.click("dialog .main"))
+    robot = am.load(tmp_path / "mine.toml").robots[0]
+    assert robot.sensors["gyro2"].noise[0].noise.std == pytest.approx(0.0349, abs=1e-3)
+    text = (tmp_path / "mine.toml").read_text()
+    assert "track = { scale = 1.1 }" in text
+    assert "wheel_radius_left" not in text
+    page.click(".run")
+    page.wait_for_url("**/run/mine", timeout=120_000)
+    page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
+    names = page.evaluate(f"{SIMULATOR}.stage.scene.robots[0].sensors.map((sensor) => sensor.name)")
+    assert "gyro2" in names
+
+
+def test_a_killed_server_and_a_page_loaded_again_lose_nothing(open_editor: Any) -> None:
+    editor = open_editor("demo")
+    editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
+    editor.step(lambda: editor.see("edit('wall', [{op: 'walls', add: [[1, 1, 2, 1]]}])"))
+    editor.page.reload()
+    editor.until("state && !state.is_behind && isHolder")
+    assert editor.see("state.steps") == 2
+    editor.server.process.send_signal(signal.SIGKILL)
+    editor.server.process.wait()
+    again = open_editor("demo")
+    assert again.see("state.steps") == 2
+    assert "not saved" in again.page.inner_text(".banner")
+    walls = len(again.see("stage.walls.walls"))
+    again.step(lambda: again.page.keyboard.press("Control+z"))
+    assert len(again.see("stage.walls.walls")) == walls - 1
+    again.step(lambda: again.page.click("text=begin without them"))
+    said = again.page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")
+    assert said["text"] == am.open_document("demo").text
+
+
+def test_a_file_that_is_changed_by_hand_is_told_and_read_again(open_editor: Any, tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    am.open_document("demo").save(file, copy=True)
+    editor = open_editor("mine.toml")
+    editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
+    file.write_text(file.read_text().replace('name = "rover"', 'name = "scout"'))
+    assert eventually(lambda: "mine.toml was changed" in editor.page.inner_text(".banner"))
+    editor.step(lambda: editor.page.click("text=reload the file"))
+    editor.page.wait_for_selector('[data-key="robots.0"]:has-text("scout")')
+    assert eventually(lambda: not editor.page.is_visible(".banner"))
+
+
+def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    am.open_document("demo").save(file, copy=True)
+    file.write_text(file.read_text().replace("[simulation]", "[simulation").replace("wander", "wonder"))
+    editor = open_editor("mine.toml")
+    page = editor.page
+    shown = page.inner_text(".drawing .faults")
+    for fault in am.open_document(file).faults():
+        assert fault.message in shown
+    page.click("text=text")
+    area = page.locator("dialog textarea")
+    area.fill(area.input_value().replace("[simulation\n", "[simulation]\n").replace("wonder", "wander"))
+    editor.step(lambda: page.click("dialog .main"))
+    assert page.inner_text(".status").startswith("no faults")
+    page.keyboard.press("Control+s")
+    assert eventually(lambda: am.open_document(file).faults() == ())
+
+
+def test_thousands_of_walls_are_moved_in_one_step(open_editor: Any, tmp_path: Path) -> None:
+    am.open_document("doors").save(tmp_path / "mine.toml", copy=True)
+    walls = tmp_path / "rooms.wld"
+    walls.write_text(walls.read_text() + "".join(f"{x} {y} {x + 1} {y}\n" for x in range(50) for y in range(100)))
+    editor = open_editor("mine.toml")
+    before = editor.see("stage.walls.walls")
+    assert len(before) > 5000
+    editor.page.keyboard.press("Control+a")
+    editor.page.focus("#pane")
+    editor.step(lambda: editor.page.keyboard.press("ArrowRight"))
+    after = editor.see("stage.walls.walls")
+    assert max(abs(wall[0] + 0.1 - moved[0]) for wall, moved in zip(before, after, strict=True)) < 1e-6
+    editor.step(lambda: editor.page.keyboard.press("Control+z"))
+    assert editor.see("stage.walls.walls") == before
+
+
+def asked(address: str, path: str, **headers: str) -> int:
+    parts = urlsplit(address)
+    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=60.0)
+    connection.request("GET", path, headers=headers)
+    status = connection.getresponse().status
+    connection.close()
+    return status
+
+
+def test_nobody_gets_in_without_the_cookie_or_from_elsewhere(tmp_path: Path) -> None:
+    server = Server(tmp_path / "x", words=("edit", "demo"), env={"AMORSIM_STATE": str(tmp_path / ".state")})
+    try:
+        for path in ("/edit/demo", "/edit", "/amorsim/web/editor/editor.js", "/run/demo"):
+            assert asked(server.address, path) == 401
+            assert asked(server.address, path, Host="elsewhere.example") == 403
+            assert asked(server.address, path, Origin="http://elsewhere.example") == 403
+    finally:
+        server.close()
