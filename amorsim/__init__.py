@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
+    from amorsim import controllers, drives, estimators, motions, noise, sensors, testing, worlds
     from amorsim.contracts import (
         Aim,
         Clock,
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         Sightings,
         State,
         View,
+        WorldGenerator,
         parameter,
     )
     from amorsim.controllers.user import Twist, WheelSpeeds
@@ -104,7 +105,7 @@ _MODULES = {
     "amorsim.contracts": (
         "Aim Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
         "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo Sensor "
-        "SensorModel Sightings State View parameter"
+        "SensorModel Sightings State View WorldGenerator parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -139,7 +140,7 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")
+_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing", "worlds")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
@@ -216,6 +217,7 @@ __all__ = [
     "Twist",
     "View",
     "WheelSpeeds",
+    "WorldGenerator",
     "Zone",
     "compose",
     "controllers",
@@ -244,6 +246,7 @@ __all__ = [
     "stack",
     "testing",
     "view",
+    "worlds",
     "wrap_angle",
 ]
 

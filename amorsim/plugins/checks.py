@@ -26,6 +26,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "sensor": ("use", "model", "mount", "rate", "latency", "noise"),
     "noise": ("use", "name", "column"),
     "map_loader": ("use", "map", "landmarks"),
+    "world_generator": ("generate", "seed"),
     "motion": ("use",),
     "estimator": ("use",),
     "controller": ("use",),

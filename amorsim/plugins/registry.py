@@ -10,7 +10,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
+from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor, WorldGenerator
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.plugins.checks import check_class, check_name
 
@@ -21,6 +21,7 @@ KINDS: Mapping[str, type] = {
     "sensor": Sensor,
     "noise": Noise,
     "map_loader": MapLoader,
+    "world_generator": WorldGenerator,
     "motion": Motion,
     "estimator": Estimator,
     "controller": Controller,
@@ -103,6 +104,10 @@ class Registry:
     def map_loader(self, name: str, cls: type[MapLoader] | str) -> None:
         """Register a reader of map files."""
         self._add("map_loader", name, cls)
+
+    def world_generator(self, name: str, cls: type[WorldGenerator] | str) -> None:
+        """Register a generator of worlds."""
+        self._add("world_generator", name, cls)
 
     def motion(self, name: str, cls: type[Motion] | str) -> None:
         """Register a way in which obstacles move."""

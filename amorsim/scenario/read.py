@@ -32,7 +32,16 @@ from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
 from amorsim.scenario.written import Written
 
-__all__ = ["check_words", "is_model", "load", "loads", "read_map_alone", "scenario_for_map", "scenario_for_model"]
+__all__ = [
+    "check_words",
+    "is_model",
+    "load",
+    "loads",
+    "read_generated_alone",
+    "read_map_alone",
+    "scenario_for_map",
+    "scenario_for_model",
+]
 
 _KEYS = (
     *("format", "description", "world", "simulation", "recording"),
@@ -143,6 +152,27 @@ def read_map_alone(
     world = Maps(registry or default_registry()).read(top.child("world"))
     book.raise_if_any()
     assert world is not None  # or there would be a fault
+    return world
+
+
+def read_generated_alone(
+    kind: str, seed: int, overrides: Iterable[str] = (), *, registry: Registry | None = None, is_made: bool = True
+) -> Map | None:
+    """A generated world with no robot in it; `overrides` name the generator's fields.
+
+    Unless `is_made`, the words alone are looked at, and there is no map.
+
+    Raises
+    ------
+    ScenarioError
+        With all faults of these words, or what is wrong with the world.
+    """
+    made = {"generate": kind, "seed": seed}
+    book = Book(Source(file="", folder=Path()))
+    book.document = made
+    apply_overrides(made, parse_overrides(overrides, book), book)
+    world = Maps(registry or default_registry(), are_read=is_made).generated(Node(made, (), book))
+    book.raise_if_any()
     return world
 
 

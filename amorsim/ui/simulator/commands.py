@@ -15,7 +15,7 @@ import numpy as np
 from amorsim.core.errors import AmorsimError, RunError, did_you_mean
 from amorsim.core.whole_files import copy_file
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.maps import companions_of
+from amorsim.scenario.maps import MapFile, companions_of
 from amorsim.scenario.names import name_from, rename_maps
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, write_table
@@ -357,7 +357,8 @@ def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: list[Path]
     """
     copies: dict[str, str] = {}
     maps = [scenario.map, *(robot.knowledge.map for robot in scenario.robots if robot.knowledge.map is not None)]
-    whole = {str(found.source.path.absolute()) for found in maps if not companions_of(found.source)}
+    files = [found.source for found in maps if isinstance(found.source, MapFile)]
+    whole = {str(file.path.absolute()) for file in files if not companions_of(file)}
 
     def kept(name: str) -> str:
         file = Path(name)
