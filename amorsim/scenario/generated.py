@@ -36,7 +36,7 @@ def read_generated(node: Node, registry: Registry) -> MadeWorld | None:
         node.child("generate").fault(str(error))
         return None
     generator = read_component(cls, node, beside=_BESIDE)
-    return None if generator is None else MadeWorld(generator=generator, seed=seed)
+    return None if generator is None else MadeWorld(generator=generator, seed=int(seed))
 
 
 def write_generated(made: MadeWorld, name: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
+from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor, WorldGenerator
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
@@ -26,6 +26,7 @@ from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
+from amorsim.testing.worlds import check_world_generator
 
 __all__ = ["check_component"]
 
@@ -37,6 +38,7 @@ _KINDS: dict[str, type] = {
     "controller": Controller,
     "motion": Motion,
     "map_loader": MapLoader,
+    "world_generator": WorldGenerator,
     "recorder": Recorder,
 }
 
@@ -65,8 +67,8 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, motion, map loader or recorder; or its class, of which
-        one is made with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, motion, map loader, world generator or recorder; or
+        its class, of which one is made with its defaults, and with some value where it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -107,6 +109,9 @@ def check_component(
     _check_pickling(who, component)
     if isinstance(component, MapLoader):
         check_map_loader(who, component, None if path is None else Path(path))
+        return
+    if isinstance(component, WorldGenerator):
+        check_world_generator(who, component)
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

@@ -14,7 +14,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.starts import out_of_reach
 
-__all__ = ["MadeWorld", "generated", "make_world"]
+__all__ = ["MadeWorld", "draws_of", "generated", "make_world"]
 
 _STREAM = "world"
 
@@ -27,6 +27,11 @@ class MadeWorld:
     seed: int
 
 
+def draws_of(seed: int) -> Draws:
+    """The draws, of one row, from which a world of this seed is made."""
+    return Draws(np.array([stream_key(seed, _STREAM)], dtype=np.uint64), np.zeros((1, 3), dtype=np.uint32))
+
+
 def make_world(made: MadeWorld) -> Map:
     """The world that a generator gives for a seed; it remembers both as its `source`.
 
@@ -36,9 +41,8 @@ def make_world(made: MadeWorld) -> Map:
         If the parameters admit no world, or the generator fails.
     """
     who = type(made.generator).__name__
-    draws = Draws(np.array([stream_key(made.seed, _STREAM)], dtype=np.uint64), np.zeros((1, 3), dtype=np.uint32))
     try:
-        found = made.generator.generate(draws)
+        found = made.generator.generate(draws_of(made.seed))
     except MapError as error:
         raise MapError(f"{who} with seed {made.seed}: {error}") from error
     except Exception as error:  # a third party's generator

@@ -56,14 +56,14 @@ def without_pockets(cells: Cells, clearance: float, resolution: float) -> tuple[
     """
     reach = reach_of(clearance / resolution + 0.5)
     cells = cells.copy()
-    for _ in range(_MOST_ROUNDS):  # each fills at least a cell, and hardly any world needs more than two
+    for rounds in range(_MOST_ROUNDS):  # each fills at least a cell, and hardly any world needs more than two
         places = _clear(cells, reach, 1)
         parts, sizes = open_parts(places)
         if len(sizes) == 1:
             break
         main = (parts == 1 + int(np.argmax(sizes[1:]))).astype(np.uint8)
         if len(sizes) == 2:
-            return _without_cracks(cells, main), main
+            return (_without_cracks(cells, main) if rounds else cells), main
         pockets = places & (1 - main)
         # What the disc covers in the largest part stays free, so that this part stays as it is.
         filled = (1 - _clear(pockets, reach, 0)) & _clear(main, reach, 0)
