@@ -40,6 +40,10 @@ _KINDS = {
     ),
     "noise": ("Noise", "In the lists `noise` of a sensor and `ground` of a robot."),
     "map_loader": ("Map loaders", "In `[world]` and `[robots.knowledge]`, beside `map`; in Python in `am.load_map`."),
+    "world_generator": (
+        "World generators",
+        'In `map = { generate = "NAME", ... }` of `[world]`; in `amorsim generate`; in Python in `am.worlds`.',
+    ),
     "motion": ("Motions", "In `motion` of an obstacle."),
     "estimator": ("Estimators", "In `[robots.estimators.NAME]`."),
     "controller": ("Controllers", "In `controller` of a robot."),

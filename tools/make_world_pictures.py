@@ -24,7 +24,8 @@ COLOURS = 32
 # What shows the kind better than its defaults do.
 OPTIONS: dict[str, dict[str, object]] = {
     "office": {"seed": 7, "size": (40.0, 25.0)},
-    "maze": {"seed": 3, "loops": 0.1},
+    "maze": {"seed": 3, "loops": 0.05},
+    "cave": {"seed": 3},
     "barn": {"seed": 2},
 }
 

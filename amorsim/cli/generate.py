@@ -43,7 +43,10 @@ def command(
     settings = [f"size=[{size[0]!r}, {size[1]!r}]", *(changes or ())] if size else list(changes or ())
     from amorsim.scenario.read import read_generated_alone
 
-    compile_once(lambda: read_generated_alone(kind, seed, settings, is_made=False) and None)
+    def look() -> None:
+        read_generated_alone(kind, seed, settings, is_made=False)
+
+    compile_once(look)
     world = read_generated_alone(kind, seed, settings)
     assert world is not None  # or there would be faults
     write_world(world, target, force=force)

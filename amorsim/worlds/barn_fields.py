@@ -68,8 +68,9 @@ class Barn(CellWorld):
         wall = self.in_cells(0.05)
         self._place(sheet, filled, approach, wall)
         parts, _ = open_parts(places_for(sheet.cells, self.clearance, self.resolution))
-        below = nearest(parts > 0, *sheet.start) if parts.any() else (0, 0)
-        above = nearest(parts > 0, rows - approach / 2, cols / 2) if parts.any() else (0, 0)
+        places = (parts > 0).astype(np.uint8)
+        below = nearest(places, *sheet.start) if places.any() else (0, 0)
+        above = nearest(places, rows - approach / 2, cols / 2) if places.any() else (0, 0)
         if parts[below] == 0 or parts[below] != parts[above]:
             self._place(sheet, self._with_way(filled, numbers), approach, wall)
 

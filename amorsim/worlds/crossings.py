@@ -51,7 +51,8 @@ class Crossing(CellWorld):
         if min(wide, deep) < self.passage:
             return
         left = numbers.between(col0 + wide // 4, col1 - wide - wide // 4)
-        sheet.fill(left, *((row1 - deep, left + wide, row1) if row1 < rows else (row0, left + wide, row0 + deep)), 0)
+        low = row1 - deep if row1 < rows else row0
+        sheet.fill(left, low, left + wide, low + deep, 0)
 
 
 def _blocks(cells: int, streets: int, street: int, numbers: Numbers) -> list[tuple[int, int]]:

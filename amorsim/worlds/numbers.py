@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import MutableSequence
 from typing import Any
 
@@ -49,4 +50,5 @@ class Numbers:
 
     def many(self, *shape: int) -> NDArray[np.float64]:
         """An array of numbers in (0, 1)."""
-        return self._draws.uniform(int(np.prod(shape)))[0].reshape(shape)
+        found: NDArray[np.float64] = self._draws.uniform(math.prod(shape))[0].reshape(shape)
+        return found

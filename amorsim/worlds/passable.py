@@ -19,7 +19,7 @@ _MOST_ROUNDS = 1000
 
 def reach_of(clearance: float) -> NDArray[np.int64]:
     """For each number of rows the columns up to which a cell is nearer than `clearance` [cells] to a cell's middle."""
-    reach = []
+    reach: list[int] = []
     while max(len(reach) - 0.5, 0.0) < clearance:
         rows = max(len(reach) - 0.5, 0.0)
         columns = 0
