@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.core.errors import MapError
-from amorsim.kernels.grid.room import clear_cells, label_parts
+from amorsim.kernels.grid.room import clear_cells, label_parts, number_parts
 
 __all__ = ["cells_of", "nearest", "open_parts", "places_for", "reach_of", "without_pockets"]
 
@@ -40,10 +40,16 @@ def places_for(cells: Cells, clearance: float, resolution: float) -> Cells:
 
 def open_parts(places: Cells) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """The connected parts of the cells that are set, numbered from 1, and the number of cells of each from 0 on."""
-    parts = np.empty(places.shape, dtype=np.int32)
-    joined, sizes = np.empty(places.size + 1, dtype=np.int32), np.empty(places.size + 1, dtype=np.int64)
-    count = label_parts(places, joined, sizes, parts)
-    return parts, sizes[: count + 1].copy()
+    labels, joined, count = _labelled(places)
+    sizes = np.empty(count + 1, dtype=np.int64)
+    number_parts(joined, sizes, labels)
+    return labels, sizes
+
+
+def _labelled(places: Cells) -> tuple[NDArray[np.int32], NDArray[np.int32], int]:
+    """The labels of cells, the part of each label, and the number of parts, as `label_parts` gives them."""
+    labels, joined = np.empty(places.shape, dtype=np.int32), np.empty(places.size + 1, dtype=np.int32)
+    return labels, joined, label_parts(places, joined, labels)
 
 
 def without_pockets(cells: Cells, clearance: float, resolution: float) -> tuple[Cells, Cells]:
@@ -58,12 +64,13 @@ def without_pockets(cells: Cells, clearance: float, resolution: float) -> tuple[
     cells = cells.copy()
     for rounds in range(_MOST_ROUNDS):  # each fills at least a cell, and hardly any world needs more than two
         places = _clear(cells, reach, 1)
-        parts, sizes = open_parts(places)
-        if len(sizes) == 1:
+        count = _labelled(places)[2]
+        if count == 0:
             break
+        if count == 1:
+            return (_without_cracks(cells, places) if rounds else cells), places
+        parts, sizes = open_parts(places)
         main = (parts == 1 + int(np.argmax(sizes[1:]))).astype(np.uint8)
-        if len(sizes) == 2:
-            return (_without_cracks(cells, main) if rounds else cells), main
         pockets = places & (1 - main)
         # What the disc covers in the largest part stays free, so that this part stays as it is.
         filled = (1 - _clear(pockets, reach, 0)) & _clear(main, reach, 0)

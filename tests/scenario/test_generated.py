@@ -15,6 +15,7 @@ from amorsim.contracts import Draws, WorldGenerator
 from amorsim.core.same_cells import have_same_cells
 from amorsim.plugins.manager import make_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.field_at import field_at
 from amorsim.scenario.read import check_words, loads
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.write import table_text, with_copies, write_table
@@ -100,6 +101,14 @@ def test_a_fault_is_found_without_making_the_world(tmp_path: Path, world: str, p
 def test_a_world_that_cannot_be_is_a_fault_of_the_map() -> None:
     with pytest.raises(am.ScenarioError, match=r"world\.map: Maze with seed 0: corridor is 0\.4 m"):
         read(text('map = { generate = "maze", corridor = 0.4 }'))
+
+
+def test_a_path_leads_to_the_generators_field(registry: Registry) -> None:
+    values = tomllib.loads(text())
+    field = field_at(values, ("world", "map", "corridor"), registry, Path())
+    assert field is not None
+    assert field.unit == "m"
+    assert field_at({"world": {"map": "room.wld"}}, ("world", "map", "corridor"), registry, Path()) is None
 
 
 # ------------------------------------------------------------------------------------------- generators of one's own

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from amorsim.kernels.compile import kernel
 
-__all__ = ["clear_cells", "label_parts"]
+__all__ = ["clear_cells", "label_parts", "number_parts"]
 
 Cells = NDArray[np.uint8]
 
@@ -43,11 +43,11 @@ def clear_cells(cells: Cells, reach: NDArray[np.int64], beyond: int, runs: NDArr
 
 
 @kernel
-def label_parts(cells: Cells, joined: NDArray[np.int32], sizes: NDArray[np.int64], out: NDArray[np.int32]) -> int:
-    """Number the parts of the set cells that are connected by sides, from 1 on, into `out`; returns how many there are.
+def label_parts(cells: Cells, joined: NDArray[np.int32], out: NDArray[np.int32]) -> int:
+    """Label the set cells in `out`, and give each label's part in `joined`; returns how many parts there are.
 
-    Cells that are not set get 0. `sizes` gets the number of cells of each part, and of cells that are not set in front;
-    it and `joined`, which is room to work in, have a number for each cell and one more.
+    A part is set cells that are connected by sides; parts are numbered from 1 on. Cells that are not set have the label
+    0, whose part is 0. `joined` has a number for each cell and one more.
     """
     rows, cols = cells.shape
     count = 0
@@ -81,9 +81,15 @@ def label_parts(cells: Cells, joined: NDArray[np.int32], sizes: NDArray[np.int64
         else:
             joined[label] = joined[joined[label]]
     joined[0] = 0
-    sizes[: parts + 1] = 0
-    for i in range(rows):
-        for j in range(cols):
-            out[i, j] = joined[out[i, j]]
-            sizes[out[i, j]] += 1
     return parts
+
+
+@kernel
+def number_parts(joined: NDArray[np.int32], sizes: NDArray[np.int64], labels: NDArray[np.int32]) -> None:
+    """Turn labels into the numbers of their parts, in place; `sizes` gets how many cells each part has, from 0 on."""
+    sizes[:] = 0
+    for i in range(labels.shape[0]):
+        for j in range(labels.shape[1]):
+            part = joined[labels[i, j]]
+            labels[i, j] = part
+            sizes[part] += 1
