@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing
+    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
     from amorsim.contracts import (
         Aim,
         Beliefs,
@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         Sightings,
         State,
         View,
+        WorldGenerator,
         parameter,
     )
     from amorsim.controllers.user import Twist, WheelSpeeds
@@ -112,7 +113,7 @@ _MODULES = {
     "amorsim.contracts": (
         "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
         "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel "
-        "RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View parameter"
+        "RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
@@ -149,7 +150,7 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing")
+_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing", "worlds")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
@@ -233,6 +234,7 @@ __all__ = [
     "Twist",
     "View",
     "WheelSpeeds",
+    "WorldGenerator",
     "Zone",
     "check_code",
     "compose",
@@ -263,6 +265,7 @@ __all__ = [
     "stack",
     "testing",
     "view",
+    "worlds",
     "wrap_angle",
 ]
 

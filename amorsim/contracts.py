@@ -72,6 +72,7 @@ __all__ = [
     "Sightings",
     "State",
     "View",
+    "WorldGenerator",
     "parameter",
 ]
 
@@ -657,6 +658,19 @@ class MapLoader(abc.ABC):
         complete. `amorsim.save_map` reads the file back and checks that the cells are the same.
         """
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
+
+
+class WorldGenerator(abc.ABC):
+    """Generates worlds: its fields are the parameters that stand beside ``generate`` in a scenario's map."""
+
+    @abc.abstractmethod
+    def generate(self, draws: Draws) -> Map:
+        """A world, with a free place for the robot as its `start`.
+
+        All that is random comes from `draws`, which has one row, so that the same seed gives the same cells on every
+        machine: leave out sines and the like, whose last bits differ. It must end, so bound all tries. Raises
+        `MapError` if the parameters admit no world; the message says which of them to change.
+        """
 
 
 @attrs.frozen(kw_only=True)

@@ -45,6 +45,10 @@ _KINDS = {
         "They read other programs' files as scenarios. Their fields are options of the command line and of `am.load`, "
         "as in `--set loader.crop_bitmaps=true`.",
     ),
+    "world_generator": (
+        "World generators",
+        'In `map = { generate = "NAME", ... }` of `[world]`; in `amorsim generate`; in Python in `am.worlds`.',
+    ),
     "motion": ("Motions", "In `motion` of an obstacle."),
     "estimator": ("Estimators", "In `[robots.estimators.NAME]`."),
     "controller": ("Controllers", "In `controller` of a robot."),

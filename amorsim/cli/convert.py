@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from amorsim.core.map import Map
     from amorsim.scenario.maps import MapFile
 
-__all__ = ["command"]
+__all__ = ["command", "write_world"]
 
 
 def command(
@@ -38,12 +38,18 @@ def command(
     Options of IN's loader are set as those of a world: --set world.threshold=0.5.
     """
     from amorsim.runs.asked import look_up, read_world
-    from amorsim.scenario.maps import write_map
 
     compile_once(lambda: look_up(source, resolution=resolution, changes=changes or ()))
     world = read_world(source, resolution=resolution, changes=changes or [])
     for warning in world.warnings:
         complain(f"{world.name}: {warning}")
+    write_world(world, target, force=force)
+
+
+def write_world(world: Map, target: Path, *, force: bool) -> None:
+    """Write a map into a file, and say how it is read and what was lost. Raises `MapError` as `write_map` does."""
+    from amorsim.scenario.maps import write_map
+
     again, lost = write_map(world, target, force=force)
     for warning in again.warnings:
         complain(f"{target.name}: {warning}")

@@ -82,6 +82,14 @@ def amorsim_register(registry: Registry) -> None:
     registry.scenario_loader("mobilesim", "amorsim.foreign.mobilesim:MobileSim")
     registry.scenario_loader("khepera", "amorsim.foreign.khepera:Khepera")
 
+    registry.world_generator("office", "amorsim.worlds.offices:Office")
+    registry.world_generator("maze", "amorsim.worlds.mazes:Maze")
+    registry.world_generator("cave", "amorsim.worlds.caves:Cave")
+    registry.world_generator("forest", "amorsim.worlds.forests:Forest")
+    registry.world_generator("warehouse", "amorsim.worlds.warehouses:Warehouse")
+    registry.world_generator("crossing", "amorsim.worlds.crossings:Crossing")
+    registry.world_generator("barn", "amorsim.worlds.barn_fields:Barn")
+
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")
     registry.motion("oscillate", "amorsim.motions.routes:Oscillate")

@@ -27,6 +27,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "noise": ("use", "name", "column"),
     "map_loader": ("use", "map", "landmarks"),
     "scenario_loader": (),
+    "world_generator": ("generate", "seed"),
     "motion": ("use",),
     "estimator": ("use",),
     "controller": ("use",),

@@ -21,6 +21,7 @@ from amorsim.contracts import (
     Recorder,
     ScenarioLoader,
     Sensor,
+    WorldGenerator,
 )
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.plugins.checks import check_class, check_name
@@ -33,6 +34,7 @@ KINDS: Mapping[str, type] = {
     "noise": Noise,
     "map_loader": MapLoader,
     "scenario_loader": ScenarioLoader,
+    "world_generator": WorldGenerator,
     "motion": Motion,
     "estimator": Estimator,
     "controller": Controller,
@@ -120,6 +122,10 @@ class Registry:
     def scenario_loader(self, name: str, cls: type[ScenarioLoader] | str) -> None:
         """Register a reader of other programs' scenarios."""
         self._add("scenario_loader", name, cls)
+
+    def world_generator(self, name: str, cls: type[WorldGenerator] | str) -> None:
+        """Register a generator of worlds."""
+        self._add("world_generator", name, cls)
 
     def motion(self, name: str, cls: type[Motion] | str) -> None:
         """Register a way in which obstacles move."""

@@ -25,10 +25,20 @@ from amorsim.scenario.foreign import find_scenario_loader, read_foreign, split_o
 from amorsim.scenario.models import FORMAT, read_file, read_toml
 from amorsim.scenario.overrides import overridden
 from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.settings import parse_settings
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.worlds import Maps
 
-__all__ = ["check_words", "is_model", "load", "loads", "read_map_alone", "scenario_for_map", "scenario_for_model"]
+__all__ = [
+    "check_words",
+    "is_model",
+    "load",
+    "loads",
+    "read_generated_alone",
+    "read_map_alone",
+    "scenario_for_map",
+    "scenario_for_model",
+]
 
 _MODEL = {"drive", "shape"}
 
@@ -146,6 +156,29 @@ def read_map_alone(
     world = Maps(registry).read(top.child("world"))
     book.raise_if_any()
     assert world is not None  # or there would be a fault
+    return world
+
+
+def read_generated_alone(
+    kind: str, seed: int, overrides: Iterable[str] = (), *, registry: Registry | None = None, is_made: bool = True
+) -> Map | None:
+    """A generated world with no robot in it; `overrides` name the generator's fields.
+
+    Unless `is_made`, the words alone are looked at, and there is no map.
+
+    Raises
+    ------
+    ScenarioError
+        With all faults of these words, or what is wrong with the world.
+    """
+    made: dict[str, Any] = {"generate": kind, "seed": seed}
+    book = Book(Source(file="", folder=Path()))
+    book.document = made
+    for setting in parse_settings(overrides, book):
+        made[".".join(setting.path)] = setting.value
+        book.set_source(setting.path, Source(file=setting.file, folder=Path.cwd(), depth=0))
+    world = Maps(registry or default_registry(), are_read=is_made).generated(Node(made, (), book))
+    book.raise_if_any()
     return world
 
 

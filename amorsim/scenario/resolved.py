@@ -20,6 +20,7 @@ from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.floor_file import write_floor
+from amorsim.scenario.generated import write_generated
 from amorsim.scenario.models import FORMAT, LOOKS
 from amorsim.scenario.spec import (
     Knowledge,
@@ -34,6 +35,7 @@ from amorsim.scenario.spec import (
 )
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
+from amorsim.worlds.made import MadeWorld
 
 __all__ = ["chain_table", "resolved", "resolved_table"]
 
@@ -166,6 +168,9 @@ class _Writer:
                     "the map was not read from a file, so a file cannot name it; give it one with save_map",
                 )
             return {}
+        if isinstance(file, MadeWorld):
+            name = self._component("world_generator", file.generator, f"{path}.map").get("use", "")
+            return {"map": write_generated(file, name)}
         return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
 
     def _recording(self, recording: Recording) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from amorsim.contracts import (
     Recorder,
     ScenarioLoader,
     Sensor,
+    WorldGenerator,
 )
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
@@ -39,6 +40,7 @@ from amorsim.testing.rig import ROWS, Rig
 from amorsim.testing.scenario_loaders import check_scenario_loader
 from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
+from amorsim.testing.worlds import check_world_generator
 
 __all__ = ["check_component"]
 
@@ -52,6 +54,7 @@ _KINDS: dict[str, type] = {
     "planner": Planner,
     "map_loader": MapLoader,
     "scenario_loader": ScenarioLoader,
+    "world_generator": WorldGenerator,
     "recorder": Recorder,
 }
 
@@ -80,8 +83,9 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader or recorder;
-        or its class, of which one is made with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader, world
+        generator or recorder; or its class, of which one is made with its defaults, and with some value where it has
+        none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -128,6 +132,9 @@ def check_component(
         return
     if isinstance(component, Planner):
         check_planner(who, component)
+        return
+    if isinstance(component, WorldGenerator):
+        check_world_generator(who, component)
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

@@ -69,7 +69,7 @@ def test_the_page_of_python_is_up_to_date() -> None:
 
 def test_every_public_name_is_on_the_page_of_python() -> None:
     text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
-    packages = {"controllers", "drives", "estimators", "motions", "noise", "planners", "sensors"}
+    packages = {"controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "worlds"}
     for name in set(am.__all__) - packages - {"testing"}:
         assert f"### `am.{name}`\n" in text, name
     for name in packages:

@@ -143,6 +143,9 @@ def place_of(kind, name):
     if kind == "map_loader":
         document["world"] = {"map": _MAPS[name], "use": name}
         return document, ("world",), ""
+    if kind == "world_generator":
+        document["world"] = {"map": {"generate": name}}
+        return document, ("world", "map"), ""
     if kind == "motion":
         document["obstacles"][0]["motion"] = component
         return document, ("obstacles", 0, "motion"), ""

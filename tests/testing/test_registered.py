@@ -22,8 +22,8 @@ from tests import building
 
 REGISTRY = make_registry(entry_points=[])
 KINDS = (
-    *("drive", "sensor", "noise", "map_loader", "scenario_loader", "motion", "estimator", "controller", "planner"),
-    "recorder",
+    *("drive", "sensor", "noise", "map_loader", "scenario_loader", "world_generator", "motion", "estimator"),
+    *("controller", "planner", "recorder"),
 )
 CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 

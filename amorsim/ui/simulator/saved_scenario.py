@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import attrs
 
@@ -16,7 +15,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.changed_robots import set_robots
 from amorsim.scenario.document import Document, open_document
-from amorsim.scenario.maps import companions_of
+from amorsim.scenario.maps import MapFile, companions_of
 from amorsim.scenario.names import name_from, rename_maps
 from amorsim.scenario.overrides import override
 from amorsim.scenario.resolved import robot_table
@@ -64,7 +63,7 @@ def save_scenario(simulation: Simulation, path: Path, *, changes: Sequence[str] 
         return
     scenario = attrs.evolve(scenario, robots=robots, seed=simulation.seed)
     tables = resolved_table(scenario)
-    _copy_maps(tables, scenario, folders, path)
+    rename_maps(tables, _copying(scenario, folders, path))
     name_from(path.parent, tables, scenario)
     write_table(tables, path)
 
@@ -104,16 +103,13 @@ def _name_copies(document: Document, scenario: Scenario, folders: Sequence[Path]
     here = document.path.absolute().parent
     places = {"world.map": document.values["world"]["map"]}
     for number, robot in enumerate(document.values["robots"]):
-        if "map" in robot.get("knowledge", {}):
-            places[f"robots.{number}.knowledge.map"] = robot["knowledge"]["map"]
-    files = {place: os.path.abspath(here / name) for place, name in places.items()}  # noqa: PTH100 - a link stays
-    knowledge = [{"knowledge": {"map": file}} for place, file in files.items() if place != "world.map"]
-    tables: dict[str, Any] = {"world": {"map": files["world.map"]}, "robots": knowledge}
-    _copy_maps(tables, scenario, folders, path)
-    named = [tables["world"]["map"], *(robot["knowledge"]["map"] for robot in knowledge)]
-    for (place, file), name in zip(files.items(), named, strict=True):
-        if name != file:
-            document.set(place, os.path.abspath(name))  # noqa: PTH100
+        places[f"robots.{number}.knowledge.map"] = robot.get("knowledge", {}).get("map")
+    copy_of = _copying(scenario, folders, path)
+    for place, name in places.items():
+        if isinstance(name, str):  # else there is none, or it is generated
+            file = os.path.abspath(here / name)  # noqa: PTH100 - a link stays
+            if (copy := copy_of(file)) != file:
+                document.set(place, os.path.abspath(copy))  # noqa: PTH100
 
 
 def _not_the_users(scenario: Scenario, passing: str) -> list[Path]:
@@ -126,14 +122,15 @@ def _not_the_users(scenario: Scenario, passing: str) -> list[Path]:
     return sorted(folders)
 
 
-def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: Sequence[Path], path: Path) -> None:
-    """Copy the maps that lie in some folders next to the file that is to be, named after it, and name the copies.
+def _copying(scenario: Scenario, folders: Sequence[Path], path: Path) -> Callable[[str], str]:
+    """A function that copies a map that lies in some folders next to the file that is to be, and names the copy.
 
-    Maps of several files stay where they are.
+    The copy is named after that file. Other maps, and those of several files, stay where they are.
     """
     copies: dict[str, str] = {}
     maps = [scenario.map, *(robot.knowledge.map for robot in scenario.robots if robot.knowledge.map is not None)]
-    whole = {str(found.source.path.absolute()) for found in maps if not companions_of(found.source)}
+    files = [found.source for found in maps if isinstance(found.source, MapFile)]
+    whole = {str(file.path.absolute()) for file in files if not companions_of(file)}
 
     def kept(name: str) -> str:
         file = Path(name)
@@ -147,7 +144,7 @@ def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: Sequence[P
             copies[name] = str(copy)
         return copies[name]
 
-    rename_maps(document, kept)
+    return kept
 
 
 def _is_copied(file: Path, copy: Path) -> bool:
