@@ -10,9 +10,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, sensors, testing
+    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
     from amorsim.contracts import (
         Aim,
+        Beliefs,
         Clock,
         Context,
         Controller,
@@ -33,14 +34,19 @@ if TYPE_CHECKING:
         NoiseStep,
         ObstacleFrame,
         Part,
+        Plan,
+        Planner,
         Recorder,
         RobotModel,
         RunInfo,
+        ScenarioDocument,
+        ScenarioLoader,
         Sensor,
         SensorModel,
         Sightings,
         State,
         View,
+        WorldGenerator,
         parameter,
     )
     from amorsim.controllers.user import Twist, WheelSpeeds
@@ -52,6 +58,7 @@ if TYPE_CHECKING:
         DocumentError,
         Fault,
         MapError,
+        PlanError,
         PluginError,
         RunError,
         ScenarioError,
@@ -95,6 +102,7 @@ if TYPE_CHECKING:
         Scenario,
         Zone,
     )
+    from amorsim.simulation.estimator_runner import EstimatorRunner
     from amorsim.simulation.events import Event
     from amorsim.simulation.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.phases import PHASES
@@ -103,14 +111,14 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Recorder RobotModel RunInfo Sensor "
-        "SensorModel Sightings State View parameter"
+        "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
+        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel "
+        "RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PluginError "
-        "RunError ScenarioError SnapshotError"
+        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PlanError "
+        "PluginError RunError ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -132,6 +140,7 @@ _MODULES = {
         "Deviation Distribution Drop Floor Knowledge Landmark Light Marking MountedSensor NoiseElement Obstacle "
         "Pose RandomStart Recording Robot Scenario Zone"
     ),
+    "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",
     "amorsim.runs.reproduce": "reproduce",
     "amorsim.runs.run": "run",
@@ -141,13 +150,14 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "sensors", "testing")
+_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing", "worlds")
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
     "PHASES",
     "Aim",
     "AmorsimError",
+    "Beliefs",
     "Clock",
     "ComponentError",
     "ContactError",
@@ -164,6 +174,7 @@ __all__ = [
     "Emission",
     "Estimate",
     "Estimator",
+    "EstimatorRunner",
     "Event",
     "Fault",
     "Floor",
@@ -193,6 +204,9 @@ __all__ = [
     "ParameterError",
     "Part",
     "Partial",
+    "Plan",
+    "PlanError",
+    "Planner",
     "PluginError",
     "Pose",
     "RandomStart",
@@ -206,7 +220,9 @@ __all__ = [
     "RunSession",
     "RunSummary",
     "Scenario",
+    "ScenarioDocument",
     "ScenarioError",
+    "ScenarioLoader",
     "Sensor",
     "SensorModel",
     "Shape",
@@ -218,6 +234,7 @@ __all__ = [
     "Twist",
     "View",
     "WheelSpeeds",
+    "WorldGenerator",
     "Zone",
     "check_code",
     "compose",
@@ -236,6 +253,7 @@ __all__ = [
     "noise",
     "open_document",
     "parameter",
+    "planners",
     "record",
     "relative",
     "reproduce",
@@ -247,6 +265,7 @@ __all__ = [
     "stack",
     "testing",
     "view",
+    "worlds",
     "wrap_angle",
 ]
 

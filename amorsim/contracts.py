@@ -16,6 +16,8 @@ never ``@``, ``dot`` or a sum over the rows. `amorsim.testing.check_component` t
 from __future__ import annotations
 
 import abc
+import math
+import types
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, Protocol, cast
@@ -34,6 +36,7 @@ from amorsim.core.shapes import Shape
 
 __all__ = [
     "Aim",
+    "Beliefs",
     "BodyStates",
     "Clock",
     "Context",
@@ -57,19 +60,26 @@ __all__ = [
     "NoiseStep",
     "ObstacleFrame",
     "Part",
+    "Plan",
+    "Planner",
     "Recorder",
     "RobotModel",
     "RunInfo",
+    "ScenarioDocument",
+    "ScenarioLoader",
     "Sensor",
     "SensorModel",
     "Sightings",
     "State",
     "View",
+    "WorldGenerator",
     "parameter",
 ]
 
 Array = npt.NDArray[np.float64]
 State = dict[str, npt.NDArray[Any]]
+Beliefs = Mapping[str, npt.NDArray[Any]]
+"""What an estimator believes besides the pose: arrays by name, first axis the row; nan where there is nothing."""
 
 
 # ------------------------------------------------------------------------------------- what components are given
@@ -559,6 +569,22 @@ class Estimator(Component, abc.ABC):
     ) -> Estimate:
         """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the previous one (0 at the start)."""
 
+    def beliefs(self, state: State) -> Beliefs:
+        """What else it believes after the last update: innovations, verdicts of gates, biases ...; nothing by default.
+
+        Called only when a recorder or a viewer asks, once a step at most, so compute here what `update` does not need.
+        Names and shapes are the same in every step: (N, ...), of float64, int64 or bool, first axis the row. Values are
+        finite, or nan where there is nothing. Return arrays that later steps do not write into. Do not change `state`.
+        """
+        return {}
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What it uses: a sensor or another source, what that says about the state, and how far it is trusted.
+
+        Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
+        """
+        return ()
+
 
 class Controller(Component, abc.ABC):
     """Computes a command from readings and estimate. A plain function for one robot works as well."""
@@ -634,6 +660,105 @@ class MapLoader(abc.ABC):
         raise MapError(f"maps cannot be written as {' or '.join(cls.extensions)}")
 
 
+class WorldGenerator(abc.ABC):
+    """Generates worlds: its fields are the parameters that stand beside ``generate`` in a scenario's map."""
+
+    @abc.abstractmethod
+    def generate(self, draws: Draws) -> Map:
+        """A world, with a free place for the robot as its `start`.
+
+        All that is random comes from `draws`, which has one row, so that the same seed gives the same cells on every
+        machine: leave out sines and the like, whose last bits differ. It must end, so bound all tries. Raises
+        `MapError` if the parameters admit no world; the message says which of them to change.
+        """
+
+
+@attrs.frozen(kw_only=True)
+class ScenarioDocument:
+    """What another program's file says, as a scenario's own file would say it.
+
+    Parameters
+    ----------
+    tables
+        The tables of a scenario: ``{"format": 1, "world": {...}, "robots": [...], ...}``, angles in degrees. Relative
+        paths start at the file's folder. The map is usually the same file again, read by a map loader.
+    remarks
+        What was left out or changed, a sentence each.
+    lines
+        The line of the file that says what is at a path: ``{"robots.0": 12}``; messages about faults show it.
+    """
+
+    tables: dict[str, Any]
+    remarks: tuple[str, ...] = ()
+    lines: Mapping[str, int] = attrs.field(factory=dict)
+
+
+class ScenarioLoader(abc.ABC):
+    """Reads scenarios from another program's files; its fields are options, as in ``--set loader.crop_bitmaps=true``.
+
+    A loader only reads: it runs no program that a file names.
+    """
+
+    extensions: ClassVar[tuple[str, ...]]  # with the dot, lower case
+
+    @classmethod
+    @abc.abstractmethod
+    def sniff(cls, head: bytes) -> bool:
+        """Whether a file of one of the extensions that begins with `head` has this format; else it is no scenario."""
+
+    @abc.abstractmethod
+    def read(self, path: Path) -> ScenarioDocument:
+        """The scenario in a file. Raises `ScenarioError` with the file and the line of each fault."""
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Plan:
+    """The answer of a planner: a path from start to goal, or the reason why there is none."""
+
+    status: str
+    """``"found"``, ``"unreachable"``, ``"start_blocked"``, ``"goal_blocked"``, or ``"budget"`` if the planner's budget
+    was used up before it had an answer."""
+    poses: Array = attrs.field(factory=lambda: np.empty((0, 3)))
+    """(M, 3) [m, m, rad] in the world: the corners of the path, from start to goal, joined by straight lines.
+
+    The heading is that of the line to the next pose; at the goal the one asked for, or else that of the last line. No
+    poses without a path.
+    """
+    length: float = math.inf
+    """Length of the path [m]; inf without one."""
+    cost: float = math.inf
+    """What the planner minimised, along this path; inf without one."""
+    expanded: int = 0
+    """How many cells or states the planner took up."""
+    searched: Array = attrs.field(factory=lambda: np.empty((0, 2)))
+    """(K, 2) [m] in the world: the places it took up, in order, for pictures."""
+    message: str = ""
+    """Why there is no path, in a sentence; empty if there is one."""
+
+    @property
+    def points(self) -> Array:
+        """The places of the poses (M, 2) [m]."""
+        return self.poses[:, :2]
+
+
+class Planner(abc.ABC):
+    """Finds a path on a map: a pure function of map, start, goal, footprint and its own parameters.
+
+    The map is one that a robot was given or made, never the true world. A planner works at a cell size of its own, has
+    a budget, so that it always comes to an end, and can be interrupted with Ctrl-C.
+    """
+
+    @abc.abstractmethod
+    def plan(
+        self, world: Map, start: Sequence[float], goal: Sequence[float], *, footprint: Shape | None = None
+    ) -> Plan:
+        """The plan for a robot with this footprint from `start` to `goal`, each (x, y) or (x, y, heading) [m, rad].
+
+        Without a footprint the robot is a point. Places in walls or outside the map give a status. Raises `PlanError`
+        if start or goal are not such numbers, or if the map has more cells than the planner can take.
+        """
+
+
 class Frame(NamedTuple):
     """One step of one group of robots for recorders, truth included. Do not change the arrays."""
 
@@ -652,6 +777,8 @@ class Frame(NamedTuple):
     robot: RobotModel  # the nominal one
     parts: Sequence[str] = ()  # names of each robot's parts
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, if there are parts
+    # Of the estimators that have any, by name. Computed when first looked up, which must be in the frame's own step.
+    beliefs: Mapping[str, Beliefs] = types.MappingProxyType({})
 
 
 class ObstacleFrame(NamedTuple):

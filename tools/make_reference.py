@@ -40,9 +40,19 @@ _KINDS = {
     ),
     "noise": ("Noise", "In the lists `noise` of a sensor and `ground` of a robot."),
     "map_loader": ("Map loaders", "In `[world]` and `[robots.knowledge]`, beside `map`; in Python in `am.load_map`."),
+    "scenario_loader": (
+        "Scenario loaders",
+        "They read other programs' files as scenarios. Their fields are options of the command line and of `am.load`, "
+        "as in `--set loader.crop_bitmaps=true`.",
+    ),
+    "world_generator": (
+        "World generators",
+        'In `map = { generate = "NAME", ... }` of `[world]`; in `amorsim generate`; in Python in `am.worlds`.',
+    ),
     "motion": ("Motions", "In `motion` of an obstacle."),
     "estimator": ("Estimators", "In `[robots.estimators.NAME]`."),
     "controller": ("Controllers", "In `controller` of a robot."),
+    "planner": ("Planners", "In Python: `am.planners`. A scenario does not choose one."),
     "recorder": ("Recorders", "What writes the files of a run; a scenario does not choose one."),
 }
 

@@ -64,6 +64,11 @@ class RunFiles:
         """The names of the estimators whose estimates were written."""
         return sorted(path.stem for path in (self.folder / "estimates").glob("*.csv"))
 
+    @property
+    def believers(self) -> list[str]:
+        """The names of the estimators whose beliefs were written."""
+        return sorted(path.stem for path in (self.folder / "beliefs").glob("*.csv"))
+
     @functools.cached_property
     def robots(self) -> list[str]:
         """The robots' names, in the order of their rows."""
@@ -121,6 +126,7 @@ class RunFiles:
                             (S, N, joints) [rad/s]
         ``commands``        ``command`` (S, N, channels)
         ``estimates/NAME``  ``pose`` (S, N, 3), ``covariance`` (S, N, 3, 3)
+        ``beliefs/NAME``    each belief by its name, (S, N, ...)
         ``sensors/NAME``    ``true``, ``measured`` (S, N, values) of every sample; ``time``, ``stamp`` (S, N) [s]
         ==================  ===================================================================================
 
@@ -136,9 +142,9 @@ class RunFiles:
         if robot is not None:
             self._check_robot(robot)
         kind = name.partition("/")[0]
-        if kind not in ("poses", "velocities", "commands", "estimates", "sensors"):
+        if kind not in ("poses", "velocities", "commands", "estimates", "beliefs", "sensors"):
             raise RunError(
-                f"{self.folder}: only poses, velocities, commands, estimates and sensors have rows of robots, not "
+                f"{self.folder}: only poses, velocities, commands, estimates, beliefs and sensors have rows, not "
                 f'{name!r}; read it with table({name!r}, replica="all")'
             )
         columns = self._read(name)
@@ -153,6 +159,8 @@ class RunFiles:
         if kind == "estimates":
             covariance = of(_COVARIANCE)
             return found | {"pose": of(_POSE), "covariance": covariance.reshape(*covariance.shape[:2], 3, 3)}
+        if kind == "beliefs":
+            return found | _beliefs(columns, lines)
         if kind == "commands":
             return found | {"command": of([key for key in columns if key not in ("replica", "time", "robot")])}
         body, what = (_POSE, "pose") if kind == "poses" else (_TWIST, "twist")
@@ -255,6 +263,24 @@ class RunFiles:
                 f"{columns['time'][line]:g}"
             )
         return times
+
+
+def _beliefs(columns: Table, lines: Ints) -> dict[str, npt.NDArray[Any]]:
+    """Beliefs `(S, N, ...)` by name: columns such as ``innovation_0_1`` are numbers of one array."""
+    places: dict[str, list[tuple[int, ...]]] = {}
+    for key in columns:
+        if key not in ("replica", "time", "robot"):
+            words = key.split("_")
+            last = len(words)
+            while words[last - 1].isdigit() and last > 1:
+                last -= 1
+            places.setdefault("_".join(words[:last]), []).append(tuple(map(int, words[last:])))
+    found = {}
+    for name, indices in places.items():
+        shape = tuple(max(index) + 1 for index in zip(*indices, strict=True))
+        array = _laid_out(columns, lines, ["_".join((name, *map(str, index))) for index in indices])
+        found[name] = array.reshape(*lines.shape, *shape)
+    return found
 
 
 def _laid_out(columns: Table, lines: Ints, keys: Any) -> npt.NDArray[Any]:

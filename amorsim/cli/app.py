@@ -11,7 +11,22 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from amorsim.cli import calibrate, check, compile_, edit, explain, new, plot, plugins, reproduce, run, umbmark, view
+from amorsim.cli import (
+    calibrate,
+    check,
+    compile_,
+    convert,
+    edit,
+    explain,
+    generate,
+    new,
+    plot,
+    plugins,
+    reproduce,
+    run,
+    umbmark,
+    view,
+)
 from amorsim.cli.console import complain
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain as in_words
@@ -50,6 +65,8 @@ app.command("edit", short_help="Make or change a scenario in the browser.")(edit
 app.command("createsim", short_help="The same as edit; the original's name for it.")(edit.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
+app.command("convert", short_help="Write a map in another format.")(convert.command)
+app.command("generate", short_help="Make a random world, such as an office or a maze.")(generate.command)
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
 app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)

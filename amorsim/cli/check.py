@@ -44,6 +44,7 @@ def command(
     from amorsim.scenario.programs import without_programs
     from amorsim.scenario.read import is_model, scenario_for_model
     from amorsim.simulation.lint import advice
+    from amorsim.simulation.sources import source_lines
 
     try:
         check_time_limit(time_limit)
@@ -66,14 +67,14 @@ def command(
         faults = (*of_code, *(error.faults if isinstance(error, ScenarioError) else (error,)))
         warnings = error.warnings if isinstance(error, ScenarioError) else ()
         if read is not None:
-            warnings = tuple(f"{read.map.name}: {warning}" for warning in read.map.warnings)
+            warnings = tuple(f"{read.map.name}: {warning}" for warning in (*read.remarks, *read.map.warnings))
         for warning in warnings:
             complain(f"warning: {warning}")
         for fault in faults:
             complain(explain(fault) if isinstance(fault, AmorsimError) else str(fault))
         complain(f"{len(faults)} fault{'s' if len(faults) > 1 else ''} found")
         raise typer.Exit(2) from None
-    found = (*read.map.warnings, *([remark] if remark else ()))
+    found = (*read.remarks, *read.map.warnings, *([remark] if remark else ()))
     for line in (*(f"{read.map.name}: {warning}" for warning in found), *(() if of_model else advice(read))):
         complain(f"warning: {line}")
     if resolved:
@@ -89,3 +90,5 @@ def command(
         how_many = "1 robot" if len(read.robots) == 1 else f"{len(read.robots)} robots"
         robots = ", ".join(robot.name for robot in read.robots[:8]) + (" ..." if len(read.robots) > 8 else "")
         say(f"{scenario}: no faults; {width:.2f} m x {height:.2f} m, {how_many} ({robots})")
+        for line in source_lines(read):
+            say(line)

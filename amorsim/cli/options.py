@@ -13,8 +13,8 @@ Played = Annotated[
     str,
     typer.Argument(
         metavar="SCENARIO",
-        help="A scenario file (.toml), the name of a bundled scenario (such as demo), or a map alone (such as "
-        "lab.wld or plan.bmp), in which a Pioneer 2DX then wanders.",
+        help="A scenario file (.toml), the name of a bundled scenario (such as demo), another program's file (.world "
+        "of Stage, .map of MobileSim), or a map alone (such as lab.wld or plan.bmp), where a Pioneer 2DX then wanders.",
     ),
 ]
 Studied = Annotated[

@@ -73,6 +73,7 @@ def command(
     from amorsim.runs.asked import look_up, make_simulation, read_scenario, with_options
     from amorsim.runs.folder import check_free
     from amorsim.runs.run import run as run_scenario
+    from amorsim.simulation.sources import source_lines
 
     if replicas is not None and replica:
         raise AmorsimError("--replicas and --replica exclude each other: the first counts them, the second names them")
@@ -95,8 +96,10 @@ def command(
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
     simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:
-        for warning in (*read.map.warnings, *([remark] if remark else ())):
+        for warning in (*read.remarks, *read.map.warnings, *([remark] if remark else ())):
             complain(f"{read.map.name}: {warning}")
+        for line in source_lines(read):
+            say(line)
     film = None
     if gif is not None:
         with _in_options():

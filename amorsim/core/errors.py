@@ -44,6 +44,10 @@ class ComponentError(AmorsimError):
     """A component that breaks its contract."""
 
 
+class PlanError(AmorsimError):
+    """A start, goal or map that a planner cannot take."""
+
+
 class ContactError(AmorsimError):
     """A step whose contacts cannot be found, because a body moves too far in it."""
 
@@ -57,7 +61,18 @@ class ControllerError(AmorsimError):
 
 
 class DocumentError(AmorsimError):
-    """A path that leads nowhere in a document, or a change that its file cannot hold."""
+    """A path that leads nowhere in a document, or a change that its file cannot hold.
+
+    `path` is where, empty if no path is at fault; `problem` is what is wrong there.
+    """
+
+    def __init__(self, problem: str, path: str = "") -> None:
+        self.path = path
+        self.problem = problem
+        super().__init__(f"{path}: {problem}" if path else problem)
+
+    def __reduce__(self) -> tuple[type[DocumentError], tuple[str, str]]:
+        return DocumentError, (self.problem, self.path)
 
 
 class SnapshotError(AmorsimError):

@@ -19,8 +19,8 @@ def freest_place(world: Map) -> tuple[float, float]:
     """A free place (x, y) [m] of the world with most room around it; always the same one.
 
     Places that walls separate from the map's border are preferred if they are a fair part of the free area, so the
-    place is in the building and not around it. The search starts with cells of at most 1/256 of the map, and takes
-    finer ones, up to 1/4096, only while hardly any is free.
+    place is in the building and not around it. Nothing unknown counts as free here. The search starts with cells of at
+    most 1/256 of the map, and takes finer ones, up to 1/4096, only while hardly any is free.
 
     Raises
     ------
@@ -82,12 +82,14 @@ def _free_cells(
 
 
 def _looks(world: Map) -> Iterator[tuple[NDArray[np.bool_], float]]:
-    """Coarse views of the free squares, and their side [m], finer each time."""
+    """Coarse views of the squares known to be free, and their side [m], finer each time."""
     longest = max(world.size)
     for pieces in (256, 1024, 4096):
         # A little more than 1/pieces, so that rounding makes no piece more.
         side = max(world.resolution, longest / pieces * (1.0 + 1e-9))
         free = world.to_array(resolution=side) == 0
+        if world.unknown is not None:
+            free &= world.unknown_array(resolution=side) == 0
         # Squares that reach beyond the map may have their middle there.
         free[int((world.size[1] + 0.01 * side) / side) :] = False
         free[:, int((world.size[0] + 0.01 * side) / side) :] = False

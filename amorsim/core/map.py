@@ -11,34 +11,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from amorsim.core.errors import MapError
+from amorsim.core.map_limits import refuse_not_finite, refuse_too_far, refuse_too_large, refuse_too_much_memory
 from amorsim.kernels.grid.draft import grid_from_array
 from amorsim.kernels.grid.grid import Grid, occupied_boxes
 from amorsim.kernels.grid.outlines import outline_lines
-from amorsim.kernels.grid.rasterise import MOST_CELLS, grid_from_segments, snapped
+from amorsim.kernels.grid.rasterise import grid_from_segments, snapped
 from amorsim.kernels.grid.segment_boxes import index_segments, no_segments
 from amorsim.kernels.grid.segments import SegmentIndex
 from amorsim.kernels.raycast.rays import occupied_points
 from amorsim.kernels.raycast.scans import cast_scans
 
-__all__ = ["Map"]
+__all__ = ["Map", "drawn_alike"]
 
 _MOST_BYTES = 10**9
-# A double still resolves a thousandth of a cell there.
-_FARTHEST_CELL = 2**43
-_MOST_TABLES = 2**23
-_TABLE_CELLS = 4096
-# A page of 64 x 64 cells takes 512 bytes of bits and 128 of room.
-_PAGE_CELLS = 64
-_PAGE_BYTES = 640
-# Of a table: 4 bytes for each of its pages.
-_TABLE_BYTES = 16_384
-# The limit for the cells of one map; with the memory needed to draw them, that is 1 GB.
-_MOST_GRID_BYTES = 400_000_000
 
 Window = tuple[float, float, float, float]
 """xmin, ymin, xmax, ymax [m]."""
 Place = tuple[float, float, float]
 """x, y [m], heading [rad]."""
+_Ends = tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 @attrs.frozen(kw_only=True, eq=False, repr=False)
@@ -46,6 +37,9 @@ class Map:
     """Cells of the plane, each free or occupied; outside the map everything is occupied.
 
     Made by `from_segments` or `from_array`. It never changes, so copies are the map itself.
+
+    A cell may also be *unknown*. It is free or occupied all the same, and that alone is what rays and bodies meet.
+    Starts are looked for among known cells, and writers and planners may ask for the unknown ones.
     """
 
     grid: Grid
@@ -56,6 +50,8 @@ class Map:
     """(M, 4) x0, y0, x1, y1 [m] in the world: the walls the cells were drawn from, or None."""
     segment_index: SegmentIndex = attrs.field(factory=no_segments)
     """Walls in the map's frame, as scans look them up: `segments`, or outlines of the cells; never written to."""
+    unknown: Grid | None = None
+    """The cells of which is not known whether they are free, as a grid in which they are set; None if all are known."""
     start: Place | None = None
     """The start pose of a robot that the map gives, in the world, or None."""
     warnings: tuple[str, ...] = ()
@@ -100,7 +96,7 @@ class Map:
             walls = walls.reshape(0, 4)
         if walls.ndim != 2 or walls.shape[1] != 4:
             raise MapError(f"segments have shape {walls.shape}; expected (M, 4): x0, y0, x1, y1 in metres")
-        _refuse_not_finite(walls, "segment")
+        refuse_not_finite(walls, "segment")
         corners = walls.reshape(-1, 2)
         if extent is not None:
             xmin, ymin, xmax, ymax = _finite(extent, 4, "extent", "xmin, ymin, xmax, ymax in metres")
@@ -116,10 +112,10 @@ class Map:
             low = np.floor(snapped(corners.min(axis=0) / side))
             high = np.ceil(snapped(corners.max(axis=0) / side))
             cols, rows = (float(n) for n in np.maximum(high - low, 1.0))
-        _refuse_too_large(rows, cols, side)
-        _refuse_too_far(low, high, side)
+        refuse_too_large(rows, cols, side)
+        refuse_too_far(low, high, side)
         offset = (int(low[0]), int(low[1]))
-        _refuse_too_much_memory(walls, int(rows), int(cols), side, offset)
+        refuse_too_much_memory(walls, int(rows), int(cols), side, offset)
         kept = walls.copy()
         kept.flags.writeable = False
         grid = grid_from_segments(walls, int(rows), int(cols), side, offset)
@@ -142,6 +138,7 @@ class Map:
         *,
         resolution: float,
         origin: Sequence[float] = (0.0, 0.0, 0.0),
+        unknown: ArrayLike | None = None,
         start: Sequence[float] | None = None,
         warnings: Iterable[str] = (),
         name: str = "",
@@ -154,32 +151,33 @@ class Map:
             Side of a cell [m].
         origin
             x, y [m] of the lower left corner in the world, and the yaw [rad] of the rows.
+        unknown
+            (rows, cols), not zero where a cell is unknown. `array` tells what rays and bodies meet there.
         start
             x, y [m] and heading [rad] of a robot's start in the world.
 
         Raises
         ------
         MapError
-            If a number is not finite, the resolution is not positive, or the array is not of two dimensions
-            or is empty.
+            If a number is not finite, the resolution is not positive, or an array is not of two dimensions, is
+            empty or of another shape than the other.
         """
         side = _resolution(resolution)
         place = _finite(origin, 3, "origin", "x, y in metres and yaw in radians")
-        cells = np.asarray(array)
-        if cells.ndim != 2 or cells.size == 0:
-            raise MapError(f"the array has shape {cells.shape}; expected (rows, cols), at least one of each")
-        if cells.dtype.kind not in "buif":
-            raise MapError(f"the array holds {cells.dtype}; expected numbers, 0 where a cell is free")
-        if cells.dtype.kind == "f" and np.isnan(cells).any():
-            raise MapError("the array has nan in it; expected numbers, 0 where a cell is free")
-        rows, cols = cells.shape
-        _refuse_too_large(rows, cols, side)
-        taken = np.ascontiguousarray(cells != 0).view(np.uint8)
+        taken = _cells(array, "the array")
+        rows, cols = taken.shape
+        refuse_too_large(rows, cols, side)
+        mask = None if unknown is None else _cells(unknown, "the array of unknown cells")
+        if mask is not None and mask.shape != taken.shape:
+            raise MapError(
+                f"the array of unknown cells has shape {mask.shape}; expected that of the cells, {taken.shape}"
+            )
         grid = grid_from_array(taken, side)
         return cls(
             grid=grid,
             segment_index=outline_lines(grid, taken),
             origin=(place[0], place[1], place[2]),
+            unknown=None if mask is None or not mask.any() else grid_from_array(mask, side),
             start=_start(start),
             warnings=tuple(warnings),
             name=name,
@@ -217,6 +215,28 @@ class Map:
         MapError
             If the array would take more than 1 GB, or a number makes no sense.
         """
+        return self._boxes(self.grid, window, resolution)
+
+    def unknown_array(
+        self, window: Sequence[float] | None = None, resolution: float | None = None
+    ) -> NDArray[np.uint8]:
+        """Which cells are unknown, 1 where they are, as `to_array` gives the occupied ones.
+
+        A coarser cell is unknown if any cell in it is. Outside the map nothing is known.
+        """
+        if self.unknown is None:
+            rows, cols, _, _ = self._spans(window, resolution)
+            return np.zeros((rows, cols), dtype=np.uint8)
+        return self._boxes(self.unknown, window, resolution)
+
+    def _boxes(self, grid: Grid, window: Sequence[float] | None, resolution: float | None) -> NDArray[np.uint8]:
+        rows, cols, row_ends, col_ends = self._spans(window, resolution)
+        out = np.empty((rows, cols), dtype=np.uint8)
+        occupied_boxes(grid, *row_ends, *col_ends, out)
+        return out
+
+    def _spans(self, window: Sequence[float] | None, resolution: float | None) -> tuple[int, int, _Ends, _Ends]:
+        """Rows and columns of an array of a window, and the first and last cells of the map in each."""
         side = self.resolution if resolution is None else _resolution(resolution)
         if window is None:
             window = (0.0, 0.0, *self.size)
@@ -231,13 +251,9 @@ class Map:
                 f"or a resolution of {coarser:.3g} m or coarser"
             )
         cols, rows = np.ceil(snapped(np.array([wide, high]))).astype(int).tolist()
-        row0, row1 = self._fine(ymin, side, rows)
-        col0, col1 = self._fine(xmin, side, cols)
-        out = np.empty((rows, cols), dtype=np.uint8)
-        occupied_boxes(self.grid, row0, row1, col0, col1, out)
-        return out
+        return rows, cols, self._fine(ymin, side, rows), self._fine(xmin, side, cols)
 
-    def _fine(self, low: float, side: float, count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _fine(self, low: float, side: float, count: int) -> _Ends:
         """First and last cell of the map in each of `count` spans of `side` [m], from `low` [m] on."""
         edges = snapped((low + np.arange(count + 1, dtype=np.float64) * side) / self.resolution)
         first = np.floor(edges[:-1]).astype(np.int64)
@@ -299,15 +315,7 @@ class Map:
         if self.segments is not None and not np.array_equal(self.segments, np.asarray(other.segments)):
             return False
         # The same walls in the same order number pages alike, so the arrays themselves can be compared.
-        ours, theirs = self.grid, other.grid
-        return all(
-            np.array_equal(mine, its)
-            for mine, its in (
-                (ours.supers, theirs.supers),
-                (ours.tables, theirs.tables),
-                (ours.pages, theirs.pages),
-            )
-        )
+        return drawn_alike(self.grid, other.grid) and drawn_alike(self.unknown, other.unknown)
 
     def __copy__(self) -> Self:
         return self
@@ -318,6 +326,29 @@ class Map:
     def __repr__(self) -> str:
         rows, cols = self.shape
         return f"Map({self.name!r}, {rows} x {cols} cells of {self.resolution:g} m, origin {self.origin})"
+
+
+def drawn_alike(one: Grid | None, other: Grid | None) -> bool:
+    """Whether two grids hold the same cells in the same pages; cells drawn in another order may lie in others."""
+    if one is None or other is None:
+        return one is other
+    pairs = ((one.supers, other.supers), (one.tables, other.tables), (one.pages, other.pages))
+    return all(np.array_equal(mine, its) for mine, its in pairs)
+
+
+def _cells(given: ArrayLike, what: str) -> NDArray[np.uint8]:
+    """An array that is not 0 where what was given is not; without a copy where that can be had."""
+    cells = np.asarray(given)
+    if cells.ndim != 2 or cells.size == 0:
+        raise MapError(f"{what} has shape {cells.shape}; expected (rows, cols), at least one of each")
+    if cells.dtype.kind not in "buif":
+        raise MapError(f"{what} holds {cells.dtype}; expected numbers, 0 where a cell is free")
+    if cells.dtype.kind == "f" and np.isnan(cells).any():
+        raise MapError(f"{what} has nan in it; expected numbers, 0 where a cell is free")
+    if cells.dtype not in (np.uint8, np.bool_):
+        cells = cells != 0
+    # Kernels are compiled for arrays that may be written to, and none of them writes to this one.
+    return np.require(cells, requirements=["C", "W"]).view(np.uint8)
 
 
 def _resolution(given: float) -> float:
@@ -349,65 +380,3 @@ def _start(given: Sequence[float] | None) -> Place | None:
         return None
     x, y, heading = _finite(given, 3, "start", "x, y in metres and heading in radians")
     return x, y, heading
-
-
-def _refuse_not_finite(walls: NDArray[np.float64], what: str) -> None:
-    bad = ~np.isfinite(walls).all(axis=1)
-    if bad.any():
-        m = int(np.argmax(bad))
-        raise MapError(f"{what} {m} is {tuple(walls[m].tolist())}; expected finite x0, y0, x1, y1 in metres")
-
-
-def _refuse_too_large(rows: float, cols: float, side: float) -> None:
-    # Also true of rows or columns that overflowed to inf or nan.
-    tables = (rows // _TABLE_CELLS + 1) * (cols // _TABLE_CELLS + 1)
-    if not (rows <= MOST_CELLS and cols <= MOST_CELLS and tables <= _MOST_TABLES):
-        raise MapError(
-            f"the map is {cols * side:.6g} m x {rows * side:.6g} m: too large for cells of {side:g} m; "
-            "pass a coarser resolution, or leave out what lies far away"
-        )
-
-
-def _refuse_too_far(low: NDArray[np.float64], high: NDArray[np.float64], side: float) -> None:
-    farthest = float(np.maximum(np.abs(low), np.abs(high)).max())
-    if farthest > _FARTHEST_CELL:
-        raise MapError(
-            f"the map reaches to {farthest * side:.6g} m from the world's origin, where doubles do not tell "
-            f"cells of {side:g} m apart; move it nearer"
-        )
-
-
-def _refuse_too_much_memory(
-    walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]
-) -> None:
-    needed = _grid_bytes(walls, rows, cols, side, offset)
-    if needed <= _MOST_GRID_BYTES:
-        return
-    scale = 1.0  # of the cells, for as much as may be taken
-    size = needed
-    while size > _MOST_GRID_BYTES:
-        scale *= 1.2
-        corner = math.floor(offset[0] / scale), math.floor(offset[1] / scale)
-        size = _grid_bytes(walls, math.ceil(rows / scale), math.ceil(cols / scale), side * scale, corner)
-    length = float((np.abs(walls[:, 2] - walls[:, 0]) + np.abs(walls[:, 3] - walls[:, 1])).sum())
-    raise MapError(
-        f"{len(walls)} walls of {length:.6g} m in all, on a map of {cols * side:.6g} m x {rows * side:.6g} m, would "
-        f"take about {needed / 1e9:.3g} GB in cells of {side:g} m; pass a resolution of {side * scale:.3g} m or coarser"
-    )
-
-
-def _grid_bytes(walls: NDArray[np.float64], rows: int, cols: int, side: float, offset: tuple[int, int]) -> float:
-    """Upper bound of the memory [bytes] of the cells that walls touch: every wall counts its own pages."""
-    low = np.minimum(walls[:, :2], walls[:, 2:]) / side - offset
-    high = np.maximum(walls[:, :2], walls[:, 2:]) / side - offset
-    size = 0.0
-    for cells, each in ((_PAGE_CELLS, _PAGE_BYTES), (_TABLE_CELLS, _TABLE_BYTES)):
-        # A wall along a grid line touches the cells on both sides of it, which may be in different pages.
-        first, last = np.floor((np.ceil(low) - 1.0).clip(0.0) / cells), np.floor(high / cells)
-        across, up = (last - first + 1.0).T
-        straight = (walls[:, 0] == walls[:, 2]) | (walls[:, 1] == walls[:, 3])
-        touched = float(np.where(straight, across * up, across + up).sum())
-        width, height = cols // cells + 1, rows // cells + 1
-        # The outside is occupied, so pages along the right and the upper edge are always needed.
-        size += each * min(touched + width + height, width * height)
-    return size

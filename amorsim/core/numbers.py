@@ -1,11 +1,11 @@
-"""What counts as a number among the values that files, forms and scripts give."""
+"""What counts as a number among the values that files, forms and scripts give; and numbers for files."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-__all__ = ["is_number"]
+__all__ = ["is_number", "millimetres"]
 
 
 def is_number(value: Any, below: float = math.inf) -> bool:
@@ -13,3 +13,12 @@ def is_number(value: Any, below: float = math.inf) -> bool:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return False
     return below == math.inf or -below < value < below
+
+
+def millimetres(metres: float) -> str:
+    """A length in millimetres for a file, such that dividing by 1000 gives the same number, where there is one."""
+    near = metres * 1000
+    for value in (float(round(near)), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+        if value / 1000 == metres:
+            return repr(value).removesuffix(".0")
+    return repr(near)

@@ -37,7 +37,7 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
     """
     path = Path(path)
     try:
-        target = Path(os.path.realpath(path))
+        target = _real(path)
         _refuse_to_replace(target)
         folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=target.parent))
         try:
@@ -57,6 +57,14 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
             shutil.rmtree(folder, ignore_errors=True)
     except OSError as problem:
         raise error(f"{path}: cannot be written ({problem.strerror or problem})") from problem
+
+
+def _real(path: Path) -> Path:
+    """Where a path leads to."""
+    try:
+        return Path(os.path.realpath(path))
+    except ValueError as problem:  # a zero byte, which no system has in a name
+        raise OSError(errno.EINVAL, str(problem)) from None
 
 
 def _refuse_to_replace(target: Path) -> None:

@@ -32,12 +32,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from amorsim.contracts import MapLoader
+from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError, did_you_mean
 from amorsim.core.map import Map
+from amorsim.core.numbers import millimetres
 from amorsim.core.parameters import parameter
 from amorsim.core.reading import read_bytes, reason
 
-__all__ = ["LineWorld", "WallLine", "Wld", "direction", "in_millimetres", "parse_world"]
+__all__ = ["LineWorld", "WallLine", "Wld", "direction", "parse_world"]
 
 _PUSH_SIGNS = {"clockwise": -1.0, "anticlockwise": 1.0}
 # Farther out, a double no longer resolves a thousandth of a 1 mm cell.
@@ -139,31 +141,20 @@ class Wld(MapLoader):
 
     @classmethod
     def save(cls, world: Map, path: Path) -> Wld:
-        """Write the walls of a map that was made from lines; see `amorsim.save_map`."""
-        if world.segments is None:
-            raise MapError("the map was not made from lines, and a line world holds nothing else; save it as .png")
-        left, bottom, _ = world.origin
-        width, height = world.size
+        """Write the walls of a map as lines, those of cells from middle to middle; see `amorsim.save_map`."""
+        left, bottom, right, top = extent_of(world)
+        width, height = world.size if world.origin[2] == 0.0 else (right - left, top - bottom)
         lines = [
-            f"origin {in_millimetres(left)} {in_millimetres(bottom)}",
-            f"width {in_millimetres(width)}",
-            f"height {in_millimetres(height)}",
+            f"origin {millimetres(left)} {millimetres(bottom)}",
+            f"width {millimetres(width)}",
+            f"height {millimetres(height)}",
         ]
         if world.start is not None:
             x, y, heading = world.start
-            lines.append(f"position {in_millimetres(x)} {in_millimetres(y)} {math.degrees(heading)!r}")
-        lines += [" ".join(map(in_millimetres, wall)) for wall in world.segments.tolist()]
+            lines.append(f"position {millimetres(x)} {millimetres(y)} {math.degrees(heading)!r}")
+        lines += [" ".join(map(millimetres, wall)) for wall in wall_lines(world).tolist()]
         path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
         return cls(resolution=world.resolution)
-
-
-def in_millimetres(metres: float) -> str:
-    """A length in the file's millimetres, such that dividing by 1000 gives the same number, where there is one."""
-    near = metres * 1000
-    for value in (float(round(near)), near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
-        if value / 1000 == metres:
-            return repr(value).removesuffix(".0")
-    return repr(near)
 
 
 def parse_world(text: str, *, push_sign: str = "clockwise") -> LineWorld:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from amorsim.maps.wld import WallLine, direction, in_millimetres, parse_world
+from amorsim.core.numbers import millimetres
+from amorsim.maps.wld import WallLine, direction, parse_world
 
 __all__ = ["with_walls"]
 
@@ -52,7 +53,7 @@ def with_walls(
         kept = [number for number in of_line[line] if number not in remove]
         walls = [others.get(number, world.segments[number].tolist()) for number in kept]
         lines[line - 1] = _rewritten(lines[line - 1], world.lines[of_line[line][0]], walls, end)
-    new = [" ".join(map(in_millimetres, wall)) + end for wall in add]
+    new = [" ".join(map(millimetres, wall)) + end for wall in add]
     if new:
         at = min(world.outside, len(lines))
         if at and lines[at - 1] and lines[at - 1][-1] not in "\r\n":
@@ -75,7 +76,7 @@ def _rewritten(line: str, where: WallLine, walls: Sequence[Wall], end: str) -> s
 def _in_frame(wall: Wall, frame: tuple[float, float, float]) -> list[str]:
     """The numbers [mm] of a wall [m] in a frame."""
     if frame == (0.0, 0.0, 0.0):
-        return [in_millimetres(value) for value in wall]
+        return [millimetres(value) for value in wall]
     left, bottom, degrees = frame
     cosine, sine = direction(degrees)
     numbers: list[float] = []

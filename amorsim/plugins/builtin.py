@@ -68,6 +68,27 @@ def amorsim_register(registry: Registry) -> None:
 
     registry.map_loader("wld", "amorsim.maps.wld:Wld")
     registry.map_loader("bmp", "amorsim.maps.bmp:Bitmap")
+    registry.map_loader("ros", "amorsim.maps.ros:Ros")
+    registry.map_loader("movingai", "amorsim.maps.movingai:MovingAI")
+    registry.map_loader("geojson", "amorsim.maps.geojson:GeoJson")
+    registry.map_loader("svg", "amorsim.maps.svg:Svg")
+    registry.map_loader("dxf", "amorsim.maps.dxf:Dxf")
+    registry.map_loader("maz", "amorsim.maps.maz:Maz")
+    registry.map_loader("stage", "amorsim.foreign.stage.map:StageMap")
+    registry.map_loader("mobilesim", "amorsim.foreign.mobilesim:MobileSimMap")
+    registry.map_loader("khepera", "amorsim.foreign.khepera:KheperaMap")
+
+    registry.scenario_loader("stage", "amorsim.foreign.stage.loader:Stage")
+    registry.scenario_loader("mobilesim", "amorsim.foreign.mobilesim:MobileSim")
+    registry.scenario_loader("khepera", "amorsim.foreign.khepera:Khepera")
+
+    registry.world_generator("office", "amorsim.worlds.offices:Office")
+    registry.world_generator("maze", "amorsim.worlds.mazes:Maze")
+    registry.world_generator("cave", "amorsim.worlds.caves:Cave")
+    registry.world_generator("forest", "amorsim.worlds.forests:Forest")
+    registry.world_generator("warehouse", "amorsim.worlds.warehouses:Warehouse")
+    registry.world_generator("crossing", "amorsim.worlds.crossings:Crossing")
+    registry.world_generator("barn", "amorsim.worlds.barn_fields:Barn")
 
     registry.motion("waypoints", "amorsim.motions.routes:Waypoints")
     registry.motion("loop", "amorsim.motions.routes:Loop")
@@ -79,6 +100,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.motion("sliding_door", "amorsim.motions.doors:SlidingDoor")
 
     registry.estimator("dead_reckoning", "amorsim.estimators.dead_reckoning:DeadReckoning")
+    registry.estimator("ekf", "amorsim.estimators.ekf:Ekf")
 
     registry.controller("wander", "amorsim.controllers.wander:Wander")
     registry.controller("goto", "amorsim.controllers.goto:GoTo")
@@ -88,6 +110,13 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("follow", "amorsim.controllers.follow:Follow")
     registry.controller("braitenberg", "amorsim.controllers.braitenberg:Braitenberg")
     registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
+
+    registry.planner("dijkstra", "amorsim.planners.dijkstra:Dijkstra")
+    registry.planner("a_star", "amorsim.planners.a_star:AStar")
+    registry.planner("wavefront", "amorsim.planners.wavefront:Wavefront")
+    registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
+    registry.planner("d_star_lite", "amorsim.planners.d_star_lite:DStarLite")
+    registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
 
@@ -107,6 +136,18 @@ def amorsim_register(registry: Registry) -> None:
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
     for scenario in (
-        *("demo", "car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard", "crowd", "doors", "swarm"),
+        *(
+            "demo",
+            "car-park",
+            "synchro-hall",
+            "khepera-maze",
+            "line",
+            "convoy",
+            "yard",
+            "crowd",
+            "doors",
+            "swarm",
+            "landmarks",
+        ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

@@ -26,9 +26,12 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "sensor": ("use", "model", "mount", "rate", "latency", "noise"),
     "noise": ("use", "name", "column"),
     "map_loader": ("use", "map", "landmarks"),
+    "scenario_loader": (),
+    "world_generator": ("generate", "seed"),
     "motion": ("use",),
     "estimator": ("use",),
     "controller": ("use",),
+    "planner": ("use",),
     "recorder": ("use",),
 }
 """Keys that stand beside a component's fields in a scenario, and that no field may be called by."""

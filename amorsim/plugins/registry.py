@@ -10,7 +10,19 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
+from amorsim.contracts import (
+    Controller,
+    Drive,
+    Estimator,
+    MapLoader,
+    Motion,
+    Noise,
+    Planner,
+    Recorder,
+    ScenarioLoader,
+    Sensor,
+    WorldGenerator,
+)
 from amorsim.core.errors import PluginError, did_you_mean
 from amorsim.plugins.checks import check_class, check_name
 
@@ -21,9 +33,12 @@ KINDS: Mapping[str, type] = {
     "sensor": Sensor,
     "noise": Noise,
     "map_loader": MapLoader,
+    "scenario_loader": ScenarioLoader,
+    "world_generator": WorldGenerator,
     "motion": Motion,
     "estimator": Estimator,
     "controller": Controller,
+    "planner": Planner,
     "recorder": Recorder,
 }
 """The kinds of component, and the contract of each."""
@@ -104,6 +119,14 @@ class Registry:
         """Register a reader of map files."""
         self._add("map_loader", name, cls)
 
+    def scenario_loader(self, name: str, cls: type[ScenarioLoader] | str) -> None:
+        """Register a reader of other programs' scenarios."""
+        self._add("scenario_loader", name, cls)
+
+    def world_generator(self, name: str, cls: type[WorldGenerator] | str) -> None:
+        """Register a generator of worlds."""
+        self._add("world_generator", name, cls)
+
     def motion(self, name: str, cls: type[Motion] | str) -> None:
         """Register a way in which obstacles move."""
         self._add("motion", name, cls)
@@ -115,6 +138,10 @@ class Registry:
     def controller(self, name: str, cls: type[Controller] | str) -> None:
         """Register a controller."""
         self._add("controller", name, cls)
+
+    def planner(self, name: str, cls: type[Planner] | str) -> None:
+        """Register a planner."""
+        self._add("planner", name, cls)
 
     def recorder(self, name: str, cls: type[Recorder] | str) -> None:
         """Register a recorder."""

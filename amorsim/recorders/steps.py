@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,12 +12,13 @@ import numpy.typing as npt
 from amorsim.contracts import Frame
 from amorsim.recorders.lines import Span
 
-__all__ = ["BodySteps", "RobotSteps", "Steps"]
+__all__ = ["BodySteps", "RobotSteps", "Steps", "small_beliefs"]
 
 Array = npt.NDArray[np.float64]
 
 _NUMBERS = 1 << 17  # numbers of one group that are kept before they are written
 _MOST_STEPS = 512
+_LARGEST_BELIEF = 64  # numbers in a row
 
 
 class Steps:
@@ -72,14 +74,30 @@ class BodySteps(Steps):
         return self.count == self.most
 
 
+def small_beliefs(frame: Frame) -> dict[str, dict[str, tuple[int, ...]]]:
+    """By estimator, the shape in a row of each belief that is small enough for a text file."""
+    found = {}
+    for name, beliefs in frame.beliefs.items():
+        shapes = {belief: array.shape[1:] for belief, array in beliefs.items()}
+        found[name] = {belief: shape for belief, shape in shapes.items() if 0 < math.prod(shape) <= _LARGEST_BELIEF}
+    return {name: shapes for name, shapes in found.items() if shapes}
+
+
 class RobotSteps(Steps):
     """Steps of robots: the quantities of a frame, and room for those derived from it before it is written.
 
     The derived ones are `estimated_twist`, `measured_rates`, and by sensor the `seconds` at which a sample was taken.
+    With `with_beliefs`, the estimators are asked for their small beliefs in each step.
+
+    Attributes
+    ----------
+    beliefs
+        By estimator, the name and the shape in a row of each belief that is kept.
     """
 
-    def __init__(self, frame: Frame) -> None:
+    def __init__(self, frame: Frame, with_beliefs: bool = False) -> None:
         self.first = frame  # the source of everything that does not change from step to step
+        self.beliefs = small_beliefs(frame) if with_beliefs else {}
         joints = frame.joint_rates.shape[1]
         kept = [("time", 1), ("true_pose", 3), ("true_twist", 3), ("joint_rates", joints)]
         kept.append(("command", frame.command.shape[1]))
@@ -88,6 +106,8 @@ class RobotSteps(Steps):
         for name, (true, _) in frame.readings.items():
             size = true.shape[1]
             kept += [(f"true {name}", size), (f"measured {name}", size), (f"stamp {name}", 1), (f"fresh {name}", 1)]
+        for name, beliefs in self.beliefs.items():
+            kept += [(f"belief {name} {belief}", math.prod(shape)) for belief, shape in beliefs.items()]
         self._end = len(frame.names) * sum(size for _, size in kept)  # end of the frame's quantities
         reckoned = [
             ("estimated_twist", 3),
@@ -104,6 +124,9 @@ class RobotSteps(Steps):
             whole += estimate
         for true, reading in frame.readings.values():
             whole += (true, reading.measured, reading.stamp, reading.fresh)
+        for name, beliefs in self.beliefs.items():
+            found = frame.beliefs[name]
+            whole += [found[belief] for belief in beliefs]
         np.concatenate([array.ravel() for array in whole], out=self.table[self.count, : self._end])
         self.count += 1
         return self.count == self.most

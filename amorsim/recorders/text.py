@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,7 +21,7 @@ from amorsim.core.errors import RunError
 from amorsim.core.poses import logarithm, relative
 from amorsim.recorders.files import LineFiles
 from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
-from amorsim.recorders.steps import BodySteps, RobotSteps, Steps
+from amorsim.recorders.steps import BodySteps, RobotSteps, Steps, small_beliefs
 
 __all__ = ["Text"]
 
@@ -56,9 +56,9 @@ class Group:
 class Text(Recorder):
     """Writes ``poses.csv``, ``velocities.csv``, ``sensors/``, ``estimates/``, ``commands.csv`` and ``events.csv``.
 
-    And ``obstacles.csv`` and ``parts.csv`` if there are any. With several replicas the first column is `replica`. Steps
-    are kept as numbers and made into lines many at a time: by a step for which there is no more room, or by the thread
-    that brings lines to the files in time.
+    And ``beliefs/``, ``obstacles.csv`` and ``parts.csv`` if there are any. With several replicas the first column is
+    `replica`. Steps are kept as numbers and made into lines many at a time: by a step for which there is no more room,
+    or by the thread that brings lines to the files in time.
     """
 
     _files: LineFiles = attrs.field(init=False)
@@ -70,6 +70,7 @@ class Text(Recorder):
     _joints: list[str] = attrs.field(factory=list, init=False)
     _channels: list[str] = attrs.field(factory=list, init=False)
     _sizes: dict[str, int] = attrs.field(factory=dict, init=False)
+    _beliefs: dict[str, list[str]] = attrs.field(factory=dict, init=False)  # columns of each estimator's
     _run: RunInfo | None = attrs.field(default=None, init=False)
     _has_parts: bool = attrs.field(default=False, init=False)  # whether any robot has
     _decimals: int = attrs.field(default=6, init=False)  # of times
@@ -99,11 +100,15 @@ class Text(Recorder):
                 columns = [f"{kind}_{i}" for kind in ("true", "measured") for i in range(size)]
                 self._open(f"sensors/{name}", ",".join(["time,stamp,robot", *columns]))
                 self._sizes[name] = size
+            found = [small_beliefs(frame) for frame in frames]
+            for name in _union(found):
+                self._beliefs[name] = _union(_belief_columns(beliefs.get(name, {})) for beliefs in found)
+                self._open(f"beliefs/{name}", ",".join(["time,robot", *self._beliefs[name]]))
         if self._has_parts:
             self._open("parts", "time,part,x,y,heading")
         with self._lock:
             for frame in frames:
-                steps = RobotSteps(frame)
+                steps = RobotSteps(frame, run.with_sensors)
                 self._groups.append(Group(steps, self._columns(steps), {}))
             self._parts = {
                 place: BodySteps(
@@ -266,6 +271,13 @@ class Text(Recorder):
                 values = [[steps.span(_OUTPUT, f"{what} {name}"), *missing] for what in ("true", "measured")]
                 head = self._lead(steps, f"seconds {name}")
                 found[f"sensors/{name}"] = [*head, *values[0], *values[1]]
+        for name, beliefs in steps.beliefs.items():
+            places = {
+                column: steps.span(EXACT, f"belief {name} {belief}", place, 1)
+                for belief, shape in beliefs.items()
+                for place, column in enumerate(_belief_columns({belief: shape}))
+            }
+            found[f"beliefs/{name}"] = [*lead, *(places.get(column, Span(MISSING)) for column in self._beliefs[name])]
         return {name: Columns(spans, steps.texts) for name, spans in found.items()}
 
     # ------------------------------------------------------------------------------------- what follows from the steps
@@ -343,6 +355,11 @@ def _plain(value: Any) -> Any:
 
 def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
+
+
+def _belief_columns(beliefs: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """A column for each number of a row: ``nis``, or ``innovation_0_1`` for an array of two dimensions in a row."""
+    return ["_".join((name, *map(str, place))) for name, shape in beliefs.items() for place in np.ndindex(*shape)]
 
 
 def _union(names: Iterable[Iterable[str]]) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a user may name as a scenario: a file, a bundled name, or a map alone; and the simulation of it."""
+"""What a user may name as a scenario: a file, also another program's, a bundled name, or a map alone."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from amorsim.core.reading import is_file
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from amorsim.core.map import Map
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
-__all__ = ["look_up", "make_simulation", "read_scenario", "with_options"]
+__all__ = ["look_up", "make_simulation", "read_scenario", "read_world", "with_options"]
 
 
 def look_up(
@@ -35,6 +36,7 @@ def look_up(
     from amorsim.scenario.read import check_words
 
     options = _options(name, resolution)
+    changes = _with_resolution(name, resolution, changes)
     for key, value in (("seed", seed), ("duration", duration)):
         if value is not None:
             _check_option(key, value)
@@ -64,7 +66,7 @@ def _options(name: str, resolution: float | None) -> dict[str, Any] | None:
     if _is_map(name):
         _check_map(Path(name))
         return {} if resolution is None else {"resolution": resolution}
-    if resolution is not None:
+    if resolution is not None and not _is_foreign(name):
         raise AmorsimError(
             "--resolution is for a map alone; a scenario says it in [world] (or --set world.resolution=)"
         )
@@ -87,7 +89,21 @@ def _check_map(path: Path) -> None:
 def _is_map(name: str) -> bool:
     if not name.strip():
         raise AmorsimError("expected the name of a scenario or of a map, got nothing")
-    return Path(name).suffix.lower() not in ("", ".toml")
+    return Path(name).suffix.lower() not in ("", ".toml") and not _is_foreign(name)
+
+
+def _is_foreign(name: str) -> bool:
+    """Whether a scenario loader reads the file of that name."""
+    from amorsim.plugins.manager import default_registry
+    from amorsim.scenario.foreign import find_scenario_loader
+
+    return find_scenario_loader(Path(name), default_registry()) is not None
+
+
+def _with_resolution(name: str, resolution: float | None, changes: Sequence[str]) -> Sequence[str]:
+    """The changes of a scenario, with the resolution of its map where the file is another program's."""
+    is_meant = resolution is not None and not _is_map(name)
+    return [f"world.resolution={resolution}", *changes] if is_meant else changes
 
 
 def read_scenario(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Scenario:
@@ -97,7 +113,17 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
     options = _options(name, resolution)
     if options is not None:
         return scenario_for_map(Path(name), overrides=tuple(changes), **options)
-    return load(name, overrides=tuple(changes))
+    return load(name, overrides=tuple(_with_resolution(name, resolution, changes)))
+
+
+def read_world(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Map:
+    """The map that a user means by `name`: its own if that is a map, else the one of the scenario."""
+    from amorsim.scenario.read import load, read_map_alone
+
+    options = _options(name, resolution)
+    if options is not None:
+        return read_map_alone(Path(name), overrides=tuple(changes), **options)
+    return load(name, overrides=tuple(changes)).map
 
 
 def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:
@@ -107,7 +133,8 @@ def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threa
 
     simulation = Simulation(scenario, replicas=replicas, threads=threads)
     world, first = scenario.map, scenario.robots[0]
-    if scenario.source is not None or world.start is None or first.pose is None:
+    places_itself = scenario.source is not None and scenario.source.suffix.lower() == ".toml"
+    if places_itself or world.start is None or first.pose is None:
         return simulation, ""
     if is_free_at(world, first, world.start):
         return simulation, ""

@@ -9,6 +9,7 @@ from typing import Any
 
 from amorsim.core.errors import AmorsimError, RunError
 from amorsim.runs.tables import Line, read_lines
+from amorsim.scenario.chains import is_chain
 from amorsim.scenario.faults import shown
 from amorsim.scenario.spec import Distribution
 from amorsim.simulation.simulation import MAX_REPLICA, Simulation
@@ -56,8 +57,10 @@ class Replay:
                 simulation.set_pose(robot, _pose(line, value), replica=replica)
             elif kind == "handed_over":
                 simulation.hand_over(robot, value, replica=replica)
-            else:
-                simulation.set(robot, line.text("path"), value, replica=replica)
+            elif not is_chain(path := line.text("path")):
+                simulation.set(robot, path, value, replica=replica)
+            elif replica == simulation.replicas[0]:  # a chain changes in all replicas at once
+                simulation.set(robot, path, value)
         except RunError:
             raise
         except AmorsimError as error:

@@ -45,6 +45,7 @@ _KINDS = {
     "obstacles": _Kind(("time", *_POSE), ("obstacle",)),
     "parts": _Kind(("time", *_POSE), ("part",)),
     "sensors": _Kind(("time", "stamp"), ("robot",)),
+    "beliefs": _Kind(("time",), ("robot",)),
     "estimates": _Kind(("time", *_POSE), ("robot", "xx", "xy", "xh", "yy", "yh", "hh")),
 }
 

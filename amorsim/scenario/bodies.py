@@ -11,13 +11,15 @@ from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.spec import Pose
 
-__all__ = ["read_pose", "read_shape", "write_shape"]
+__all__ = ["SHAPES", "read_pose", "read_shape", "write_shape"]
 
 _FAR = 1e100  # larger numbers are taken for mistakes
 
 _EXPECTED = "expected { circle = RADIUS }, { rectangle = [LENGTH, WIDTH] } or { polygon = [[X, Y], ...] }, in metres"
 # What may stand beside each of them: where the centre lies, or by how much corners are rounded outwards.
 _BESIDE = {"circle": ("x", "y"), "rectangle": ("x", "y"), "polygon": ("rounding",)}
+SHAPES = tuple(_BESIDE)
+"""The keys of which a shape has one."""
 
 
 def read_pose(node: Node) -> Pose | None:

@@ -29,6 +29,7 @@ __all__ = ["check_code", "check_time_limit"]
 MOST_OUTPUT = 1_000_000  # bytes
 _START = 120.0  # [s] that the process has to start: it loads numpy and numba, on a machine that may be busy
 _GRACE = 2.0  # [s] for it to say where it is
+_REST = 1.0  # [s] for the last lines of a process that has ended
 _FRAME = re.compile(r'File "(.*)", line (\d+) in ')
 
 
@@ -102,6 +103,7 @@ class _Trial:
         self._output = 0  # bytes that programs have printed
         self._is_flood = threading.Event()
         self._said: list[str] = []  # lines of stacks
+        self._ended: float | None = None  # [s] when the process was found to have ended
         self.broken: tuple[int, str, bool] | None = None
 
     def run(self) -> list[tuple[int, str]]:
@@ -185,7 +187,10 @@ class _Trial:
                     return late
                 if process.poll() is None:
                     continue
-                line = None  # it has ended, and one of its own children holds the pipe
+                self._ended = self._ended or time.monotonic()
+                if time.monotonic() < self._ended + _REST:
+                    continue
+                line = None  # one of its own children holds the pipe
             if line is None:
                 self._take_rest()
                 if any(said.startswith("Timeout (") for said in self._said):

@@ -118,9 +118,9 @@ class Copies:
         copies = [folder / each.relative_to(root) for each in (path, *beside)]
         for each, copy in zip((path, *beside), copies, strict=True):
             self._copy(each, copy)
-        read = companions_of(attrs.evolve(file, path=copies[0]))
-        for each in read:
-            if each not in copies:
+        made = [Path(os.path.abspath(copy)) for copy in copies]  # noqa: PTH100 - as companions are named
+        for each in companions_of(attrs.evolve(file, path=made[0])):
+            if each not in made:
                 raise RunError(f"{path}: its copy would still read {each}; name that file relative to {path.name}")
         self._names[str(path)] = copies[0].relative_to(self._folder).as_posix()
         return self._names[str(path)]

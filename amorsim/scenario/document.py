@@ -11,28 +11,32 @@ from typing import Any, NamedTuple
 
 import attrs
 
+from amorsim.contracts import ScenarioDocument
 from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.copies import Copies
 from amorsim.scenario.editing import Editor, Splice
 from amorsim.scenario.elsewhere import copied, named_files, near
 from amorsim.scenario.faults import Book, shown
-from amorsim.scenario.layout import MISSING, Path_, changed, found_at
+from amorsim.scenario.foreign import find_scenario_loader, read_foreign
+from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.lines import with_lines
 from amorsim.scenario.model_files import check_model, read_model
 from amorsim.scenario.models import merge_models
 from amorsim.scenario.names_in_lists import index_of
 from amorsim.scenario.origins import KINDS, Origin, Origins, kind_of, lifted
 from amorsim.scenario.partial import Partial, read_partial
-from amorsim.scenario.read import book_of, read_values
 from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.toml_values import are_same, plain
+from amorsim.scenario.toml_values import checked_text, plain
 from amorsim.scenario.worlds import Maps
+from amorsim.scenario.write import table_text
 from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
@@ -42,6 +46,8 @@ Change = list[Splice]
 
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
+
+    Another program's file is not changed: its document is a new one, that `Document.save` writes beside it as TOML.
 
     Raises
     ------
@@ -53,6 +59,8 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
     names = registry.names("scenario")
     if str(path) in names and not file.is_file():
         file = registry.file("scenario", str(path))
+    if (found := find_scenario_loader(file, registry)) is not None:
+        return _of_foreign(file, read_foreign(file, *found), registry)
     try:
         data = read_bytes(file)
         return Document(data.decode(), file, registry=registry)
@@ -65,10 +73,14 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
 
 
-def _are_equal(one: Any, other: Any) -> bool:
-    """Whether two values mean the same, where a whole number may stand for a number."""
-    is_flag = isinstance(one, bool), isinstance(other, bool)
-    return bool(one == other) and is_flag[0] == is_flag[1]
+def _of_foreign(file: Path, read: ScenarioDocument, registry: Registry) -> Document:
+    """The document of another program's file, under a name that no file has."""
+    head = "".join(f"# {line}\n" for line in (f"From {file.name}.", *read.remarks))
+    name, number = file.with_suffix(".toml"), 1
+    while name.exists():
+        number += 1
+        name = file.with_name(f"{file.stem}_{number}.toml")
+    return Document(f"{head}\n{table_text(read.tables)}", name, registry=registry)
 
 
 class _Looked(NamedTuple):
@@ -96,8 +108,8 @@ class Document:
         written = read_written(text.removeprefix("\N{BOM}"))
         self._has_bad_lines = bool(written.bad)
         self._editor = Editor(list(written.statements), written.values)
-        self._opened = written.values
         self._origins = Origins(self._path, self._registry)
+        self._setter = Setter(self._editor, self._origins)
         self._done: list[Change] = []
         self._undone: list[Change] = []
 
@@ -110,14 +122,14 @@ class Document:
         return self._path
 
     @property
+    def values(self) -> dict[str, Any]:
+        """The tables of the file, as `tomllib` reads them; they must not be changed."""
+        return self._editor.values
+
+    @property
     def text(self) -> str:
         """The file's text, as `save` would write it."""
         return self._bom + self._editor.text
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """What the file itself says, without models and defaults: its tables, which are not to be changed."""
-        return self._editor.values
 
     # ---------------------------------------------------------------------------------------------------------- values
 
@@ -138,7 +150,7 @@ class Document:
         if value is MISSING:
             origin = self._origins.find(values, at)
             if origin is None:
-                raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+                raise DocumentError("nothing says it: neither the file, nor a model, nor a default", path)
             value = origin.value
         return plain(value)
 
@@ -153,7 +165,7 @@ class Document:
         at = self._at(path)
         origin = self._origins.find(self._editor.values, at)
         if origin is None:
-            raise DocumentError(f"{path}: nothing says it: neither the file, nor a model, nor a default")
+            raise DocumentError("nothing says it: neither the file, nor a model, nor a default", path)
         if origin.source == "file":
             statements = self._editor.statements
             origin = attrs.evolve(origin, line=line_of(statements, self._editor.layout, at))
@@ -173,70 +185,19 @@ class Document:
         """
         value = plain(value)
         with self._changing():
-            self._set(self._at(path), value)
+            self._setter.set(self._at(path), value)
 
-    def _set(self, at: Path_, value: Any) -> None:
-        values = self._editor.values
-        written = found_at(values, at)
-        if are_same(written, value):
-            return
-        for length, part in enumerate(at):
-            if isinstance(part, int) and found_at(values, at[:length]) is MISSING:  # in a list of the model's
-                there = found_at(self._origins.merged(values, at), at[:length])
-                self._editor.set(at[:length], plain(changed(there, at[length:], value)))
-                return
-        holder = found_at(values, at[:-1])
-        if at[-1] == "use" and isinstance(holder, dict) and holder.get("use", value) != value:
-            self._editor.set(at[:-1], {"use": value})
-        elif isinstance(value, dict) and isinstance(written, dict):
-            self._set_table(at, written, value)
-        elif not isinstance(value, dict) and self._is_inherited(at, value):
-            if written is not MISSING:
-                self._drop(at)
-        else:
-            self._editor.set(at, value)
-            self._drop_list(at)
+    def _override(self, path: Sequence[str], value: Any) -> Path_:
+        """Set the value at a path given by its parts; returns the path of what was made for it.
 
-    def _drop_list(self, at: Path_) -> None:
-        """Leave out the list that a path leads into, where it is the model's again."""
-        for length in range(self._models_begin + 1, len(at)):
-            holder = at[:length]
-            if isinstance(at[length], int):
-                if self._is_inherited(holder, found_at(self._editor.values, holder)):
-                    self._drop(holder)
-                return
-
-    def _set_table(self, at: Path_, written: dict[str, Any], value: dict[str, Any]) -> None:
-        if "use" in value:  # first, for the keys of another component go with it
-            self._set((*at, "use"), value["use"])
-        inherited = found_at(self._origins.merged(self._editor.values, at), at)
-        for key in written:
-            if key not in value and found_at(self._editor.values, (*at, key)) is not MISSING:
-                self._editor.remove((*at, key))
-        for key, item in value.items():
-            if key not in written and isinstance(inherited, dict) and are_same(inherited.get(key), item):
-                continue
-            self._set((*at, key), item)
-        if found_at(self._editor.values, at) is MISSING:
-            self._editor.set(at, {})
-
-    def _is_inherited(self, at: Path_, value: Any) -> bool:
-        """Whether a value holds at a path if the file says nothing of it, and the file need not say it."""
-        origin = self._origins.find(self._editor.values, at)
-        if origin is not None and origin.source == "file":
-            origin = origin.under
-        if origin is None or not _are_equal(origin.value, value):
-            return False
-        return origin.source != "default" or found_at(self._opened, at) is MISSING
-
-    def _drop(self, at: Path_) -> None:
-        """Leave out what is at a path, and the tables about it that are empty then and were not in the file."""
-        self._editor.remove(at)
-        for length in range(len(at) - 1, 0, -1):
-            is_new = found_at(self._opened, at[:length]) is MISSING
-            if found_at(self._editor.values, at[:length]) != {} or not is_new:
-                return
-            self._editor.remove(at[:length])
+        That is the path of the value, or of the first table on the way that neither the file nor a model says.
+        """
+        at, value = self._at(path), plain(value)
+        merged = self._origins.merged(self._editor.values, at)
+        made = next((at[:length] for length in range(1, len(at)) if found_at(merged, at[:length]) is MISSING), at)
+        with self._changing():
+            self._setter.set(at, value)
+        return made
 
     def remove(self, path: str) -> None:
         """Leave out what the file says at a path: a value, a table or an item of a list.
@@ -250,7 +211,7 @@ class Document:
         if not at or found_at(self._editor.values, at) is MISSING:
             origin = self._origins.find(self._editor.values, at) if at else None
             where = "" if origin is None or origin.file is None else f"; {origin.file} does, of which the robot is made"
-            raise DocumentError(f"{path}: the file says nothing of it{where}")
+            raise DocumentError(f"the file says nothing of it{where}", path)
         with self._changing():
             self._editor.remove(at)
 
@@ -274,7 +235,7 @@ class Document:
         at, value = self._at(path), plain(value)
         there = found_at(self._editor.values, at)
         if there is not MISSING and not isinstance(there, list):
-            raise DocumentError(f"{path}: expected a list, to which something can be added; it is {shown(there)}")
+            raise DocumentError(f"expected a list, to which something can be added; it is {shown(there)}", path)
         count = 0 if there is MISSING else len(there)
         place = self._place(path, count if index is None else index, count + 1)
         with self._changing():
@@ -295,7 +256,7 @@ class Document:
         at = self._at(path)
         there = found_at(self._editor.values, at[:-1]) if at else MISSING
         if not isinstance(there, list):
-            raise DocumentError(f"{path}: expected an item of a list, as 'robots.rover'")
+            raise DocumentError("expected an item of a list, as 'robots.rover'", path)
         place = self._place(path, index, len(there))
         with self._changing():
             self._editor.move(at, place)
@@ -304,13 +265,9 @@ class Document:
     @staticmethod
     def _place(path: str, index: int, count: int) -> int:
         if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < count:
-            raise DocumentError(f"{path}: index: expected a whole number from 0 to {count - 1}, got {shown(index)}")
+            problem = f"index: expected a whole number from 0 to {count - 1}, got {shown(index)}"
+            raise DocumentError(problem, path)
         return index
-
-    @property
-    def _models_begin(self) -> int:
-        """How many parts a path has at least to what a model may say."""
-        return 2 if kind_of(self._editor.values) == "scenario" else 0
 
     def _at(self, path: str | Sequence[str | int]) -> Path_:
         """A path with numbers in the places of names."""
@@ -318,20 +275,20 @@ class Document:
         place: Any = self._editor.values
         at: Path_ = ()
         for number, part in enumerate(parts):
-            if number == self._models_begin:  # a model may have what the file does not say
+            if number == self._setter.models_begin:  # a model may have what the file does not say
                 place = found_at(self._origins.merged(self._editor.values, (*at, part)), at)
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
-            part = part.strip() if isinstance(path, str) else part
+            part = checked_text(part.strip() if isinstance(path, str) else part)
             if isinstance(place, list):
                 index = index_of(place, part)
                 if isinstance(index, str):
-                    raise DocumentError(f"{'.'.join(map(str, (*at, part)))}: {index}")
+                    raise DocumentError(index, ".".join(map(str, (*at, part))))
                 place, at = place[index], (*at, index)
                 continue
             if place is not MISSING and not isinstance(place, dict):
-                where = ".".join(map(str, at))
-                raise DocumentError(f"{'.'.join(parts[: number + 1])}: nothing is under {where}: it is {shown(place)}")
+                problem = f"there is nothing under {'.'.join(map(str, at))}: it is {shown(place)}"
+                raise DocumentError(problem, ".".join(map(str, (*at, part))))
             place = place.get(part, MISSING) if place is not MISSING else MISSING
             at = (*at, part)
         return at
@@ -419,7 +376,7 @@ class Document:
         kind = kind_of(written.values)
         values: dict[str, Any] = {}
         if kind == "scenario":
-            values = read_values(tables, book, (), self._registry, maps, True, False)
+            values = read_values(tables, book, self._registry, maps, True, False)
         else:
             check_model(written.values, kind, book)
             source = book.source(())

@@ -141,10 +141,10 @@ class Editor:
 
     @staticmethod
     def _refused(path: Path_) -> DocumentError:
-        name = ".".join(map(str, path))
         return DocumentError(
-            f"{name}: this change cannot be made in the file as it is written; write out the table that it is in, "
-            "under a header of its own"
+            "this change cannot be made in the file as it is written; write out the table that it is in, under a "
+            "header of its own",
+            ".".join(map(str, path)),
         )
 
     def _create(self, path: Path_, value: Any, place: int | None = None) -> None:
@@ -155,8 +155,8 @@ class Editor:
         holder = found_at(self.values, path[:depth])
         keys = tuple(key for key in path[depth:] if isinstance(key, str))
         if not isinstance(holder, dict) or len(keys) != len(path) - depth:
-            where = ".".join(map(str, path[:depth]))
-            raise DocumentError(f"there is nothing under {where}: it is {as_toml(holder)[:80]}")
+            where, name = (".".join(map(str, each)) for each in (path[:depth], path))
+            raise DocumentError(f"there is nothing under {where}: it is {as_toml(holder)[:80]}", name)
         expected = changed(self.values, path, value)
         spot = self.layout.pair_over(path[:depth])
         if spot is not None:
@@ -389,9 +389,8 @@ class Editor:
         runs = self._runs(path)
         target = self._runs((*holder, place))
         if len(runs) > 1 or len(target) > 1:
-            raise DocumentError(
-                f"{'.'.join(map(str, path))}: what the file says of it stands in several places; move them together"
-            )
+            problem = "what the file says of it stands in several places; move them together"
+            raise DocumentError(problem, ".".join(map(str, path)))
         (start, stop), (first, last) = runs[0], target[0]
         lines = [each.text for each in self.statements]
         own = lines[start:stop]

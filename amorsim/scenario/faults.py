@@ -61,6 +61,12 @@ class Book:
         """The whole document, for the names of what stands in its lists."""
         self.warnings: tuple[str, ...] = ()
         """Of the map, to be told with the faults."""
+        self.remarks: tuple[str, ...] = ()
+        """On what was left out of another program's file."""
+        self.lines: Mapping[str, int] = {}
+        """The lines of another program's file that say what is at a path."""
+        self.is_foreign = False
+        """Whether this is another program's file, so that a robot without a pose goes where there is room."""
 
     @classmethod
     def silent(cls) -> Book:
@@ -149,7 +155,7 @@ class Book:
     def raise_if_any(self) -> None:
         """Raise `ScenarioError` with all faults and their lines, if there are any."""
         if self._faults:
-            raise ScenarioError(with_lines(self._faults), self.warnings)
+            raise ScenarioError(with_lines(self._faults, lines=self.lines), (*self.remarks, *self.warnings))
 
 
 @attrs.frozen

@@ -102,6 +102,8 @@ def _at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path
             return _At(Marking if kind == "markings" else Drop, tuple(rest))
         case ("floor", *rest):
             return _At(Floor, tuple(rest), names=("reflectance",))
+        case ("world", "map", *rest):
+            return _of_use(values, path[:2], "world_generator", registry, tuple(rest), key="generate")
         case ("world", *rest):
             return _of_map(values, ("world",), tuple(rest), registry, folder)
         case ("robots" | "obstacles" | "zones", int(), *rest):
@@ -139,9 +141,15 @@ def _of_body(values: Mapping[str, Any], body: Path_, rest: Path_, registry: Regi
 
 
 def _of_use(
-    values: Mapping[str, Any], table: Path_, kind: str, registry: Registry, rest: Path_ = (), unit: str = ""
+    values: Mapping[str, Any],
+    table: Path_,
+    kind: str,
+    registry: Registry,
+    rest: Path_ = (),
+    unit: str = "",
+    key: str = "use",
 ) -> _At | None:
-    use = found_at(values, (*table, "use"))
+    use = found_at(values, (*table, key))
     if not isinstance(use, str) or use not in registry.names(kind):
         return None
     try:

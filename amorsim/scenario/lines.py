@@ -17,8 +17,13 @@ from amorsim.scenario.written import Written, line_of, read_written
 __all__ = ["line_at", "with_lines"]
 
 
-def with_lines(faults: Iterable[Fault], known: Mapping[str, Written] | None = None) -> list[Fault]:
-    """The faults, each with its line, where its file is one of TOML; files that are `known` are not read again."""
+def with_lines(
+    faults: Iterable[Fault], known: Mapping[str, Written] | None = None, lines: Mapping[str, int] | None = None
+) -> list[Fault]:
+    """The faults, each with its line, where its file is one of TOML; files that are `known` are not read again.
+
+    Of another program's file, `lines` are those that say what is at a path, or below it.
+    """
     files: dict[str, tuple[Written, Layout] | None] = {
         name: (written, Layout(written.statements)) for name, written in (known or {}).items()
     }
@@ -31,6 +36,10 @@ def with_lines(faults: Iterable[Fault], known: Mapping[str, Written] | None = No
             written, layout = said
             path = _numbered(written.values, fault.path.split(".")) if fault.path else ()
             fault = attrs.evolve(fault, line=line_of(written.statements, layout, path))
+        elif fault.line is None and lines and not fault.file.startswith("--set"):
+            parts = fault.path.split(".")
+            paths = (".".join(parts[:length]) for length in range(len(parts), 0, -1))
+            fault = attrs.evolve(fault, line=next((lines[path] for path in paths if path in lines), None))
         found.append(fault)
     return found
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,6 +12,7 @@ import attrs
 
 from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError, PluginError, did_you_mean
+from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
 from amorsim.core.reading import check_readable, reason
@@ -19,7 +21,7 @@ from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 
-__all__ = ["MapFile", "companions_of", "find_loader", "load_map", "read_map", "save_map"]
+__all__ = ["MapFile", "companions_of", "find_loader", "load_map", "read_map", "save_map", "write_map"]
 
 _HEAD = 4096
 _MOST_BYTES = 10**9  # of any map; loaders that hold it in memory as it is written ask for less
@@ -124,8 +126,8 @@ def companions_of(file: MapFile) -> list[Path]:
 def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: Registry | None = None) -> Map:
     """Write a map into a file, and read it again: the map that is returned names the file as its `source`.
 
-    The file's extension says how it is written: ``.wld`` as lines, for maps made from lines; ``.png`` or ``.bmp`` as
-    pixels. Its cells, and so all ranges and collisions, are the same.
+    The file's extension says how it is written: ``.wld`` as lines, ``.png`` or ``.bmp`` as pixels, ``.yaml`` as a pair
+    of files for ROS, and so on. Its cells, and so all ranges and collisions, are the same.
 
     Parameters
     ----------
@@ -145,18 +147,57 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
         file that was there is there still.
     """
     path = Path(path)
-    registry = registry or default_registry()
+    with _replacing_map(world, path, use, registry or default_registry()) as again:
+        if not have_same_cells(again, world):
+            cls = type(again.source.loader).__name__
+            raise MapError(f"read again, it has other cells; {cls} cannot hold this map exactly")
+    return _now_in(again, path)
+
+
+def write_map(
+    world: Map, path: str | Path, *, force: bool = False, use: str | None = None, registry: Registry | None = None
+) -> tuple[Map, Lost]:
+    """Write a map into a file as well as its format can, and read it again: that map, and what was lost.
+
+    Parameters
+    ----------
+    world, path, use, registry
+        As for `save_map`.
+    force
+        Whether files that are there are replaced, once the new ones are whole.
+
+    Raises
+    ------
+    MapError
+        If a file is there and is not to be replaced, cannot be written, or no loader knows the extension. What was
+        there is there still.
+    """
+    path = Path(path)
+
+    with _replacing_map(world, path, use, registry or default_registry()) as again:
+        folder = again.source.path.parent
+        for file in () if force else sorted(folder.rglob("*")):
+            place = path.parent / file.relative_to(folder)
+            if file.is_file() and os.path.lexists(place):
+                raise MapError(f"{place.name} is there already; --force (force=True) replaces it")
+    return _now_in(again, path), lost_cells(world, again)
+
+
+@contextlib.contextmanager
+def _replacing_map(world: Map, path: Path, use: str | None, registry: Registry) -> Iterator[Map]:
+    """The map as it is read again from a temporary file, which replaces `path` unless the block raises a `MapError`."""
     try:
         cls = _writer(path, use, registry)
     except PluginError as error:
         raise MapError(f"{path}: {error}") from error
     with replacing(path, MapError) as new:
         try:
-            again = read_map(_written(cls, world, new))
-            if not have_same_cells(again, world):
-                raise MapError(f"read again, it has other cells; {cls.__name__} cannot hold this map exactly")
+            yield read_map(_written(cls, world, new))
         except MapError as error:
             raise MapError(f"{path}: cannot be written: {str(error).removeprefix(f'{new}: ')}") from error
+
+
+def _now_in(again: Map, path: Path) -> Map:
     return attrs.evolve(again, source=MapFile(path=path, loader=again.source.loader))
 
 

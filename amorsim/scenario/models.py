@@ -10,12 +10,13 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import PluginError, did_you_mean
-from amorsim.core.reading import read_text, reason
+from amorsim.core.reading import read_bytes, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Branch, Node, Source, shown
 from amorsim.scenario.written import Written, read_written
 
 __all__ = [
+    "ERROR_KEYS",
     "FORMAT",
     "LOOKS",
     "MODEL_KEYS",
@@ -44,7 +45,7 @@ MODEL_KEYS = (
     "errors",
     *LOOKS,
 )
-_ERROR = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
+ERROR_KEYS = {"scale", "add", "value", "per", "normal", "uniform"}  # keys of an error, no path of which ends so
 # What a robot has several of by name, and can be rid of with ``NAME = false``.
 _NAMED = ("sensors", "estimators")
 
@@ -63,7 +64,7 @@ def read_toml(path: Path) -> dict[str, Any] | str:
 def read_file(path: Path) -> Written | str:
     """What a TOML file says, and which of its lines are no TOML; or a text that says why it cannot be read."""
     try:
-        text = read_text(path)
+        text = read_bytes(path).decode()  # with its line ends, for TOML has no lone CR
     except FileNotFoundError:
         return "there is no such file"
     except UnicodeDecodeError as error:
@@ -230,7 +231,7 @@ def _merge(
 def are_of_one_kind(path: tuple[str, ...], old: dict[str, Any], new: dict[str, Any]) -> bool:
     """Whether a table that lies over another is merged with it key by key, and does not replace it."""
     # Half of one shape, or of one error, and half of another is none.
-    if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= _ERROR):
+    if path[-1] == "shape" or ("errors" in path[:-1] and set(new) <= ERROR_KEYS):
         return False
     return all(new.get(key, old.get(key)) == old.get(key) for key in ("use", "model"))
 

@@ -18,11 +18,10 @@ Document = dict[str, Any]
 
 
 def rename_maps(document: Document, to: Callable[[str], str]) -> None:
-    """Give the maps of a document, the world's and those that robots know, other names."""
-    document["world"]["map"] = to(document["world"]["map"])
-    for robot in document["robots"]:
-        if "map" in robot.get("knowledge", {}):
-            robot["knowledge"]["map"] = to(robot["knowledge"]["map"])
+    """Give the files of maps in a document, the world's and those that robots know, other names."""
+    for table in (document["world"], *(robot.get("knowledge", {}) for robot in document["robots"])):
+        if isinstance(table.get("map"), str):  # else it is generated
+            table["map"] = to(table["map"])
 
 
 def name_from(folder: Path, document: Document, scenario: Scenario) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.parameters import Parameter
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Source
 from amorsim.scenario.field_at import field_at
@@ -128,13 +127,17 @@ class Origins:
             if said.kind != "file":
                 line = line_at(said.file, ".".join(map(str, at[said.depth :])))
                 return Origin(source=said.kind, value=value, file=Path(said.file), line=line)
+        default = self._default(merged, at)
+        return None if default is None else Origin(source="default", value=default)
+
+    def default(self, values: dict[str, Any], path: Path_) -> Any:
+        """The default of the field at a path, as files say it; None where there is none."""
+        root, at = lifted(values), (*KINDS[kind_of(values)], *path)
+        return self._default(self._lifted_merged(root, at), at)
+
+    def _default(self, merged: dict[str, Any], at: Path_) -> Any:
         field = field_at(merged, at, self._registry, self._file.parent)
-        return None if field is None else _default(field)
-
-
-def _default(field: Parameter) -> Origin | None:
-    value = default_in_file(field)
-    return None if value is None else Origin(source="default", value=value)
+        return None if field is None else default_in_file(field)
 
 
 def _may_inherit(root: Mapping[str, Any], path: Path_) -> bool:

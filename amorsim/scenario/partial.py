@@ -14,9 +14,9 @@ from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.bodies import read_pose, read_shape
+from amorsim.scenario.contents import read_top
 from amorsim.scenario.faults import Book, Node, Path_
 from amorsim.scenario.floor import Floor
-from amorsim.scenario.read import read_top
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Pose, Recording, Robot, Scenario, Zone
 from amorsim.scenario.worlds import Maps
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import types
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,6 +20,7 @@ from amorsim.scenario.deviations import write_deviations
 from amorsim.scenario.fields import write_fields
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.floor_file import write_floor
+from amorsim.scenario.generated import write_generated
 from amorsim.scenario.models import FORMAT, LOOKS
 from amorsim.scenario.spec import (
     Knowledge,
@@ -33,8 +35,9 @@ from amorsim.scenario.spec import (
 )
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
+from amorsim.worlds.made import MadeWorld
 
-__all__ = ["resolved", "resolved_table"]
+__all__ = ["chain_table", "resolved", "resolved_table"]
 
 
 def resolved(scenario: Scenario) -> dict[str, Any]:
@@ -57,6 +60,22 @@ def resolved_table(
     """
     writer = _Writer(registry or default_registry(), maps_in_files)
     table = writer.scenario(scenario)
+    if writer.faults:
+        raise ScenarioError(writer.faults)
+    return table
+
+
+def chain_table(robot: Robot, path: str, registry: Registry) -> list[dict[str, Any]]:
+    """A chain of noise of a robot, ``"ground"`` or ``"sensors.NAME.noise"``, as a list of tables.
+
+    What is raised is as for `resolved_table`.
+    """
+    writer = _Writer(registry, maps_in_files=True)
+    if path == "ground":
+        table = writer.chain(robot.ground, path, "m")
+    else:
+        mounted = robot.sensors[path.split(".")[1]]
+        table = writer.chain(mounted.noise, path, mounted.sensor.unit, mounted.sensor.columns())
     if writer.faults:
         raise ScenarioError(writer.faults)
     return table
@@ -93,6 +112,7 @@ class _Writer:
     def __init__(self, registry: Registry, maps_in_files: bool) -> None:
         self._registry = registry
         self._maps_in_files = maps_in_files
+        self._models: dict[tuple[Any, ...], tuple[Robot, bytes]] = {}
         self.faults: list[Fault] = []
 
     def scenario(self, scenario: Scenario) -> dict[str, Any]:
@@ -148,6 +168,9 @@ class _Writer:
                     "the map was not read from a file, so a file cannot name it; give it one with save_map",
                 )
             return {}
+        if isinstance(file, MadeWorld):
+            name = self._component("world_generator", file.generator, f"{path}.map").get("use", "")
+            return {"map": write_generated(file, name)}
         return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
 
     def _recording(self, recording: Recording) -> dict[str, Any]:
@@ -180,7 +203,7 @@ class _Writer:
         else:
             pose = pose or start_of(world, robot)
             written["pose"] = write_fields(pose)
-        written.update(self.model(robot, path, pose))
+        written.update(self._model_of(robot, path, pose))
         knowledge: dict[str, Any] = {}
         if robot.knowledge.map is not None:
             knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")
@@ -194,6 +217,20 @@ class _Writer:
             written["knowledge"] = knowledge
         return written
 
+    def _model_of(self, robot: Robot, path: str, pose: Pose | None) -> dict[str, Any]:
+        """`model`, written once for robots that are made of the same objects."""
+        if any(error.partition(".")[0] == "pose" for error in robot.errors):
+            return self.model(robot, path, pose)
+        parts = (robot.drive, robot.shape, robot.controller, *robot.ground)
+        named = (*robot.sensors.items(), *robot.estimators.items(), *robot.errors.items())
+        looks = tuple(getattr(robot, name) for name in ("on_collision", *LOOKS))
+        key = (*map(id, parts), *((name, id(part)) for name, part in named), *looks)
+        if key not in self._models:
+            # With the robot, so that no other object gets an id of its parts.
+            self._models[key] = robot, pickle.dumps(self.model(robot, path, pose))
+        again: dict[str, Any] = pickle.loads(self._models[key][1])
+        return again
+
     def model(self, robot: Robot, path: str = "", pose: Pose | None = None) -> dict[str, Any]:
         """What a model may say of a robot."""
         written: dict[str, Any] = {"shape": self._shape(robot.shape, path)}
@@ -202,7 +239,7 @@ class _Writer:
         written["on_collision"] = robot.on_collision
         written.update(write_fields(robot, names=LOOKS))
         if robot.ground:
-            written["ground"] = self._chain(robot.ground, f"{path}.ground", "m")
+            written["ground"] = self.chain(robot.ground, f"{path}.ground", "m")
         written["drive"] = self._component("drive", robot.drive, f"{path}.drive")
         written["sensors"] = {
             name: self.sensor(sensor, f"{path}.sensors.{name}") for name, sensor in robot.sensors.items()
@@ -230,12 +267,13 @@ class _Writer:
         written["mount"] = write_fields(mounted.mount)
         written.update(write_fields(mounted, names=("rate", "latency")))
         if mounted.noise:
-            written["noise"] = self._chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
+            written["noise"] = self.chain(mounted.noise, f"{path}.noise", unit, mounted.sensor.columns())
         return written
 
-    def _chain(
+    def chain(
         self, chain: tuple[NoiseElement, ...], path: str, unit: str, columns: Mapping[str, str] = _ONE_QUANTITY
     ) -> list[dict[str, Any]]:
+        """A chain's tables."""
         written = []
         for i, element in enumerate(chain):
             fields = self._component("noise", element.noise, f"{path}.{i}", columns.get(element.column, unit))
@@ -271,7 +309,7 @@ class _Writer:
         written: dict[str, Any] = {"name": zone.name, "shape": self._shape(zone.shape, path)}
         written["pose"] = write_fields(zone.pose)
         if zone.ground:
-            written["ground"] = self._chain(zone.ground, f"{path}.ground", "m")
+            written["ground"] = self.chain(zone.ground, f"{path}.ground", "m")
         return written
 
     def _shape(self, shape: Any, path: str) -> dict[str, Any]:

@@ -446,7 +446,8 @@ class Scenario:
     """A world, the robots in it, and how time runs.
 
     `source` is the file it was read from, `resolved` the tables in it with all models and defaults filled in and files
-    named (what a run's folder keeps); both are none for a scenario built in Python.
+    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` tell what was left out of
+    another program's file.
     """
 
     map: Map = attrs.field(validator=is_a(Map, "am.load_map('room.wld')"))
@@ -462,6 +463,7 @@ class Scenario:
     recording: Recording = attrs.field(factory=Recording)
     source: Path | None = None
     resolved: Mapping[str, Any] | None = None
+    remarks: tuple[str, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if not self.robots:

@@ -15,7 +15,7 @@ from amorsim.core.errors import DocumentError
 from amorsim.core.trouble import in_words
 from amorsim.scenario.angles import LongDegrees, parse_float
 
-__all__ = ["are_same", "as_toml", "keys_as_toml", "parse", "parse_value", "plain"]
+__all__ = ["are_same", "as_toml", "checked_text", "keys_as_toml", "parse", "parse_value", "plain"]
 
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _TIMES = (datetime.datetime, datetime.date, datetime.time)
@@ -43,13 +43,15 @@ def plain(value: Any) -> Any:
     DocumentError
         If TOML has no such value.
     """
-    if isinstance(value, (bool, str, *_TIMES)):
+    if isinstance(value, str):
+        return checked_text(value)
+    if isinstance(value, (bool, *_TIMES)):
         return value
     if isinstance(value, Mapping):
         for key in value:
             if not isinstance(key, str):
                 raise DocumentError(f"expected texts as the keys of a table, got {in_words(key)}")
-        return {key: plain(item) for key, item in value.items()}
+        return {checked_text(key): plain(item) for key, item in value.items()}
     if isinstance(value, float):
         return value if isinstance(value, LongDegrees) else float(value)
     if isinstance(value, (list, tuple)):
@@ -62,6 +64,19 @@ def plain(value: Any) -> Any:
         raise DocumentError(
             f"expected a number, a text, true, false, a list or a table of these, got {in_words(value)}"
         ) from None
+
+
+def checked_text(text: str) -> str:
+    """The text itself.
+
+    Raises
+    ------
+    DocumentError
+        If no file can hold it, for it has half of a pair of surrogates.
+    """
+    if any("\ud800" <= letter <= "\udfff" for letter in text):
+        raise DocumentError(f"expected a text that UTF-8 can hold, got {in_words(text)}")
+    return text
 
 
 def as_toml(value: Any) -> str:

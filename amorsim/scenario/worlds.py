@@ -18,9 +18,11 @@ from amorsim.core.starts import freest_start, least_gaps
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
+from amorsim.scenario.generated import read_generated
 from amorsim.scenario.maps import MapFile, find_loader, read_map
 from amorsim.scenario.parts import at_start
 from amorsim.scenario.spec import Knowledge, Landmark, Pose, Robot
+from amorsim.worlds.made import MadeWorld, make_world
 
 __all__ = ["Maps", "is_free_at", "start_of"]
 
@@ -36,22 +38,25 @@ class Maps:
     def __init__(self, registry: Registry, *, are_read: bool = True) -> None:
         self._registry = registry
         self._are_read = are_read
-        self._read: dict[MapFile, Map] = {}
+        self._read: dict[MapFile | MadeWorld, Map] = {}
 
     def read(self, node: Node, beside: tuple[str, ...] = (), like: Map | None = None) -> Map | None:
         """The map in a table ``{ map = "file", options ... }``; None after faults, or where none is read.
 
         `beside` are keys of the table that are no options. If the file is that of the map `like`, and there
-        are no options, it is read as that one was.
+        are no options, it is read as that one was. The map may also be a table, of a world to generate.
         """
         if not node.expect_table():
             return None
+        if node.child("map").is_table:
+            node.refuse_unknown(("map", *beside))
+            return self.generated(node.child("map"))
         path = self._path(node.child("map"))
         use = node.child("use").text("the name of a map loader") if "use" in node else None
         if path is None:
             return None
         other = None if like is None else like.source
-        if other is not None and other.path == path and not set(node.value) - {"map", *beside}:
+        if isinstance(other, MapFile) and other.path == path and not set(node.value) - {"map", *beside}:
             return like
         try:
             _, cls = find_loader(path, use, self._registry)
@@ -64,14 +69,22 @@ class Maps:
         loader = read_component(cls, node, beside=("map", "use", *beside))
         if loader is None or not self._are_read:
             return None
-        file = MapFile(path=path, loader=loader)
-        if file not in self._read:
+        return self._found(MapFile(path=path, loader=loader), node.child("map"))
+
+    def generated(self, node: Node) -> Map | None:
+        """The world in a table ``{ generate = "office", seed = 7, ... }``; None as for `read`."""
+        made = read_generated(node, self._registry)
+        return None if made is None or not self._are_read else self._found(made, node)
+
+    def _found(self, source: MapFile | MadeWorld, node: Node) -> Map | None:
+        """The map of a file or a generator, or None after a fault of the node."""
+        if source not in self._read:
             try:
-                self._read[file] = read_map(file)
+                self._read[source] = read_map(source) if isinstance(source, MapFile) else make_world(source)
             except MapError as error:
-                node.child("map").fault(str(error))
+                node.fault(str(error))
                 return None
-        return self._read[file]
+        return self._read[source]
 
     def read_knowledge(self, node: Node, world: Map | None, marks: Sequence[Landmark]) -> Knowledge | None:
         """What a robot is told: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``.

@@ -15,6 +15,7 @@ from amorsim.core.parameters import describe
 from amorsim.core.whole_files import write_text
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.copies import Copies
+from amorsim.scenario.maps import MapFile
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.starts import series_of
@@ -168,14 +169,15 @@ def with_maps(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
 
 
 def _with_files(scenario: Scenario, copies: Copies) -> Scenario:
-    """The scenario with a file for every map that was made in Python."""
+    """The scenario with a file for every map that was made in Python, or generated."""
     written: dict[int, Map] = {}
 
     def in_file(found: Map) -> Map:
-        if found.source is not None:
+        if isinstance(found.source, MapFile):
             return found
         if id(found) not in written:
-            written[id(found)] = copies.save(found)
+            # Some formats lose the start, and robots without a pose are there.
+            written[id(found)] = attrs.evolve(copies.save(found), start=found.start)
         return written[id(found)]
 
     robots = [

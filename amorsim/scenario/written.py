@@ -36,14 +36,14 @@ class Written:
     ) -> None:
         self.values = values
         self.bad = tuple(bad)
-        self._text = text
+        self.text = text
         self._statements = statements
 
     @property
     def statements(self) -> list[Statement]:
         """The text in its statements, those of bad lines being "bad"."""
         if self._statements is None:  # which only changes and faults ask for
-            self._statements = cut(self._text)
+            self._statements = cut(self.text)
         return self._statements
 
     def faults(self, file: str) -> list[Fault]:

@@ -14,7 +14,7 @@ from amorsim.core.rows import signature, stack
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.scenario.spec import Robot
 
-__all__ = ["group_key", "poses_of", "reading_size", "robot_model"]
+__all__ = ["channels_of", "group_key", "poses_of", "reading_size", "robot_model"]
 
 
 def group_key(robot: Robot) -> Hashable:
@@ -70,6 +70,12 @@ def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tup
         landmarks=np.array(knowledge.landmarks, dtype=float) if count else None,
         landmark_ids=np.array(knowledge.landmark_ids or (0,) * count, dtype=np.int64) if count else None,
     )
+
+
+def channels_of(robot: Robot) -> tuple[str, ...]:
+    """The columns of a robot's command: its drive's channels, then ``<sensor>.<channel>`` of each commanded device."""
+    devices = (f"{name}.{channel}" for name, unit in robot.sensors.items() for channel in unit.sensor.channels)
+    return (*robot.drive.channels, *devices)
 
 
 def poses_of(robots: Sequence[Robot]) -> npt.NDArray[np.float64]:

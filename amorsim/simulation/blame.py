@@ -58,6 +58,15 @@ class Whose:
             raise ControllerError(message, robot=names.pop() if len(names) == 1 else "") from error
         raise ComponentError(message) from error
 
+    def blame_start(self, what: str, component: Any, error: BaseException) -> NoReturn:
+        """Raise the exception of a component's `start`, as `blame` does.
+
+        A `ComponentError` of the component's own gets the names too: no `start` knows them.
+        """
+        if type(error) is ComponentError:
+            raise ComponentError(f"{self._all()}, {what}: {error}") from error
+        self.blame(what, component, error)
+
     def wrong(self, what: str, component: Any, problem: str) -> ComponentError:
         """The error for an invalid return value; `problem` says what it is, and what to return."""
         return ComponentError(f"{_named(what, component)} of {self._all()} at {self._time()}: {problem}")

@@ -63,7 +63,7 @@ class Driver:
             try:
                 self.state = dict(self.controller.start(context))
             except RAISED as error:
-                self._whose.blame("controller", self.controller, error)
+                self._whose.blame_start("controller", self.controller, error)
 
     def hand_over(self, row: int, to_hand: bool) -> None:
         """Drive a row from outside from now on, at rest at first, or by its controller again, which may have ended."""

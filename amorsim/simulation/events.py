@@ -44,6 +44,9 @@ class Event:
             return f"{head} was put elsewhere"
         if self.kind == "handed_over":
             return f"{head} was handed over to {'a hand' if self.value == 'hand' else 'its controller'}"
+        if isinstance(self.value, list):  # a chain of noise, as tables
+            names = ", ".join(str(one.get("name", one.get("use"))) for one in self.value) or "none"
+            return f"{head}: {self.path} = {names}"
         return f"{head}: {self.path} = {self.value}"
 
 

@@ -24,7 +24,7 @@ from amorsim.kernels.collision.paths import ARC, OTHER
 from amorsim.kernels.kinematics.poses import mean_twists
 from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Robot, Zone
-from amorsim.simulation.alike import poses_of, reading_size, robot_model
+from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
 from amorsim.simulation.blame import Whose, is_finite, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
@@ -92,12 +92,12 @@ class Group:
         self.drive: Drive = first.drive
         # The columns of each commanded device in a command, after the drive's.
         self.devices: dict[str, slice] = {}
-        channels = list(first.drive.channels)
+        count = len(first.drive.channels)
         for name, unit in first.sensors.items():
             if unit.sensor.channels:
-                self.devices[name] = slice(len(channels), len(channels) + len(unit.sensor.channels))
-                channels += [f"{name}.{channel}" for channel in unit.sensor.channels]
-        self.channels = tuple(channels)
+                self.devices[name] = slice(count, count + len(unit.sensor.channels))
+                count += len(unit.sensor.channels)
+        self.channels = channels_of(first)
         draws = self.streams.draws("controller")
         self.driver = Driver(self.channels, len(first.drive.channels), draws, self.whose)
         self.rolling = np.flatnonzero([joint.rolls for joint in first.drive.joints])
@@ -348,6 +348,7 @@ class Group:
             robot=self.robot,
             parts=tuple(part.name for part in parts),
             part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
+            beliefs=self.estimators.beliefs(),
         )
 
     def states(self) -> Mapping[str, State]:

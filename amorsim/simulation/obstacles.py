@@ -61,7 +61,7 @@ class ObstacleGroup:
             try:
                 self.state = dict(self.motion.start(context))
             except RAISED as error:
-                self.whose.blame("motion", self.motion, error)
+                self.whose.blame_start("motion", self.motion, error)
 
     def actuate(self) -> None:
         """Get the displacements that the motions propose."""

@@ -11,11 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
-from amorsim.core.errors import AmorsimError, ScenarioError, SnapshotError, did_you_mean
+from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, SnapshotError, did_you_mean
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.starts import outside
 from amorsim.core.trouble import in_words
+from amorsim.scenario.chains import is_chain, read_elements, tables_of, with_chain
 from amorsim.scenario.needs import least_bytes
 from amorsim.scenario.paths import with_value
 from amorsim.scenario.programs import loaded
@@ -27,6 +28,7 @@ from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
+from amorsim.simulation.regroup import chains_of, frames_as, other_chains, regrouped
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
 from amorsim.simulation.world.occupancy import occupancy
 
@@ -88,8 +90,10 @@ class Simulation:
         self.scenario = loaded(scenario)
         self._build(seed)
 
-    def _build(self, seed: int) -> None:
-        self._fleet = Fleet(self.scenario, seed, self.replicas, self.threads)
+    def _build(self, seed: int, scenario: Scenario | None = None) -> None:
+        self._fleet = Fleet(scenario or self.scenario, seed, self.replicas, self.threads)
+        # Recorders keep the groups of the beginning, whatever chains robots come to have.
+        self._partition = tuple(tuple(group.names) for group in self._fleet.groups)
         phases.first_look(self._fleet)
 
     def __repr__(self) -> str:
@@ -259,8 +263,10 @@ class Simulation:
         return self.replicas.index(replica)
 
     def frames(self) -> list[Frame]:
-        """The present step for recorders: all values, a frame for each group."""
-        return [group.frame() for group in self._fleet.groups]
+        """The present step for recorders: all values, a frame for each group of robots that are alike at the start."""
+        if self._fleet.scenario is self.scenario:
+            return [group.frame() for group in self._fleet.groups]
+        return frames_as(self._partition, self._fleet)
 
     def obstacle_frames(self) -> list[ObstacleFrame]:
         """The obstacles at the present step for recorders: a frame for each group."""
@@ -312,7 +318,15 @@ class Simulation:
 
         A path such as ``"drive.track"`` sets the nominal value (the true one follows, by its error),
         ``"errors.drive.track.scale"`` the error, ``"sensors.laser.noise.gaussian.std"`` an element of a chain.
+        ``"errors.drive.track"`` takes a `Deviation`, or None, by which there is no error any more.
+
+        ``"sensors.laser.noise"`` and ``"ground"`` take a whole chain, in all replicas: a list of noises or of tables as
+        in files, ``[{"use": "gaussian", "std": 0.01}]``. Elements that stay keep their states, and nobody else's draws
+        change. Handles to robots and `keep_stages` end with it: take new ones.
         """
+        if is_chain(path):
+            self._set_chain(name, path, value, replica)
+            return
         numbers = self.replicas if replica is None else (replica,)
         handles = [self.robot(name, number) for number in numbers]
         for group in {id(handle._group): handle._group for handle in handles}.values():
@@ -338,6 +352,21 @@ class Simulation:
                 raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
         for handle in handles:
             self._log_change(handle, "parameter_set", path, value)
+
+    def _set_chain(self, name: str, path: str, given: Any, replica: int | None) -> None:
+        if replica is not None and len(self.replicas) > 1:
+            raise AmorsimError(
+                f"robot {name!r}, {path}: a chain changes in all replicas at once; leave out replica={replica}"
+            )
+        robot = self.robot(name, self.replicas[0]).nominal
+        elements = read_elements(robot, path, given)
+        tables = tables_of(with_chain(robot, path, elements), path)
+        try:
+            self._fleet = regrouped(self._fleet, {name: {**chains_of(robot), path: elements}})
+        except (ComponentError, ScenarioError) as error:
+            raise AmorsimError(f"robot {name!r}, {path}: {error}") from None
+        for number in self.replicas:
+            self._log_change(self.robot(name, number), "parameter_set", path, tables)
 
     def _move_parts(self, group: Group, rows: Sequence[int]) -> None:
         """Move the parts of some robots to where their drives place them; a `LookupError` names an obstruction."""
@@ -447,10 +476,14 @@ class Simulation:
             snapshot = from_bytes(self._fleet, snapshot)
         if not isinstance(snapshot, Snapshot):
             raise SnapshotError(f"expected what Simulation.snapshot() gave, or its bytes, got {snapshot!r}")
-        if not fits(self._fleet, snapshot):
+        fleet = self._fleet
+        if not fits(fleet, snapshot) and (chains := other_chains(fleet, snapshot)):
+            fleet = regrouped(fleet, chains)
+        if not fits(fleet, snapshot):
             raise SnapshotError("this snapshot is of another simulation")
+        self._fleet = fleet
         if snapshot.seed != self.seed:
-            self._build(snapshot.seed)
+            self._build(snapshot.seed, fleet.scenario)
         put_back(self._fleet, snapshot, np.ones(len(self.replicas), dtype=bool))
         self._fleet.events = list(snapshot.events)
 

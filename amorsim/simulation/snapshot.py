@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import SnapshotError
+from amorsim.simulation.alike import group_key
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 
@@ -114,11 +115,19 @@ def fits(fleet: Fleet, snapshot: Snapshot) -> bool:
         and len(fleet.everything) == len(snapshot.groups)
         and all(
             tuple(group.names) == held.names
+            and _have_same_chains(group, held)
             and _form(group.arrays()) == _form(held.arrays)
             and _form(group.states()) == _form(held.states)
             for group, held in zip(fleet.everything, snapshot.groups, strict=True)
         )
     )
+
+
+def _have_same_chains(group: Any, held: GroupSnapshot) -> bool:
+    """Whether the elements of noise are of the same classes: states need not differ in form where classes do."""
+    if not isinstance(group, Group) or not held.specified or group.specified[0] is held.specified[0]:
+        return True
+    return group_key(group.specified[0]) == group_key(held.specified[0])
 
 
 def _form(tables: Mapping[str, Mapping[str, npt.NDArray[Any]]]) -> dict[str, dict[str, tuple[Any, ...]]]:

@@ -12,7 +12,19 @@ from typing import Any
 import attrs
 import numpy as np
 
-from amorsim.contracts import Controller, Drive, Estimator, MapLoader, Motion, Noise, Recorder, Sensor
+from amorsim.contracts import (
+    Controller,
+    Drive,
+    Estimator,
+    MapLoader,
+    Motion,
+    Noise,
+    Planner,
+    Recorder,
+    ScenarioLoader,
+    Sensor,
+    WorldGenerator,
+)
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import describe
 from amorsim.core.rows import stack
@@ -22,10 +34,13 @@ from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
 from amorsim.testing.maps import check_map_loader
+from amorsim.testing.planners import check_planner
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
+from amorsim.testing.scenario_loaders import check_scenario_loader
 from amorsim.testing.trial import Record, Trial, try_rows
 from amorsim.testing.variants import example, variants
+from amorsim.testing.worlds import check_world_generator
 
 __all__ = ["check_component"]
 
@@ -36,7 +51,10 @@ _KINDS: dict[str, type] = {
     "estimator": Estimator,
     "controller": Controller,
     "motion": Motion,
+    "planner": Planner,
     "map_loader": MapLoader,
+    "scenario_loader": ScenarioLoader,
+    "world_generator": WorldGenerator,
     "recorder": Recorder,
 }
 
@@ -65,8 +83,9 @@ def check_component(
     Parameters
     ----------
     component
-        A drive, sensor, noise element, estimator, controller, motion, map loader or recorder; or its class, of which
-        one is made with its defaults, and with some value where it has none.
+        A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader, world
+        generator or recorder; or its class, of which one is made with its defaults, and with some value where it has
+        none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -80,7 +99,7 @@ def check_component(
         What a noise element does with inf, which says that nothing returned: ``"kept"``; ``"changed"`` for one that
         makes up returns; ``"absent"`` for one whose values are never inf, such as the travel of a wheel.
     path
-        A file that a map loader is to read.
+        A file that a map loader or a scenario loader is to read.
     scene
         Where a sensor, estimator, controller or motion is tried, in place of a hall with a post, a box, marks and
         lamps: the map, obstacles, landmarks and lights of a scenario. Its robots say where those that are tried
@@ -107,6 +126,15 @@ def check_component(
     _check_pickling(who, component)
     if isinstance(component, MapLoader):
         check_map_loader(who, component, None if path is None else Path(path))
+        return
+    if isinstance(component, ScenarioLoader):
+        check_scenario_loader(who, component, None if path is None else Path(path))
+        return
+    if isinstance(component, Planner):
+        check_planner(who, component)
+        return
+    if isinstance(component, WorldGenerator):
+        check_world_generator(who, component)
         return
     kin = variants(component, ROWS)
     if isinstance(component, Drive):

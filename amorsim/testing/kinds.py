@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
+from amorsim.simulation.estimating import beliefs_problem
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
@@ -195,6 +196,10 @@ class EstimatorTrial(Trial[Estimator]):
 
     widths = (3,)
 
+    def __init__(self, who: Who, rig: Rig) -> None:
+        super().__init__(who, rig)
+        self._layout: list[Any] | None = None  # names, shapes and dtypes of the beliefs
+
     def step(self, component: Estimator, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
         """One update."""
         rows = len(session.rows)
@@ -214,7 +219,25 @@ class EstimatorTrial(Trial[Estimator]):
         covariance = self.array(found[1], (rows, 3, 3), "the covariance")
         self.who.require(np.isfinite(pose).all(), "finite", "the estimated pose", "finite numbers", "nan or inf")
         self._check_covariance(covariance)
-        return {"pose": pose, "covariance": covariance}
+        return {"pose": pose, "covariance": covariance, **self._beliefs(component, session, state)}
+
+    def _beliefs(self, component: Estimator, session: Session, state: State) -> Outputs:
+        """What it believes besides, looked up twice: the state stays as it is, and so do names and shapes."""
+        before = {name: array.copy() for name, array in state.items()}
+        with self.who.calling("beliefs"):
+            found = component.beliefs(state)
+        problem = beliefs_problem(found, len(session.rows))
+        self.who.require(not problem, "beliefs", "beliefs()", "arrays by name, a row first", problem)
+        for name, array in before.items():
+            now = state.get(name)
+            same = now is not None and now.tobytes() == array.tobytes()
+            self.who.require(same, "beliefs", f"state[{name!r}] after beliefs()", "the same bits as before", "others")
+        self.who.require(len(state) == len(before), "beliefs", "the state after beliefs()", "no new key", list(state))
+        layout = [(name, array.shape[1:], array.dtype) for name, array in found.items()]
+        self._layout = self._layout or layout
+        same = layout == self._layout
+        self.who.require(same, "beliefs", "names and shapes in a later step", self._layout, layout)
+        return {f"belief {name}": np.asarray(array) for name, array in found.items()}
 
     def _check_covariance(self, covariance: Array) -> None:
         require = self.who.require

@@ -80,7 +80,7 @@ def test_arrays_hold_all_replicas_and_robots_in_the_order_of_a_simulations_rows(
     for row, (replica, robot) in enumerate(files.rows):
         one = files.table("poses", robot=robot, replica=replica)
         np.testing.assert_array_equal(one["true_x"], poses["true_pose"][:, row, 0])
-    with pytest.raises(am.RunError, match="only poses, velocities, commands, estimates and sensors have rows"):
+    with pytest.raises(am.RunError, match="only poses, velocities, commands, estimates, beliefs and sensors have rows"):
         files.arrays("events")
 
 

@@ -66,3 +66,13 @@ def test_free_places_are_joined_to_the_roomiest() -> None:
     assert (places[:, 0] > 8).any()  # beyond the door
     assert len(places) * side * side == pytest.approx(59.0, rel=0.1)
     assert not world.occupied(places).any()
+
+
+def test_nothing_unknown_is_a_free_place() -> None:
+    # A wide unknown field beside a small known room, both free to drive in.
+    cells, unknown = np.zeros((40, 100)), np.zeros((40, 100))
+    unknown[:, 20:] = 1
+    world = Map.from_array(cells, unknown=unknown, resolution=0.1)
+    assert freest_place(world)[0] < 2.0
+    assert free_places(world)[0][:, 0].max() < 2.0
+    assert freest_place(Map.from_array(cells, resolution=0.1))[0] == pytest.approx(5.0, abs=0.2)

@@ -217,3 +217,47 @@ def test_a_map_of_a_square_kilometre_is_cheap() -> None:
     assert not world.occupied([freest_place(world)]).any()
     x, y = walls[0, :2]
     assert world.occupied([[x, y]]).all()
+
+
+# ------------------------------------------------------------------------------------------ unknown cells
+
+
+def test_unknown_cells_are_kept_and_change_no_ray() -> None:
+    cells = np.zeros((3, 5), np.uint8)
+    cells[:, 4] = 1
+    unknown = np.zeros((3, 5), bool)
+    unknown[1, 2:] = True
+    plain = Map.from_array(cells, resolution=1.0)
+    world = Map.from_array(cells, unknown=unknown, resolution=1.0)
+    assert world.unknown_array().tolist() == unknown.astype(int).tolist()
+    assert world.to_array().tolist() == cells.tolist()
+    assert world.cast_rays([(0.5, 1.5, 0.0)], [0.0], 9.0).tolist() == [[3.5]]
+    assert not plain.unknown_array().any()
+    assert plain.unknown_array().shape == (3, 5)
+    assert world != plain
+    assert world == Map.from_array(cells, unknown=unknown, resolution=1.0)
+    assert pickle.loads(pickle.dumps(world)) == world
+
+
+def test_a_coarser_cell_is_unknown_if_a_part_of_it_is() -> None:
+    unknown = np.zeros((4, 4))
+    unknown[0, 3] = 1
+    world = Map.from_array(np.zeros((4, 4)), unknown=unknown, resolution=0.5)
+    assert world.unknown_array(resolution=1.0).tolist() == [[0, 1], [0, 0]]
+    assert world.unknown_array((1.0, 0.0, 2.0, 1.0)).tolist() == [[0, 1], [0, 0]]
+
+
+def test_unknown_cells_have_the_shape_of_the_cells() -> None:
+    with pytest.raises(MapError, match=r"unknown cells has shape \(2, 3\); expected that of the cells, \(3, 2\)"):
+        Map.from_array(np.zeros((3, 2)), unknown=np.zeros((2, 3)), resolution=1.0)
+    assert Map.from_array(np.zeros((3, 2)), unknown=np.zeros((3, 2)), resolution=1.0).unknown is None
+
+
+def test_an_array_is_neither_changed_nor_kept() -> None:
+    cells = np.zeros((3, 3), np.uint8)
+    world = Map.from_array(cells, resolution=1.0)
+    cells[:] = 1
+    assert not world.to_array().any()
+    frozen = np.ones((2, 2), bool)
+    frozen.flags.writeable = False
+    assert Map.from_array(frozen, resolution=1.0).to_array().all()

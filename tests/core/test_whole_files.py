@@ -118,6 +118,11 @@ def test_what_is_no_file_is_not_replaced(tmp_path: Path) -> None:
         copy_file(tmp_path / "none", tmp_path / "copy")
 
 
+def test_a_name_that_no_file_has_is_refused_in_words(tmp_path: Path) -> None:
+    with pytest.raises(RunError, match=r"cannot be written \(.*null"):
+        write_text(tmp_path / "a\0.txt", "new")
+
+
 def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.txt").write_text("old")
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # for root may write everything
@@ -129,10 +134,17 @@ def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypa
 # what is set aside for them, and a page for the browser in the temporary folder.
 OWN_MEANS = {
     "core/whole_files.py",
+    "foreign/mobilesim.py",
+    "foreign/stage/map.py",
     "maps/bmp.py",
+    "maps/geojson.py",
+    "maps/movingai.py",
+    "maps/ros.py",
+    "maps/svg.py",
     "maps/wld.py",
     "runs/folder.py",
     "testing/maps.py",
+    "testing/scenario_loaders.py",
     "ui/serve/opening.py",
 }
 WRITES = {"write_text", "write_bytes"}

@@ -14,7 +14,7 @@ from PIL import Image
 
 import amorsim as am
 from amorsim.cli.app import app
-from amorsim.scenario import models, read, robots
+from amorsim.scenario import contents, models, robots
 from tests.first_hour.conftest import ROOT, Page, blocks_of, check_output
 
 DOCS = ROOT / "docs"
@@ -69,7 +69,7 @@ def test_the_page_of_python_is_up_to_date() -> None:
 
 def test_every_public_name_is_on_the_page_of_python() -> None:
     text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
-    packages = {"controllers", "drives", "estimators", "motions", "noise", "sensors"}
+    packages = {"controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "worlds"}
     for name in set(am.__all__) - packages - {"testing"}:
         assert f"### `am.{name}`\n" in text, name
     for name in packages:
@@ -149,8 +149,8 @@ def test_every_column_is_described(page: Page) -> None:
 def test_every_key_of_a_scenario_is_described() -> None:
     text = (DOCS / "reference" / "scenario.md").read_text(encoding="utf-8")
     keys = {
-        *read._KEYS,
-        *read._TIMES,
+        *contents._KEYS,
+        *contents._TIMES,
         *robots._ROBOT_KEYS,
         *robots._OBSTACLE_KEYS,
         *robots._ZONE_KEYS,

@@ -1,4 +1,4 @@
-"""The inputs that are tried: scenarios, numbers, line worlds, bitmaps and recorded tracks, each wrong at random."""
+"""The inputs that are tried: scenarios, numbers, maps, recorded tracks, other programs' files; each wrong at random."""
 
 from __future__ import annotations
 
@@ -23,6 +23,9 @@ from amorsim.plugins.manager import make_registry
 from amorsim.scenario.angles import parse_float
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved
+from tests.fuzz.damage import damaged
+from tests.fuzz.foreign import FOREIGN
+from tests.fuzz.maps import LOADERS, MAPS
 from tests.fuzz.scenarios import BASES, ROOM, TRACK
 
 __all__ = ["FUZZERS", "Fuzzer"]
@@ -56,6 +59,7 @@ JUNK = (
     *("nan", "/dev/zero", "..", "room.wld", "track.csv", "wander", "encoder", "laser", float("nan"), float("inf"), -1),
 )
 STEPS = 2
+FORMATS = {"bmp": "BMP", "png": "PNG", "pgm": "PPM", "gif": "GIF", "jpg": "JPEG", "tif": "TIFF"}
 
 
 class Fuzzer(Protocol):
@@ -158,32 +162,11 @@ class Scenarios(_Documents):
 
     def _text(self, rng: Random) -> None:
         path = self.folder / "scenario.toml"
-        data = _damaged(rng.choice(BASES).encode(), rng)
+        data = damaged(rng.choice(BASES).encode(), rng)
         self.said = repr(data)
         path.write_bytes(data)
         simulation = am.Simulation(am.load(path, registry=self.registry))
         simulation.step()
-
-
-def _damaged(data: bytes, rng: Random, most: int = 6) -> bytes:
-    """Bytes with some of them changed, left out, put in, doubled or cut off."""
-    changed = bytearray(data)
-    for _ in range(rng.randint(1, most)):
-        at = rng.randrange(len(changed) + 1)
-        what = rng.random()
-        if what < 0.35 and at < len(changed):
-            changed[at] = rng.randrange(256)
-        elif what < 0.55:
-            del changed[at : at + rng.choice((1, 1, 2, 10))]
-        elif what < 0.75:
-            changed[at:at] = rng.choice(
-                (b"9", b"e9", b"-", b".", b"\0", b"\n", b"[", b'"', b"0" * 20, b"\xff", b"nan ")
-            )
-        elif what < 0.9:
-            changed[at:at] = changed[at : at + rng.randint(1, 60)]
-        elif what < 0.93:
-            del changed[at:]
-    return bytes(changed)
 
 
 _WORDS = (
@@ -203,7 +186,7 @@ class LineWorlds:
         text = "\n".join(self._line(rng) for _ in range(rng.randint(0, 12))) if rng.random() < 0.7 else ROOM
         data = text.encode()
         if rng.random() < 0.5:
-            data = _damaged(data, rng)
+            data = damaged(data, rng)
         self.said = repr(data)
         self.path.write_bytes(data)
         loader = Wld(
@@ -234,20 +217,28 @@ class Bitmaps:
 
     def attempt(self, rng: Random) -> None:
         mode = rng.choice(("1", "L", "P", "RGB", "RGBA", "LA", "I;16"))
-        kind = "png" if mode in ("LA", "I;16") or rng.random() < 0.5 else "bmp"
+        kinds = ("png", "tif") if mode in ("LA", "I;16") else ("png", "bmp", "pgm", "gif", "jpg", "tif")
+        if mode in ("P", "RGBA"):
+            kinds = ("png", "bmp", "tif")
+        kind = rng.choice(kinds)
         size = rng.choice((1, 2, 7, 40)), rng.choice((1, 3, 8, 30))
         image = Image.new("1", size)
         image.putdata([rng.choice((0, 255)) for _ in range(size[0] * size[1])])
         buffer = io.BytesIO()
-        image.convert("L").convert(mode).save(buffer, "BMP" if kind == "bmp" else "PNG")
+        image.convert("L").convert(mode).save(buffer, FORMATS[kind])
         data = buffer.getvalue()
         if rng.random() < 0.8:
-            data = _damaged(data, rng) if rng.random() < 0.6 else _with_header(data, rng)
+            data = damaged(data, rng) if rng.random() < 0.6 else _with_header(data, rng)
         path = self.folder / f"world.{kind}"
         path.write_bytes(data)
         self.said = f"{kind} {mode} {size} {data[:80]!r}"
         threshold = rng.choice((None, 0.0, 0.5, 1.0))
-        world = Bitmap(resolution=rng.choice((1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9)), threshold=threshold).load(path)
+        world = Bitmap(
+            resolution=rng.choice((1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9)),
+            threshold=threshold,
+            transparent=rng.choice(("white", "black", "unknown")),
+            size=rng.choice((None, None, None, (1.0, 2.0), (0.01, 100.0))),
+        ).load(path)
         world.cast_rays([[*world.origin[:2], 0.3]], [0.0, 1.0], 10.0)
 
 
@@ -282,7 +273,7 @@ class Tracks:
             lines.append(",".join(cells))
         data = "\n".join(lines).encode()
         if rng.random() < 0.4:
-            data = _damaged(data, rng)
+            data = damaged(data, rng)
         self.said = repr(data)
         self.path.write_bytes(data)
         track = read_track(self.path)
@@ -320,11 +311,42 @@ class Faulty:
             bytearray(2 * 10**9)
 
 
+class Maps:
+    """Files of all formats of maps but line worlds and bitmaps: whole ones damaged, with any options, and renamed."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.said = ""
+        Image.new("L", (6, 5), 205).save(folder / "lab.pgm")
+
+    def attempt(self, rng: Random) -> None:
+        name = rng.choice(tuple(MAPS))
+        if name == "dxf" and rng.random() < 0.8:  # which takes a hundred times as long as others
+            name = "svg"
+        data = MAPS[name]
+        if rng.random() < 0.9:
+            data = damaged(data, rng, most=rng.choice((1, 3, 10)))
+        if rng.random() < 0.2:  # a number that is too large, or none
+            words = data.split(b" ")
+            words[rng.randrange(len(words))] = str(rng.choice(EXTREMES))[:40].encode()
+            data = b" ".join(words)
+        ending = name if rng.random() < 0.95 else rng.choice(tuple(MAPS))
+        path = self.folder / f"world.{ending}"
+        path.write_bytes(data)
+        cls, options = LOADERS[ending]
+        chosen = {option: rng.choice(values) for option, values in options.items() if rng.random() < 0.3}
+        self.said = f"{ending} {chosen} {data!r}"
+        world = cls(**{"resolution": rng.choice((0.01, 0.05, 1.0)), **chosen}).load(path)
+        world.cast_rays([[*world.origin[:2], 0.3]], [0.0, 1.0], 10.0)
+
+
 FUZZERS: dict[str, Callable[[Path], Fuzzer]] = {
     "scenarios": Scenarios,
     "numbers": Numbers,
     "line_worlds": LineWorlds,
     "bitmaps": Bitmaps,
+    "maps": Maps,
     "tracks": Tracks,
+    **FOREIGN,
     "faulty": Faulty,
 }

@@ -29,6 +29,14 @@ def test_every_input_ends_with_a_result_or_a_message(name: str, tmp_path: Path) 
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
+@pytest.mark.parametrize("name", ["maps", "bitmaps"])
+def test_a_few_hundred_damaged_maps(name: str, tmp_path: Path) -> None:
+    from tests.fuzz.harness import fuzz
+
+    assert fuzz(name, tmp_path, 300, SEED) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits are set as Linux has them")
 def test_the_fuzzers_tell_what_goes_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from tests.fuzz import harness
 

@@ -59,6 +59,50 @@ def test_any_cells_come_back(tmp_path_factory, cells, origin, ending) -> None:
     assert (again.origin, again.resolution) == (plan.origin, plan.resolution)
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    cells=hnp.arrays(np.bool_, st.tuples(st.integers(1, 9), st.integers(1, 9))),
+    corner=st.tuples(*[st.integers(-50, 50)] * 2),
+    resolution=st.sampled_from([0.001, 0.05, 0.25, 1 / 3]),
+)
+def test_any_cells_come_back_as_lines(tmp_path_factory, cells, corner, resolution) -> None:
+    path = tmp_path_factory.mktemp("maps") / "any.wld"
+    origin = (corner[0] * resolution, corner[1] * resolution, 0.0)
+    plan = am.Map.from_array(cells, resolution=resolution, origin=origin)
+    again = am.save_map(plan, path)
+    assert np.array_equal(again.to_array(), plan.to_array())
+
+
+def test_a_straight_wall_of_cells_is_one_line(tmp_path: Path) -> None:
+    cells = np.zeros((20, 30))
+    cells[[0, -1], :] = cells[:, [0, -1]] = 1
+    am.save_map(am.Map.from_array(cells, resolution=0.1), tmp_path / "room.wld")
+    lines = (tmp_path / "room.wld").read_text().splitlines()[3:]
+    found = sorted([round(float(word)) for word in line.split()] for line in lines)
+    assert found == [[50, 50, 2950, 50], [50, 150, 50, 1850], [50, 1950, 2950, 1950], [2950, 150, 2950, 1850]]
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    classes=hnp.arrays(np.uint8, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.integers(0, 2)),
+    as_what=st.sampled_from([0, 1]),
+    ending=st.sampled_from(["png", "tif"]),
+)
+def test_unknown_cells_come_back(tmp_path_factory, classes, as_what, ending) -> None:
+    path = tmp_path_factory.mktemp("maps") / f"any.{ending}"
+    unknown = classes == 2
+    plan = am.Map.from_array(np.where(unknown, as_what, classes), unknown=unknown, resolution=0.05)
+    again = am.save_map(plan, path)
+    assert np.array_equal(again.to_array(), plan.to_array())
+    assert np.array_equal(again.unknown_array(), unknown)
+
+
+def test_unknown_cells_are_not_lost_silently(tmp_path: Path) -> None:
+    plan = am.Map.from_array([[0, 1]], unknown=[[1, 0]], resolution=0.05)
+    with pytest.raises(am.MapError, match="has other cells"):
+        am.save_map(plan, tmp_path / "plan.bmp")
+
+
 def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
     room = am.Map.from_segments(WALLS, resolution=0.01)
     again = am.save_map(room, tmp_path / "room.png")
@@ -69,8 +113,8 @@ def test_lines_can_be_written_as_pixels_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("plan.wld", "not made from lines"),
-        ("plan.xyz", r"no format of maps is known by this extension, but: \.bmp, \.png, \.wld"),
+        ("plan.jpg", "a JPEG blurs the cells"),
+        ("plan.xyz", r"no format of maps is known by this extension, but: \.bmp, .*\.png, .*\.wld"),
         ("plan", "no format of maps"),
         ("none/plan.png", "No such file"),
     ],
@@ -111,8 +155,8 @@ def test_a_map_that_cannot_be_written_leaves_the_file_that_was_there(tmp_path: P
     else:
         file.write_text("0 0 1000 0\n")
     before = sorted(tmp_path.iterdir())
-    with pytest.raises(am.MapError, match=r"room\.wld: cannot be written: the map was not made from lines"):
-        am.save_map(am.Map.from_array([[0, 1]], resolution=0.05), file)
+    with pytest.raises(am.MapError, match=r"room\.wld: cannot be written: read again, it has other cells"):
+        am.save_map(am.Map.from_array([[0, 1]], resolution=0.05, origin=(0.0, 0.0, 0.5)), file)
     assert sorted(tmp_path.iterdir()) == before
     assert file.is_symlink() == is_link
     assert file.read_text() == "0 0 1000 0\n"

@@ -12,7 +12,7 @@ from amorsim.maps.wld import parse_world
 from amorsim.maps.wld_text import with_walls
 
 FRAMES = "\r\n".join(
-    [
+    (
         "width 9000",
         "0 0 1000 0 ; south",
         "push 1000 2000 90",
@@ -20,7 +20,7 @@ FRAMES = "\r\n".join(
         "pop",
         "CORRIDOR 4000 4000 0 1000 600",
         "",
-    ]
+    )
 )
 OFFICE = resources.files("amorsim.scenarios").joinpath("office.wld").read_text()
 

@@ -118,6 +118,15 @@ def test_a_run_keeps_all_files_of_its_map_and_reproduces(
     }
 
 
+def test_a_folder_that_is_named_from_the_present_one_keeps_them_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenario = make(tmp_path / "study", "room.sheet", "room.cells", "room.cells")
+    monkeypatch.chdir(tmp_path)
+    am.run(am.load(scenario), "run")
+    assert (tmp_path / "run" / "room" / "room.cells").is_file()
+
+
 def test_two_maps_with_companions_of_one_name_are_both_kept(tmp_path: Path) -> None:
     scenario = make(tmp_path / "study", "room.sheet", "cells", "cells")
     make(tmp_path / "study" / "old", "room.sheet", "cells", "cells")

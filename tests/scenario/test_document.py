@@ -165,7 +165,10 @@ def test_undo_and_redo_go_through_all_changes(document):
     [
         (lambda document: document.get("robots.rovr.pose"), "Did you mean 'rover'?"),
         (lambda document: document.get("robots.2"), "there is no '2' among these, but 2 of them: rover, scout"),
-        (lambda document: document.set("robots.rover.name.first", 1), "nothing is under robots.0.name: it is 'rover'"),
+        (
+            lambda document: document.set("robots.rover.name.first", 1),
+            "there is nothing under robots.0.name: it is 'rover'",
+        ),
         (lambda document: document.set("", 1), "expected a path"),
         (lambda document: document.set("simulation..dt", 1), "expected a path"),
         (lambda document: document.set("simulation.dt", object()), "expected a number, a text"),
@@ -189,6 +192,16 @@ def test_a_change_that_fails_half_way_leaves_nothing(document, monkeypatch):
     with pytest.raises(pytest.fail.Exception):
         document.set("simulation", {"seed": 3})
     assert document.text == TEXT
+
+
+@pytest.mark.parametrize("value", ["\ud800", ["a", {"b": "\udfff"}], {"\udc80": 1}])
+def test_what_no_file_can_hold_is_refused(document, value):
+    before = document.text
+    with pytest.raises(am.DocumentError, match="a text that UTF-8 can hold"):
+        document.set("robots.rover.colour", value)
+    with pytest.raises(am.DocumentError, match="a text that UTF-8 can hold"):
+        document.set("robots.rover.\ud800", 1)
+    assert document.text == before
 
 
 def test_what_is_no_toml_stays_and_the_rest_can_be_changed(tmp_path):

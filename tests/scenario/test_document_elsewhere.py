@@ -150,3 +150,21 @@ def test_what_cannot_be_copied_leaves_no_file(document, tmp_path):
     with pytest.raises(am.RunError, match=r"ann\.csv"):
         document.save(away / "yard.toml", copy=True)
     assert not (away / "yard.toml").exists()
+
+
+def test_a_document_names_the_files_that_it_depends_on(tmp_path):
+    text = """format = 1
+world = { map = "maps/room.wld" }
+[[robots]]
+name = "rover"
+model = "../own.toml"
+controller = { use = "own.py:Circling" }
+[[robots]]
+name = "scout"
+model = "pioneer2dx"
+controller = { use = "wander" }
+knowledge = { map = "maps/room.wld" }
+"""
+    here = tmp_path / "study"
+    found = am.Document(text, here / "some.toml").files()
+    assert found == (here / "some.toml", here / "maps" / "room.wld", here / ".." / "own.toml", here / "own.py")

@@ -174,3 +174,14 @@ def test_a_document_with_holes_has_its_faults_and_can_be_shown(folder, data):
 
 def test_a_bundled_scenario_is_opened_by_its_name():
     assert open_document("demo").faults() == ()
+
+
+def test_a_lone_carriage_return_is_the_same_fault_wherever_a_file_is_read(folder):
+    """TOML's line ends are LF and CRLF, so what is shown as wrong may not run all the same."""
+    file = folder / "some.toml"
+    file.write_bytes(SOUND.replace("format = 1\n", "format = 1\r\n# one\rtwo = 2\n", 1).encode())
+    document = am.open_document(file)
+    assert [(fault.line, fault.value) for fault in document.faults()] == [(2, "# one\rtwo = 2")]
+    with pytest.raises(am.ScenarioError) as caught:
+        am.load(file)
+    assert caught.value.faults == document.faults()

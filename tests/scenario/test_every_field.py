@@ -24,6 +24,19 @@ from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose
 
 REGISTRY = make_registry(entry_points=(), disabled="")
 HUGE = 10**400
+_MAPS = {
+    "wld": "room.wld",
+    "bmp": "room.bmp",
+    "stage": "room.world",
+    "mobilesim": "room.map",
+    "khepera": "khepera.world",
+    "ros": "room.yaml",
+    "movingai": "grid.map",
+    "geojson": "room.geojson",
+    "svg": "room.svg",
+    "dxf": "room.dxf",
+    "maz": "room.maz",
+}
 EXAMPLES = 250
 
 BASE = {
@@ -86,7 +99,9 @@ def bad_values(parameter: Parameter):
     if not any(typing.get_origin(kind) is tuple for kind in kinds):
         bad += [[], [1.0]]
     else:
-        bad += [[1.0, [2.0]], ["x"], [math.nan], [True], [None]]
+        bad += [[1.0, [2.0]], [math.nan], [True], [None]]
+        if tuple[str, ...] not in kinds:
+            bad += [["x"]]
     if parameter.choices:
         bad += ["no such choice"]
     turn = math.degrees if parameter.is_angle else lambda bound: bound
@@ -126,8 +141,11 @@ def place_of(kind, name):
         robot["controller"] = component
         return document, ("robots", 0, "controller"), ""
     if kind == "map_loader":
-        document["world"] = {"map": "room.wld" if name == "wld" else "room.bmp", "use": name}
+        document["world"] = {"map": _MAPS[name], "use": name}
         return document, ("world",), ""
+    if kind == "world_generator":
+        document["world"] = {"map": {"generate": name}}
+        return document, ("world", "map"), ""
     if kind == "motion":
         document["obstacles"][0]["motion"] = component
         return document, ("obstacles", 0, "motion"), ""
@@ -142,7 +160,7 @@ def at(document, path):
 
 def cases():
     for entry in REGISTRY.entries():
-        if entry.kind in ("robot", "device", "scenario", "recorder"):
+        if entry.kind in ("robot", "device", "scenario", "planner", "recorder", "scenario_loader"):
             continue
         document, path, unit = place_of(entry.kind, entry.name)
         fields = file_fields(REGISTRY.get(entry.kind, entry.name), unit)
@@ -182,6 +200,23 @@ def place(folder):
     from PIL import Image
 
     Image.new("1", (40, 30), 1).save(folder / "room.bmp")
+    (folder / "room.world").write_text("floorplan( size [4 3 1] )")
+    (folder / "room.map").write_text("2D-Map\nLINES\n0 0 4000 0\n4000 3000 0 3000\nDATA\n")
+    words = "0," * 8000
+    (folder / "khepera.world").write_text(f"0,0\nbrick\n0\nlamp\n0\ncork\n0\n{words}\n")
+    Image.new("L", (40, 30), 255).save(folder / "room.pgm")
+    (folder / "room.yaml").write_text(
+        "image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+    )
+    (folder / "grid.map").write_text("type octile\nheight 3\nwidth 4\nmap\n....\n.@..\n....\n")
+    (folder / "room.geojson").write_text('{"type": "LineString", "coordinates": [[0, 0], [4, 0], [4, 3]]}')
+    (folder / "room.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="4000mm" height="3000mm"><path d="M0 0H15000V9000H0Z"/></svg>'
+    )
+    line = "0\nLINE\n8\n0\n10\n0\n20\n0\n11\n{}\n21\n{}\n"
+    lines = line.format(4000, 0) + line.format(0, 3000)
+    (folder / "room.dxf").write_text(f"0\nSECTION\n2\nENTITIES\n{lines}0\nENDSEC\n0\nEOF\n")
+    (folder / "room.maz").write_text("._._.\n|   |\n._._.\n")
     (folder / "track.csv").write_text("time,x,y\n0,1,1\n1,2,1\n")
     return folder
 

@@ -82,6 +82,54 @@ def test_a_model_can_be_chosen(read, folder):
     assert scenario.robots[0].drive.track == 0.5
 
 
+def test_a_table_takes_the_place_of_the_models(read):
+    """What it does not say has its default, whatever the model says of it."""
+    (laser, other) = (
+        robot.sensors["laser"] for robot in read(TWO, "robots.rover.sensors.laser={ use = 'laser', beams = 5 }").robots
+    )
+    assert (laser.sensor.beams, laser.noise, laser.mount.x) == (5, (), 0.0)
+    assert other.noise
+    assert other.mount.x == 0.017
+
+
+def test_parts_of_errors_and_shapes_go_together(read, folder):
+    (folder / "rounded.toml").write_text(
+        "format = 1\nshape = { polygon = [[0.1, 0.1], [-0.1, 0.1], [0.0, -0.1]], rounding = 0.02 }\n"
+        'drive = { use = "differential", wheel_radius_left = 0.1, '
+        "wheel_radius_right = 0.1, track = 0.4, rate_max_deg = 1 }\nerrors = { drive = { track = { scale = 1.1 } } }\n"
+    )
+    model = f"robots.rover.model={folder / 'rounded.toml'}"
+    text = TWO.replace('controller = { use = "wander" }\n', "")
+    rover = read(text, "robots.rover.shape.rounding=0.05", "robots.rover.errors.drive.track.add=0.01", model).robots[0]
+    assert rover.shape.radius == 0.05
+    assert rover.errors == {"drive.track": Deviation(scale=1.1, add=0.01)}
+    assert read(text, model, "robots.rover.shape.polygon.0.0=0.2").robots[0].shape.radius == 0.02
+    assert read(text, model, "robots.rover.shape.circle=0.2").robots[0].shape.radius == 0.2
+
+
+def test_a_file_that_cannot_be_read_takes_settings_all_the_same(folder, registry):
+    """Both are told at once."""
+    path = folder / "broken.toml"
+    path.write_text(f'format = 1\n[world]\nmap = "room.wld"\nx = = 3\n{TWO}')
+    with pytest.raises(ScenarioError) as caught:
+        load(path, ["robots.rover.drive.track=-1", "robots.nobody.name=x"], registry=registry)
+    assert [(fault.file, fault.line, fault.path) for fault in caught.value.faults] == [
+        (str(path), 4, ""),
+        ("--set robots.nobody.name=x", None, "robots.nobody"),
+        ("--set robots.rover.drive.track=-1", None, "robots.0.drive.track"),
+    ]
+    assert path.read_text().endswith(TWO)
+
+
+def test_digits_beyond_those_of_a_double_count(read):
+    text = "33.33333333333333333333"
+    one, other = (
+        read(f'[[robots]]\nname = "rover"\nmodel = "pioneer2dx"\npose = {{ x = 1.0, heading_deg = {value} }}\n', *more)
+        for value, more in ((text, ()), (0.0, (f"robots.rover.pose.heading_deg={text}",)))
+    )
+    assert one.robots[0].pose == other.robots[0].pose
+
+
 def test_a_path_of_the_command_line_starts_where_it_was_typed(read, tmp_path, monkeypatch):
     (tmp_path / "other.wld").write_text("width 2000\nheight 2000\n")
     monkeypatch.chdir(tmp_path)

@@ -121,7 +121,7 @@ CASES = [
     ),
     (f"{ROVER}sensors.sonar.range_min = 9", "robots.0.sensors.sonar.range_min", "range_max"),
     (f"{ROVER}ground = [{{ use = 'difusion' }}]", "robots.0.ground.0.use", "Did you mean 'diffusion'?"),
-    (f"{ROVER}estimators.ekf.use = 'ekf'", "robots.0.estimators.ekf.use", "no estimator called 'ekf'"),
+    (f"{ROVER}estimators.ekf.use = 'slam'", "robots.0.estimators.ekf.use", "no estimator called 'slam'"),
     (f"{ROVER}knowledge.landmarks = [[1, 'a']]", "robots.0.knowledge.landmarks.0", "expected [x, y]"),
     (f"{ROVER}knowledge.map = 'no.wld'", "robots.0.knowledge.map", "there is no such file"),
     (f"{ROVER}knowledge.resolution = 1", "robots.0.knowledge.map", "expected the path of a map file"),

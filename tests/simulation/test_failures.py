@@ -263,15 +263,6 @@ def test_of_many_robots_some_are_named():
     assert "of robots 'r0', 'r1', 'r2' and 2 more at 0.3 s" in str(error_of(*robots))
 
 
-def test_an_error_of_amorsim_is_told_as_it_is():
-    @attrs.frozen(kw_only=True)
-    class Needs(BadEstimator):
-        def start(self, context):
-            raise ComponentError("Needs needs a laser")
-
-    assert str(error_of(building.robot(estimators={"mine": Needs()}))) == "Needs needs a laser"
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -374,3 +365,43 @@ def test_a_path_that_is_not_finite_ends_the_run():
         r"drive \(BadDrive\) of robot 'rover' at tick 0 \(0 s\): expected finite numbers for the displacement",
         str(error_of(building.robot(estimators={}, drive=drive))),
     )
+
+
+CHOOSY = "there is nothing to go by; name a sensor"
+
+
+def choosy(self, context):
+    raise ComponentError(CHOOSY)
+
+
+@attrs.frozen(kw_only=True)
+class Choosy(BadEstimator):
+    start = choosy
+
+
+@attrs.frozen(kw_only=True)
+class ChoosyController(OddCommand):
+    start = choosy
+
+
+@attrs.frozen(kw_only=True)
+class ChoosySensor(BadSensor):
+    start = choosy
+
+
+@attrs.frozen(kw_only=True)
+class ChoosyNoise(BadNoise):
+    start = choosy
+
+
+@pytest.mark.parametrize(
+    ("make", "whose"),
+    [
+        (lambda: building.robot(estimators={"mine": Choosy()}), "estimator 'mine'"),
+        (lambda: building.robot(controller=ChoosyController()), "controller"),
+        (lambda: with_sensor(ChoosySensor()), "sensor 'eye'"),
+        (lambda: with_sensor(building.ring(), ChoosyNoise()), "noise element 'odd' of sensor 'eye'"),
+    ],
+)
+def test_what_a_component_refuses_at_the_start_is_told_with_whose_it_is(make, whose):
+    assert str(error_of(make())) == f"robot 'rover', {whose}: {CHOOSY}"

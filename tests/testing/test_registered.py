@@ -21,7 +21,10 @@ from amorsim.testing import check_component
 from tests import building
 
 REGISTRY = make_registry(entry_points=[])
-KINDS = ("drive", "sensor", "noise", "map_loader", "motion", "estimator", "controller", "recorder")
+KINDS = (
+    *("drive", "sensor", "noise", "map_loader", "scenario_loader", "world_generator", "motion", "estimator"),
+    *("controller", "planner", "recorder"),
+)
 CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 
 # What a check is told beside the class: the travel of wheels is never inf, and comes in pairs; beams may be

@@ -200,3 +200,116 @@ def test_fields_of_each_kind_are_there_and_say_where_their_values_come_from(wind
     assert window.field("sensors.sonar.elements").get_attribute("data-state") == "changed"
     window.page.click("text=as in file")
     window.until("form.fields.get('sensors.sonar.elements').parameter.is_changed === false")
+
+
+LASER = "sensors.laser.noise"
+
+
+def elements(window: Window) -> list[str]:
+    """The elements of the laser's chain, as the window shows them."""
+    heads = window.page.locator(f"[data-element^='{LASER}.']")
+    return [str(head.get_attribute("data-element")).removeprefix(f"{LASER}.") for head in heads.all()]
+
+
+def add_noise(window: Window, use: str, **values: str) -> None:
+    window.page.evaluate("document.querySelectorAll('details.group').forEach(one => one.open = true)")
+    window.page.get_by_label("laser: add noise").click()
+    window.page.locator(".draft > .line select").select_option(use)
+    for path, value in values.items():
+        number = window.page.locator(f".draft [data-path={path}] input[type=text]")
+        number.fill(value)
+        number.press("Tab")
+    window.page.locator(".draft button.main").click()
+
+
+def test_noise_is_added_tuned_and_removed(window: Window) -> None:
+    page = window.page
+    until = f"state && [...document.querySelectorAll('[data-element^=\"{LASER}.\"]')].length"
+    window.do(do="step", steps=5)
+    add_noise(window, "bias", value="0.25")
+    window.until(f"{until} === 3")
+    assert elements(window) == ["gaussian", "quantize", "bias"]
+    assert page.locator(".draft").count() == 0
+    window.do(do="step", steps=1)
+    window.until("newest.tick === 6")
+    true, measured = (window.see(f"newest.{kind}Values[2]") for kind in ("true", "measured"))  # after the encoder's
+    assert measured - true == pytest.approx(0.25, abs=0.05)
+    bias = window.field(f"{LASER}.bias.value").locator("input[type=text]")
+    assert bias.input_value() == "0.25"
+    bias.fill("0.5")
+    bias.press("Enter")
+    window.until(f"form.fields.get('{LASER}.bias.value').parameter.value === 0.5")
+    page.get_by_label("laser: remove gaussian", exact=True).click()
+    window.until(f"{until} === 2")
+    assert elements(window) == ["quantize", "bias"]
+    assert page.locator("[data-group='noise sensors.laser'] .note").text_content() == "taken out: gaussian"
+    window.do(do="step", steps=4)
+    # The past is as it was, and the present as it is.
+    window.do(do="scrub", tick=3)
+    window.until("newest.tick === 3")
+    window.do(do="scrub", tick=None)
+    window.until("newest.tick === 10 && !(newest.states & 2)")
+    assert window.do(do="save_run", name="noisy")["same"]
+    assert changes(window) == [
+        f"{LASER} = gaussian, quantize, bias",
+        f"{LASER}.bias.value = 0.5",
+        f"{LASER} = quantize, bias",
+    ]
+    # A reset keeps what was changed; the scenario's chain comes back when it is asked for.
+    window.do(do="reset")
+    window.until("newest.tick === 0")
+    assert [one["name"] for one in laser_chain(window)] == ["quantize", "bias"]
+    page.click("text=as in file")
+    window.until(f"{until} === 2 && form.fields.has('{LASER}.gaussian.std')")
+    assert elements(window) == ["gaussian", "quantize"]
+    window.do(do="step", steps=2)
+
+
+def laser_chain(window: Window) -> list[dict[str, Any]]:
+    chains = window.do(do="parameters", robot="rover")["chains"]
+    return next(list(chain["elements"]) for chain in chains if chain["path"] == LASER)
+
+
+def test_what_is_wrong_with_a_draft_is_said_and_the_draft_stays(window: Window) -> None:
+    page = window.page
+    add_noise(window, "outliers", probability="7")
+    page.wait_for_selector(".draft > .error:not(:empty)")
+    assert "probability" in page.locator(".draft > .error").text_content()
+    assert len(laser_chain(window)) == 2
+    page.locator(".draft").get_by_text("cancel").click()
+    assert page.locator(".draft").count() == 0
+    # On the ground are the noises that act there.
+    offered = {one["name"] for one in window.do(do="noises", robot="rover", path="ground")["choices"]}
+    assert {"slip", "bump", "gaussian"} <= offered
+    assert "slip" not in {one["name"] for one in window.do(do="noises", robot="rover", path=LASER)["choices"]}
+
+
+def test_an_element_of_a_ring_gets_an_error(window: Window) -> None:
+    page = window.page
+    page.get_by_label("number that is to have an error").select_option("sensors.sonar.elements.2.heading")
+    page.click("text=add an error")
+    path = "errors.sensors.sonar.elements.2.heading.add"
+    window.until(f"form.fields.has('{path}')")
+    page.wait_for_selector(f"[data-path='{path}']", state="attached")
+    page.evaluate("document.querySelectorAll('details.group').forEach(one => one.open = true)")
+    number = window.field(path).locator("input[type=text]")
+    number.fill("5")
+    number.press("Enter")
+    window.until(f"form.fields.get('{path}')?.parameter.value > 0.08")
+    window.field(path).get_by_label("fixed or drawn at random").click()
+    window.field(path).get_by_text("remove this error").click()
+    window.until(f"!form.fields.has('{path}')")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_in_the_forms(window: Window, theme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    page = window.page
+    if page.evaluate("document.documentElement.dataset.theme") != theme:
+        page.keyboard.press("l")
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    window.field(TRACK).get_by_label("fixed or drawn at random").click()
+    page.get_by_label("laser: add noise").click()
+    page.wait_for_selector(".draft")
+    found = axe.run(page).response["violations"]
+    assert [f"{one['id']}: {one['nodes'][0]['html']}" for one in found] == []

@@ -119,7 +119,7 @@ class Chain:
             try:
                 states.append(dict(self.elements[i].start(context if column is None else part)))
             except RAISED as error:
-                self._blame(i, error)
+                self._whose.blame_start(self._what(i), self.elements[i], error)
         return states
 
     def aim(self, elapsed: Array) -> Aim:
@@ -195,7 +195,10 @@ class Chain:
             self._blame(i, error)
 
     def _blame(self, i: int, error: BaseException) -> NoReturn:
-        self._whose.blame(f"noise element {self.names[i]!r} of {self._where}", self.elements[i], error)
+        self._whose.blame(self._what(i), self.elements[i], error)
+
+    def _what(self, i: int) -> str:
+        return f"noise element {self.names[i]!r} of {self._where}"
 
 
 class _Element:

@@ -102,7 +102,7 @@ class SensorUnit:
         try:
             self.state = dict(self.sensor.start(context))
         except RAISED as error:
-            self.blame(error)
+            self.whose.blame_start(self._what, self.sensor, error)
         self.chain.states = self.chain.start(context)
         rows = context.rows
         self._hold_nothing(rows)

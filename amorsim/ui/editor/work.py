@@ -149,6 +149,8 @@ class Work:
         AmorsimError
             If the map is no line world, or would be none.
         """
+        if self._is_generated:
+            raise AmorsimError(self.walls_fixed)
         if self._world() is None:
             path = self._free_map()
             self._maps[path] = _MapText(text=EMPTY_WORLD, saved=None)
@@ -223,6 +225,13 @@ class Work:
         return table if isinstance(table, dict) and isinstance(table.get("map"), str) else None
 
     @property
+    def _is_generated(self) -> bool:
+        try:
+            return isinstance(self.document.get("world.map"), dict)
+        except DocumentError:
+            return False
+
+    @property
     def map(self) -> Path | None:
         """The file of the world's map, or None where none is named."""
         return None if self._world() is None else self._map_path()
@@ -269,6 +278,8 @@ class Work:
     @property
     def walls_fixed(self) -> str:
         """Why walls cannot be changed, or nothing."""
+        if self._is_generated:
+            return "the world is generated; write it into a file with amorsim generate, and draw in that"
         table = self._world()
         try:
             if table is not None:
@@ -380,6 +391,8 @@ class Work:
         try:
             new = other.get("world.map")
         except DocumentError:
+            return
+        if not isinstance(new, str):  # it is generated
             return
         path = Path(there / new)
         old = Path(here / self.document.get("world.map"))

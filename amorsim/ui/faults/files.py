@@ -2,21 +2,48 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterable
 from pathlib import Path
 
+from amorsim.core.errors import DocumentError
 from amorsim.core.reading import read_bytes
+from amorsim.scenario.document import open_document
 
-__all__ = ["Stamp", "stamps_of"]
+__all__ = ["Stamps", "change_of", "stamps_of", "stamps_of_scenario"]
 
 Stamp = tuple[int, int, int, bytes] | None
+Stamps = dict[Path, Stamp]
 
-_SMALL = 256 * 1024  # [bytes] up to which the content is compared too: a clock may be too coarse for two quick changes
+BETWEEN_LOOKS = 0.25  # [s]
+_SMALL = 64 * 1024  # [bytes] up to which the content is compared too: a clock may be too coarse for two quick changes
 
 
-def stamps_of(files: Iterable[Path]) -> dict[Path, Stamp]:
+def stamps_of(files: Iterable[Path]) -> Stamps:
     """What each file looks like at present, other than before if it has changed; None where there is none."""
     return {file: _stamp(file) for file in files}
+
+
+def stamps_of_scenario(name: str) -> Stamps:
+    """The same of a scenario's file and of those that it names."""
+    try:
+        return stamps_of(open_document(name).files())
+    except DocumentError:
+        return stamps_of([Path(name).absolute()])
+
+
+async def change_of(stamps: Stamps) -> Stamps:
+    """What the files look like once one of them has changed, and none is being written any more.
+
+    A file counts as written once it has looked the same twice.
+    """
+    before = stamps
+    while True:
+        await asyncio.sleep(BETWEEN_LOOKS)
+        now = await asyncio.to_thread(stamps_of, stamps)
+        if now != stamps and now == before:
+            return now
+        before = now
 
 
 def _stamp(file: Path) -> Stamp:

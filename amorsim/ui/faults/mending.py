@@ -20,15 +20,13 @@ from amorsim.core.errors import AmorsimError, DocumentError, Fault, ScenarioErro
 from amorsim.core.trouble import error_in_words
 from amorsim.scenario.document import open_document
 from amorsim.scenario.read import check_words
-from amorsim.ui.faults.files import Stamp, stamps_of
+from amorsim.ui.faults.files import BETWEEN_LOOKS, Stamps, change_of, stamps_of
 from amorsim.ui.faults.lines import FaultLine, FaultsError, fault_lines
 from amorsim.ui.scene.still import StillBuilder
 from amorsim.ui.scene.wire import Still
 from amorsim.ui.serve.wire import shown, whole
 
 __all__ = ["FaultyFile", "Mending"]
-
-BETWEEN_LOOKS = 0.25  # [s]; a file is read once it has looked the same twice, for then it is written whole
 
 _NUMBER = whole(0)
 
@@ -38,17 +36,19 @@ class FaultyFile(TypedDict):
 
     ok: bool
     number: int  # of this answer; greater than of those before
-    status: str  # "faulty", "starting" where it has no faults, or "open" once its simulation is to be seen
+    # "reading" before what can be drawn is known, "faulty", "starting" where it has no faults, or "open" once its
+    # simulation is to be seen.
+    status: str
     file: str
     faults: list[FaultLine]
     still: Still | None  # none before it is read, or if nothing of it can be
-    path: str  # of the simulation's page, once it is open
+    path: str  # of the simulation's page, if there is one; while the file is faulty, that of the file as it was
 
 
 class _Looked(NamedTuple):
     faults: list[FaultLine]
     builder: StillBuilder | None
-    stamps: dict[Path, Stamp]
+    stamps: Stamps
 
 
 class Mending:
@@ -64,6 +64,9 @@ class Mending:
         Why it cannot be.
     open_page
         Starts the simulation, and returns the path of its page.
+    path
+        Of the page of a simulation that goes on meanwhile, if there is one. Its place is taken by the new one only
+        while somebody looks at the faults.
     """
 
     def __init__(
@@ -73,18 +76,20 @@ class Mending:
         *,
         changes: Sequence[str] = (),
         open_page: Callable[[], Awaitable[str]],
+        path: str = "",
     ) -> None:
         self._name = name
         self._changes = changes
         self._file = Path(name).absolute()
         self._known = faults
         self._open_page = open_page
+        self._path = path
         self._builder: StillBuilder | None = None
         self._news = asyncio.Event()
-        self._windows = itertools.count(1)
+        self._numbers = itertools.count(1)
+        self._windows: set[str] = set()
         self._watching: asyncio.Task[None] | None = None
-        self._shown = self._told(0, "faulty", faults)
-        self._show("faulty", faults)
+        self._shown = self._told(1, "reading", faults)
 
     def start(self) -> None:
         """Watch the file from now on."""
@@ -107,30 +112,22 @@ class Mending:
             faults, self._known = self._known or looked.faults, []
             self._builder = looked.builder
             if not faults:
+                while self._path and not self._windows:
+                    await asyncio.sleep(BETWEEN_LOOKS)
                 self._show("starting", [])
                 try:
-                    path = await self._open_page()
+                    self._path = await self._open_page()
                 except FaultsError as error:
                     faults = error.faults
                 except AmorsimError as error:
                     faults = fault_lines([Fault(file="", path="", message=str(error))])
                 else:
-                    self._show("open", [], path)
+                    self._show("open", [])
                     return
             self._show("faulty", faults)
-            stamps = await self._change(looked.stamps)
+            stamps = await change_of(looked.stamps)
 
-    async def _change(self, stamps: dict[Path, Stamp]) -> dict[Path, Stamp]:
-        """What the files look like once they have changed, and are not being written any more."""
-        before = stamps
-        while True:
-            await asyncio.sleep(BETWEEN_LOOKS)
-            now = await asyncio.to_thread(stamps_of, stamps)
-            if now != stamps and now == before:
-                return now
-            before = now
-
-    def _look(self, stamps: dict[Path, Stamp]) -> _Looked:
+    def _look(self, stamps: Stamps) -> _Looked:
         """Read the file, and as far as it can be, what it says."""
         seen = {self._file: stamps[self._file]}
         builder = None
@@ -157,7 +154,7 @@ class Mending:
             return error.faults
         return ()
 
-    def _told(self, number: int, status: str, faults: list[FaultLine], path: str = "") -> FaultyFile:
+    def _told(self, number: int, status: str, faults: list[FaultLine]) -> FaultyFile:
         return {
             "ok": True,
             "number": number,
@@ -165,12 +162,12 @@ class Mending:
             "file": self._name,
             "faults": faults,
             "still": None if self._builder is None else self._builder.still,
-            "path": path,
+            "path": self._path,
         }
 
-    def _show(self, status: str, faults: list[FaultLine], path: str = "") -> None:
+    def _show(self, status: str, faults: list[FaultLine]) -> None:
         """Tell all windows how the file stands."""
-        self._shown = self._told(self._shown["number"] + 1, status, faults, path)
+        self._shown = self._told(self._shown["number"] + 1, status, faults)
         news, self._news = self._news, asyncio.Event()
         news.set()
 
@@ -178,10 +175,13 @@ class Mending:
 
     def open_window(self, tab: str = "") -> str:
         """A new window's name."""
-        return f"window-{next(self._windows)}"
+        name = f"window-{next(self._numbers)}"
+        self._windows.add(name)
+        return name
 
     def close_window(self, window: str) -> None:
-        """A window has gone, which changes nothing."""
+        """A window has gone."""
+        self._windows.discard(window)
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
         """Nothing, for nothing moves: it never returns."""

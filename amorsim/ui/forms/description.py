@@ -28,6 +28,7 @@ __all__ = [
     "deviation_of",
     "form_of",
     "number_of",
+    "number_widget",
     "plain",
     "why_fixed",
 ]
@@ -173,6 +174,22 @@ def why_fixed(parameter: Parameter) -> str:
     return ""
 
 
+def number_widget(parameter: Parameter, *, is_whole: bool = False) -> Widget:
+    """The widget of a number that a parameter is, or that is in it."""
+    widget: Widget = {
+        "kind": "number",
+        "is_optional": False,
+        "unit": parameter.unit,
+        "low": parameter.gt if parameter.ge is None else parameter.ge,
+        "high": parameter.lt if parameter.le is None else parameter.le,
+        "is_open": [parameter.ge is None, parameter.le is None],
+        "is_whole": is_whole,
+    }
+    if parameter.frame:
+        widget["frame"] = parameter.frame
+    return widget
+
+
 def plain(value: Any) -> Any:
     """A parameter's value as JSON has it: lists for tuples, tables for nested classes and distributions."""
     if isinstance(value, Distribution):
@@ -201,7 +218,7 @@ def number_of(value: Any) -> Any:
     (kind, values), *others = [*value.items(), ("", ())]
     if len(others) != 1 or not isinstance(values, (list, tuple)):
         raise AmorsimError("expected {normal = [MEAN, STANDARD DEVIATION]} or {uniform = [LOW, HIGH]}")
-    return Distribution(kind=kind, values=tuple(values))  # type: ignore[arg-type]  # it checks how many there are
+    return Distribution(kind=kind, values=tuple(values))
 
 
 def deviation_of(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -268,7 +285,7 @@ class _Maker:
             return self._list(parameter, typing.get_args(kind))
         widget: Widget = {"kind": "text", "is_optional": False}
         if kind in (float, int):
-            widget |= self._number(parameter, kind)
+            widget |= number_widget(parameter, is_whole=kind is int)
         elif kind is bool:
             widget["kind"] = "flag"
         elif isinstance(kind, type) and attrs.has(kind):
@@ -280,20 +297,6 @@ class _Maker:
             widget |= {"kind": "name", "refers": parameter.refers, "choices": names}
         elif parameter.choices:
             widget |= {"kind": "choice", "choices": list(parameter.choices)}
-        return widget
-
-    def _number(self, parameter: Parameter, kind: type) -> Widget:
-        widget: Widget = {
-            "kind": "number",
-            "is_optional": False,
-            "unit": parameter.unit,
-            "low": parameter.gt if parameter.ge is None else parameter.ge,
-            "high": parameter.lt if parameter.le is None else parameter.le,
-            "is_open": [parameter.ge is None, parameter.le is None],
-            "is_whole": kind is int,
-        }
-        if parameter.frame:
-            widget["frame"] = parameter.frame
         return widget
 
     def _union(self, parameter: Parameter, options: Sequence[Any]) -> Widget:

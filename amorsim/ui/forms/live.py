@@ -11,7 +11,7 @@ from amorsim.core.parameters import Parameter, describe
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Robot
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.forms.description import FieldForm, Widget, deviation_form, form_of, plain
+from amorsim.ui.forms.description import FieldForm, Widget, deviation_form, form_of, number_widget, plain
 from amorsim.ui.forms.origins import Origins
 from amorsim.ui.forms.sliders import slider_of
 from amorsim.ui.simulator.protocol import ParameterForm
@@ -195,7 +195,8 @@ class _Forms:
         is_error = path.startswith("errors.")
         nominal, scenario = (_found(robot, path) for robot in (self._robots.nominal, self._robots.scenario))
         parts = place.path.split(".")
-        is_number = _fitting(field["widget"], nominal, is_error)["kind"] == "number"
+        widget = number_widget(parameter) if is_error else _fitting(field["widget"], nominal)
+        is_number = widget["kind"] == "number"
         form: ParameterForm = {
             "path": path,
             "group": ".".join(parts[:2]) if parts[0] in ("sensors", "estimators") else parts[0],
@@ -204,7 +205,7 @@ class _Forms:
             "unit": place.unit if parameter.unit == "sensor" else parameter.unit,
             "help": field["help"],
             "type": "int" if parameter.type is int else "float",
-            "widget": _fitting(field["widget"], nominal, is_error),
+            "widget": widget,
             "low": parameter.gt if parameter.ge is None else parameter.ge,
             "high": parameter.lt if parameter.le is None else parameter.le,
             "is_open": [parameter.ge is None, parameter.le is None],
@@ -212,6 +213,7 @@ class _Forms:
             "value": _number(nominal) if is_number else plain(nominal),
             "scenario": _number(scenario) if is_number else plain(scenario),
             "is_changed": scenario != nominal,
+            "is_added": kind == "noise" and _found(self._robots.scenario, place.path) is None,
             "fixed": field["fixed"] or _fixed_by_value(nominal),
             "drawn": str(nominal) if isinstance(nominal, Distribution) else "",
             "drawn_value": None,
@@ -227,14 +229,13 @@ class _Forms:
         return form
 
 
-def _fitting(widget: Widget, value: Any, is_error: bool) -> Widget:
-    """Of a widget for either of several kinds of value that which shows the value; an error is of a number."""
-    if widget["kind"] == "number" or not (is_error or widget["kind"] == "either"):
+def _fitting(widget: Widget, value: Any) -> Widget:
+    """Of a widget for either of several kinds of value that which shows the value."""
+    if widget["kind"] != "either":
         return widget
     wanted = {"list", "table", "forms"} if isinstance(value, tuple) else {"choice", "text"}
-    wanted = {"number"} if is_error or isinstance(value, (int, float)) else wanted
-    options = widget.get("options", [widget.get("item", widget)])
-    return next((option for option in options if option["kind"] in wanted), options[0])
+    wanted = {"number"} if isinstance(value, (int, float)) else wanted
+    return next((option for option in widget["options"] if option["kind"] in wanted), widget["options"][0])
 
 
 def _fixed_by_value(value: Any) -> str:

@@ -97,6 +97,13 @@ class Pages:
         self.first = self.first or page
         return page
 
+    def replace(self, page: Page, session: Talks) -> Page:
+        """Show another session in the place of a page's, from the next window on."""
+        new = attrs.evolve(page, session=session)
+        self._pages[page.kind, page.name] = new
+        self.first = new if self.first is page else self.first
+        return new
+
     def remove(self, page: Page) -> None:
         """Show a page no more; its name is free again."""
         self._pages.pop((page.kind, page.name), None)

@@ -178,10 +178,12 @@ class Child:
             return
         self._busy_since = None
         builder = SceneBuilder(simulation)
-        self._player, self._does = player, Commands(player, builder, self._is_ending.is_set, passing=recipe.passing)
+        does = Commands(player, builder, self._is_ending.is_set, changes=recipe.changes, passing=recipe.passing)
+        self._player, self._does = player, does
         self._folder, self._tick = str(player.folder or ""), player.newest
+        scenario = simulation.scenario
         remarks = [
-            f"{simulation.scenario.map.name}: {text}" for text in (*simulation.scenario.map.warnings, remark) if text
+            f"{scenario.map.name}: {text}" for text in (*scenario.remarks, *scenario.map.warnings, remark) if text
         ]
         ready = {"scene": builder.scene, "remarks": remarks, "folder": self._folder, "since": since}
         self._writer.send({"push": "ready", **ready})

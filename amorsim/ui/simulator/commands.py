@@ -6,20 +6,16 @@ import base64
 import functools
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import attrs
 import numpy as np
 
-from amorsim.core.errors import AmorsimError, RunError, did_you_mean
-from amorsim.core.whole_files import copy_file
-from amorsim.plugins.manager import default_registry
-from amorsim.scenario.maps import companions_of
-from amorsim.scenario.names import name_from, rename_maps
-from amorsim.scenario.spec import Scenario
-from amorsim.scenario.write import resolved_table, write_table
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.scenario.chains import chain_at, is_chain, tables_of
+from amorsim.scenario.spec import Robot
+from amorsim.ui.forms.chains import chains_of, noises_for, targets_of, with_element, without
 from amorsim.ui.forms.description import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.forms.origins import Origins
@@ -28,6 +24,7 @@ from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player
 from amorsim.ui.simulator.protocol import State
+from amorsim.ui.simulator.saved_scenario import save_scenario
 from amorsim.ui.simulator.scenes import SceneBuilder
 
 __all__ = ["Commands"]
@@ -41,7 +38,8 @@ MOST_STEPS_AT_ONCE = 1000
 class Commands:
     """Carries out commands on a player, and knows whether it runs.
 
-    `is_ending` is asked whether to leave off. Files of the folder `passing` are not there for long (see `Recipe`).
+    `is_ending` is asked whether to leave off. The scenario was read with `changes`, and files of the folder `passing`
+    are not there for long (see `Recipe`).
     """
 
     def __init__(
@@ -50,9 +48,11 @@ class Commands:
         builder: SceneBuilder,
         is_ending: Callable[[], bool] = lambda: False,
         *,
+        changes: Sequence[str] = (),
         passing: str = "",
     ) -> None:
         self._is_ending = is_ending
+        self._changes = changes
         self._passing = passing
         self.player = player
         self.pace = Pace()
@@ -79,6 +79,9 @@ class Commands:
             "stop": self._stop,
             "set": self._set,
             "restore": self._restore,
+            "noises": self._noises,
+            "add": self._add,
+            "remove": self._remove,
             "changes": self._all_changes,
             "folder": lambda _: {"folder": str(player.folder) if player.folder else ""},
             "forgive": lambda _: player.forgive(),
@@ -169,8 +172,13 @@ class Commands:
     def _parameters(self, command: Table) -> Answer:
         robot = self._robot(command)
         simulation = self.player.simulation
-        forms = forms_of(simulation, robot, self._origins)
-        return {"parameters": forms, "sensors": sensor_shapes(simulation.robot(robot).true)}
+        handle = simulation.robot(robot)
+        return {
+            "parameters": forms_of(simulation, robot, self._origins),
+            "chains": chains_of(handle.nominal, self._specified(robot)),
+            "targets": targets_of(handle.nominal),
+            "sensors": sensor_shapes(handle.true),
+        }
 
     @functools.cached_property
     def _origins(self) -> Origins:
@@ -310,16 +318,45 @@ class Commands:
     def _restore(self, command: Table) -> None:
         """Set what was changed to what the scenario says: all of a robot, or what is at a path and in it."""
         robot = self._robot(command)
-        specified = next(one for one in self.player.simulation.scenario.robots if one.name == robot)
+        specified = self._specified(robot)
         paths = [path for name, path in self.player.changes if name == robot]
         if (wanted := command.get("path")) is not None:
-            paths = [path for path in paths if path == wanted or _is_within(wanted, path) or _is_within(path, wanted)]
+            # A number of an error goes with the error, but one of an element alone, and not with its chain.
+            paths = [path for path in paths if _is_at(path, wanted) or (_is_at(wanted, path) and not is_chain(path))]
+            paths = paths or [wanted]
         for path in paths:
-            value = _value_at(specified, path)
+            if wanted is None and (robot, path) not in self.player.changes:  # it went with a chain
+                continue
+            value = tables_of(specified, path) if is_chain(path) else _value_at(specified, path)
             if value is None and path.endswith(".value"):  # of an error: the scenario has none
                 continue
             self._give("set", robot, value, path)
             self.player.forget_change(robot, path)
+
+    def _specified(self, robot: str) -> Robot:
+        """A robot as the scenario has it."""
+        return next(one for one in self.player.simulation.scenario.robots if one.name == robot)
+
+    def _noises(self, command: Table) -> Answer:
+        nominal = self.player.simulation.robot(self._robot(command)).nominal
+        return {"choices": noises_for(nominal, _chain_path(command))}
+
+    def _add(self, command: Table) -> Answer:
+        """Put an element into a chain of noise."""
+        robot, path, value = self._robot(command), _chain_path(command), command.get("value")
+        if not isinstance(value, dict):
+            raise AmorsimError(f"value: expected a table, as {{'use': 'gaussian', 'std': 0.01}}, got {value!r}")
+        index = None if command.get("index") is None else self._whole(command, "index")
+        handle = self.player.simulation.robot(robot)
+        self._give("set", robot, with_element(handle.nominal, path, value, index), path)
+        elements = chain_at(self.player.simulation.robot(robot).nominal, path)
+        return {"path": f"{path}.{elements[-1 if index is None else min(index, len(elements) - 1)].name}"}
+
+    def _remove(self, command: Table) -> None:
+        """Take an element out of a chain of noise."""
+        robot = self._robot(command)
+        path, tables = without(self.player.simulation.robot(robot).nominal, str(command.get("path")))
+        self._give("set", robot, tables, path)
 
     def _all_changes(self, _: Table) -> Answer:
         return {"changes": [[robot, path, value] for (robot, path), value in self.player.changes.items()]}
@@ -333,24 +370,7 @@ class Commands:
 
     def _write_scenario(self, command: Table) -> None:
         """Write the scenario with what was changed into `file`, which the session has looked at."""
-        simulation = self.player.simulation
-        names = [robot.name for robot in simulation.scenario.robots]
-        robots = [simulation.robot(name).nominal for name in names]
-        scenario = attrs.evolve(simulation.scenario, robots=robots, seed=simulation.seed)
-        path = Path(str(command["file"]))
-        document = resolved_table(scenario)
-        _copy_maps(document, scenario, self._not_the_users(scenario), path)
-        name_from(path.parent, document, scenario)
-        write_table(document, path)
-
-    def _not_the_users(self, scenario: Scenario) -> list[Path]:
-        """The folders whose files a scenario of the user's should not name: they pass, or belong to a program."""
-        registry = default_registry()
-        bundled = {registry.file("scenario", name).parent for name in registry.names("scenario")}
-        folders = {Path(self._passing)} if self._passing else set()
-        if scenario.source is not None:
-            folders |= {scenario.source.parent} & bundled
-        return sorted(folders)
+        save_scenario(self.player.simulation, Path(str(command["file"])), changes=self._changes, passing=self._passing)
 
     def _remark(self, command: Table) -> None:
         self.player.remark(
@@ -368,45 +388,13 @@ def _value_at(robot: Any, path: str) -> Any:
         raise AmorsimError(f"{path}: {error.args[0]}") from None
 
 
-def _copy_maps(document: dict[str, Any], scenario: Scenario, folders: list[Path], path: Path) -> None:
-    """Copy the maps that lie in some folders next to the file that is to be, named after it, and name the copies.
-
-    Maps of several files stay where they are.
-    """
-    copies: dict[str, str] = {}
-    maps = [scenario.map, *(robot.knowledge.map for robot in scenario.robots if robot.knowledge.map is not None)]
-    whole = {str(found.source.path.absolute()) for found in maps if not companions_of(found.source)}
-
-    def kept(name: str) -> str:
-        file = Path(name)
-        if name not in whole or not any(file.is_relative_to(folder) for folder in folders):
-            return name
-        if name not in copies:
-            number, copy = 1, path.with_suffix(file.suffix)
-            while not _is_copied(file, copy):
-                number += 1
-                copy = path.with_name(f"{path.stem}-{number}{file.suffix}")
-            copies[name] = str(copy)
-        return copies[name]
-
-    rename_maps(document, kept)
+def _is_at(path: str, other: str) -> bool:
+    """Whether a path is another one, or leads into it."""
+    return path == other or path.startswith(f"{other}.")
 
 
-def _is_copied(file: Path, copy: Path) -> bool:
-    """Copy a file to where there is none; whether there was none. A link there, which may lead anywhere, is one."""
-    try:
-        copy.touch(exist_ok=False)
-    except FileExistsError:
-        return False
-    except OSError as error:
-        raise RunError(f"{copy}: cannot be written: {error.strerror or error}") from error
-    try:
-        copy_file(file, copy)
-    except RunError:
-        copy.unlink(missing_ok=True)
-        raise
-    return True
-
-
-def _is_within(path: str, other: str) -> bool:
-    return path.startswith(f"{other}.")
+def _chain_path(command: Table) -> str:
+    path = command.get("path")
+    if not is_chain(path):
+        raise AmorsimError(f"path: expected 'ground' or a sensor's chain, as 'sensors.laser.noise', got {path!r}")
+    return str(path)

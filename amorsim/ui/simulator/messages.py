@@ -127,12 +127,20 @@ COMMANDS: Mapping[str, Command] = {
     # Parameters, by their paths. `restore` without a path restores all.
     "set": Command(needs={"path": _NAME, "value": _VALUE}, may=_OF_ROBOT, controls=True),
     "restore": Command(may={**_OF_ROBOT, "path": _either(_NAME, _NOTHING)}, controls=True),
+    # Elements of noise, by the path of their chain; `add` puts one at the end, or before that of an index.
+    "noises": Command(needs={"path": _NAME}, may=_OF_ROBOT, asks=True),
+    "add": Command(
+        needs={"path": _NAME, "value": _VALUE}, may={**_OF_ROBOT, "index": whole(0, MOST_ITEMS)}, controls=True
+    ),
+    "remove": Command(needs={"path": _NAME}, may=_OF_ROBOT, controls=True),
     # Files and folders in the project's folder (see `amorsim.ui.simulator.project`); a run without a name gets one.
     "places": Command(controls=True),
     "save_scenario": Command(needs={"name": _text(LONGEST_PLACE)}, may={"overwrite": _YES_OR_NO}, controls=True),
     "save_run": Command(may={"name": _either(_text(LONGEST_PLACE), _NOTHING)}, controls=True),
     # A simulation that hangs or has gone; `without` are robots that go over to the hand.
     "restart": Command(may={"without": _either(_list_of(_NAME, MOST_ROBOTS), _NOTHING)}, controls=True),
+    # The scenario's file again, once it has changed.
+    "reload": Command(controls=True),
 }
 
 

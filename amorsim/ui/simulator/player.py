@@ -259,7 +259,10 @@ class Player:
             self._story.cut(tick, len(self.simulation.events))
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
-        self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
+        self._changes = {}
+        for one in self.inputs:
+            if one.do == "set":
+                self._note_change(one)
         self.remark("continued", f"continued from here; {until}")
         return tick
 
@@ -310,7 +313,10 @@ class Player:
         story.cut(tick, len(self.simulation.events))
         self._begin(self._new())
         self._story = story
-        self._changes = {(one.robot, one.path): one.value for one in self.inputs if one.do == "set"}
+        self._changes = {}
+        for one in self.inputs:
+            if one.do == "set":
+                self._note_change(one)
         since = "from the start"
         if carried is not None and self._writing.folder is None:
             try:
@@ -359,11 +365,21 @@ class Player:
         new.give(self.simulation)
         self.inputs.add(new)
         if new.do == "set":
-            self._changes[new.robot, new.path] = new.value
+            self._note_change(new)
         elif new.do == "hand_over" and self.fault is not None:
             robots = tuple(name for name in self.fault.robots if not self.simulation.robot(name).is_by_hand)
             if not robots:
                 self.fault = None
+
+    def _note_change(self, new: Input) -> None:
+        """Keep a change, in place of those that it holds: a chain or an error has all its numbers in it."""
+        within = f"{new.path}."
+        self._changes = {
+            (robot, path): value
+            for (robot, path), value in self._changes.items()
+            if robot != new.robot or not (path == new.path or path.startswith(within))
+        }
+        self._changes[new.robot, new.path] = new.value
 
     def forget_change(self, robot: str, path: str) -> None:
         """Hold a parameter for unchanged: it was set to what the scenario says."""

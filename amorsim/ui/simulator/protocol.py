@@ -9,7 +9,10 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 |---|---|
 | ``state`` | `State` |
 | ``scene`` | ``scene``: a `Scene` |
-| ``parameters`` | ``parameters``: list of `ParameterForm`, ``sensors``: list of `SensorShape`, true |
+| ``parameters`` | ``parameters``: list of `ParameterForm`, ``chains``: list of `ChainForm`, ``targets``: list of \
+`TargetForm`, ``sensors``: list of `SensorShape`, true |
+| ``noises`` | ``choices``: list of `Choice` |
+| ``add`` | ``path`` of the element |
 | ``history`` | `History` |
 | ``events`` | ``epoch``, ``events``: list of `EventLine`, ``next`` |
 | ``image`` | ``png``: base64 |
@@ -23,6 +26,7 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 | ``save_scenario`` | ``file`` |
 | ``save_run`` | ``folder``, ``same`` |
 | ``restart`` | ``again`` |
+| ``reload`` | ``path`` of the page to go to: of the new simulation, or of the faults of the file |
 | ``controls`` | ``holder``, ``asking`` |
 """
 
@@ -30,15 +34,19 @@ from __future__ import annotations
 
 from typing import Any, NotRequired, TypedDict
 
+from amorsim.ui.forms.chains import ChainForm, ElementForm, TargetForm
 from amorsim.ui.forms.description import FieldForm, Widget
 
 __all__ = [
+    "ChainForm",
+    "ElementForm",
     "EventLine",
     "FieldForm",
     "History",
     "ParameterForm",
     "Past",
     "State",
+    "TargetForm",
     "Widget",
 ]
 
@@ -68,6 +76,7 @@ class ParameterForm(TypedDict):
     value: Any  # a number, or what else the widget shows
     scenario: Any  # what the scenario says
     is_changed: bool  # whether the scenario says something else
+    is_added: bool  # whether it is of an element of noise that the scenario does not have
     fixed: str
     drawn: str
     drawn_value: float | None
@@ -110,6 +119,8 @@ class State(TypedDict):
     reason: str  # why not
     fault: EventLine | None
     holder: NotRequired[str]  # the window that has the controls
+    changed: NotRequired[bool]  # whether the scenario's file, or one that it names, is another one by now
+    moved: NotRequired[str]  # the page of the simulation that took this one's place
 
 
 class Past(TypedDict):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -28,7 +28,7 @@ Table = Mapping[str, Any]
 Answer = dict[str, Any]
 
 _OF_ROBOT = ("parameters", "history", "hand_over", "drive", "command", "set", "restore")  # which they name, or look at
-_OWN = ("restart", "places", "save_run", "save_scenario")
+_OWN = ("reload", "restart", "places", "save_run", "save_scenario")
 
 BETWEEN_LOOKS = 0.2  # [s], while an answer is waited for
 
@@ -50,6 +50,15 @@ class Session:
         After how long [s] without an answer a controller is said to hang.
     notice
         Called with what the user should know while he waits: once, that kernels are being compiled.
+
+    Attributes
+    ----------
+    reload
+        Loads the scenario's file again, and returns the path of the page to go to; None where that cannot be.
+    changed
+        Whether that file, or one that it names, has changed since.
+    moved
+        The path of the page of the session that took the place of this one; empty while none did.
     """
 
     def __init__(
@@ -69,6 +78,9 @@ class Session:
         self._mailbox = Mailbox(lambda now: self._keeper.ask_frame(self._looks.robots, now=now))
         self._keeper = Keeper(recipe, out=out, patience=patience, notice=notice, mailbox=self._mailbox)
         self._state: Answer = {}  # the last that the child told
+        self.reload: Callable[[], Awaitable[str]] | None = None
+        self.changed = False
+        self.moved = ""
 
     # ----------------------------------------------------------------------------------------------- beginning and end
 
@@ -173,7 +185,8 @@ class Session:
         if name == "scene":
             return {"ok": True, "scene": self.scene}
         if name == "state":
-            return {**await self._told_state(command), "selected": self._looks.of(window)}
+            more = {"selected": self._looks.of(window), "changed": self.changed}
+            return {**await self._told_state(command), **more, **({"moved": self.moved} if self.moved else {})}
         if self._keeper.hang is not None:
             raise AmorsimError(f"the simulation does not answer: {self._keeper.hang['text']}")
         answer = await self._keeper.send(self._with_robot(window, command))
@@ -200,6 +213,10 @@ class Session:
 
     async def _own(self, command: Table) -> Answer:
         name, keeper = command["do"], self._keeper
+        if name == "reload":
+            if self.reload is None:
+                raise AmorsimError("there is no file to load again")
+            return {"ok": True, "path": await self.reload()}
         if name == "restart":
             return await keeper.restart(command.get("without"))
         if name == "places":

@@ -17,14 +17,16 @@ from typing import TYPE_CHECKING
 
 from amorsim.core.errors import AmorsimError
 from amorsim.core.reading import is_file
+from amorsim.runs.folder import next_folder
 from amorsim.ui.faults.lines import FaultLine, FaultsError
 from amorsim.ui.serve.inviting import Invitation
 from amorsim.ui.simulator.orphan import stay
 from amorsim.ui.simulator.recipe import Recipe
 
 if TYPE_CHECKING:
+    from amorsim.ui.faults.files import Stamps
     from amorsim.ui.faults.mending import Mending
-    from amorsim.ui.serve.pages import Pages
+    from amorsim.ui.serve.pages import Page, Pages
     from amorsim.ui.simulator.session import Session
 
 __all__ = ["can_be_mended", "check_extra", "main", "show"]
@@ -43,8 +45,12 @@ def check_extra() -> None:
 
 def can_be_mended(recipe: Recipe, faults: list[FaultLine]) -> bool:
     """Whether what is wrong with a scenario may go if its file, or one that it names, is changed."""
-    is_scenario = not recipe.passing and Path(recipe.name).suffix in ("", ".toml") and is_file(recipe.name)
-    return is_scenario and any(not fault["file"].startswith("--set ") for fault in faults)
+    return _is_own_file(recipe) and any(not fault["file"].startswith("--set ") for fault in faults)
+
+
+def _is_own_file(recipe: Recipe) -> bool:
+    """Whether a scenario is a file of the user's, which may change."""
+    return not recipe.passing and Path(recipe.name).suffix in ("", ".toml") and is_file(recipe.name)
 
 
 def show(
@@ -122,7 +128,7 @@ def show(
 
 
 class _Shown:
-    """What the pages show: a simulation, or before that the faults of its scenario's file."""
+    """What the pages show: a simulation, or the faults of its scenario's file, or both."""
 
     def __init__(
         self, recipe: Recipe, pages: Pages, *, out: Path | None, say: Say, complain: Say, notice: Say | None
@@ -130,8 +136,17 @@ class _Shown:
         self._recipe, self._pages = recipe, pages
         self._out, self._say, self._complain, self._notice = out, say, complain, notice
         self._session: Session | None = None
+        self._starting: Session | None = None
         self._mending: Mending | None = None
-        self.is_open = False
+        self._page: Page | None = None  # the simulation's
+        self._faults_page: Page | None = None
+        self._watching: asyncio.Task[None] | None = None
+        self._loading = asyncio.Lock()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether there was a simulation to be seen."""
+        return self._session is not None
 
     @property
     def folder(self) -> str:
@@ -146,8 +161,6 @@ class _Shown:
         AmorsimError
             If there cannot be a simulation, and no change of the file would help.
         """
-        from amorsim.ui.faults.mending import Mending
-
         try:
             if known is not None:
                 raise known
@@ -157,31 +170,81 @@ class _Shown:
                 raise
             self._complain(str(error))
             self._say(f"{self._recipe.name} has faults; the window shows them, and the simulation once they are mended")
-            name, changes = self._recipe.name, self._recipe.changes
-            self._mending = Mending(name, error.faults, changes=changes, open_page=self._open)
-            self._pages.add("faults", Path(name).stem, self._mending)
-            self._mending.start()
+            await self._show_faults(error)
 
     async def _open(self) -> str:
-        """Start the simulation, and add its page; returns the page's path."""
+        """Start the simulation, in the place of the one that there is; returns the path of its page."""
+        from amorsim.ui.faults.files import stamps_of
         from amorsim.ui.simulator.session import Session
 
-        self._session = session = Session(self._recipe, out=self._out, notice=self._notice)
-        await session.start()
-        self.is_open = True
-        for remark in session.remarks:
-            self._complain(remark)
-        page = self._pages.first = self._pages.add("run", Path(self._recipe.name).stem, session)
+        async with self._loading:
+            own = [Path(self._recipe.name).absolute()] if _is_own_file(self._recipe) else []
+            stamps = stamps_of(own)
+            out = self._out if self._session is None or self._out is None else next_folder(self._out)
+            session = self._starting = Session(self._recipe, out=out, notice=self._notice)
+            await session.start()
+            for remark in session.remarks:
+                self._complain(remark)
+            before, self._session, self._starting = self._session, session, None
+            if self._page is None:
+                self._page = self._pages.add("run", Path(self._recipe.name).stem, session)
+            else:
+                self._page = self._pages.replace(self._page, session)
+            self._pages.first = self._page
+            if before is not None:
+                before.moved = self._page.path  # which its windows ask for
+                folder = before.folder
+                await before.close()
+                if folder:
+                    self._say(f"results: {folder}")
+            elif self._mending is not None:
+                self._say(f"{self._recipe.name} is mended; the window shows the simulation")
+            if own:
+                session.reload = self._reload
+                if self._watching is not None:
+                    self._watching.cancel()
+                self._watching = asyncio.create_task(self._watch(session, stamps))
+            return self._page.path
+
+    async def _watch(self, session: Session, stamps: Stamps) -> None:
+        """Note when the file has changed that a session simulates."""
+        from amorsim.ui.faults.files import change_of, stamps_of_scenario
+
+        await change_of({**await asyncio.to_thread(stamps_of_scenario, self._recipe.name), **stamps})
+        session.changed = True
+
+    async def _reload(self) -> str:
+        """Load the file again; returns the path of the page to go to. The simulation goes on if there are faults."""
+        try:
+            return await self._open()
+        except FaultsError as error:
+            return await self._show_faults(error)
+
+    async def _show_faults(self, error: FaultsError) -> str:
+        """Open the page of the faults, until they are mended; returns its path."""
+        from amorsim.ui.faults.mending import Mending
+
         if self._mending is not None:
-            self._say(f"{self._recipe.name} is mended; the window shows the simulation")
-        return page.path
+            await self._mending.close()
+        name, changes = self._recipe.name, self._recipe.changes
+        path = "" if self._page is None else self._page.path
+        self._mending = Mending(name, error.faults, changes=changes, open_page=self._open, path=path)
+        if self._faults_page is None:
+            self._faults_page = self._pages.add("faults", Path(name).stem, self._mending)
+        else:
+            self._faults_page = self._pages.replace(self._faults_page, self._mending)
+        self._mending.start()
+        return self._faults_page.path
 
     async def close(self) -> None:
         """End it all, with whole files; again if one likes."""
+        if self._watching is not None:
+            self._watching.cancel()
         if self._mending is not None:
             await self._mending.close()
-        if self._session is not None:
-            await self._session.close()
+        for session in (self._starting, self._session):
+            if session is not None:
+                await session.close()
 
 
 def main() -> None:

@@ -92,13 +92,15 @@ def test_the_faults_come_first_then_what_can_be_drawn_and_the_simulation_once_th
     async def work(mending: Mending, following: Next) -> None:
         said = await following()
         (fault,) = said["faults"]
-        assert (said["status"], said["file"]) == ("faulty", "some.toml")
+        assert (said["status"], said["file"]) == ("reading", "some.toml")
         assert fault["file"] == "some.toml"
         assert (fault["line"], fault["path"], fault["value"]) == (8, "robots.rover.controller.use", "'wader'")
         assert fault["said"] == 'controller = { use = "wader" }'
         assert fault["remedy"] == "Did you mean 'wander'?"
         assert fault["message"].startswith("there is no controller called 'wader'")
-        said = said if said["still"] else await following()
+        assert said["still"] is None
+        said = await following()
+        assert (said["status"], said["faults"]) == ("faulty", [fault])
         assert [robot["name"] for robot in said["still"]["scene"]["robots"]] == ["rover"]
         assert said["still"]["robots"] == [[1.5, 2.5, 0.0]]
         file.write_text(TEXT.replace("wader", "wander"))

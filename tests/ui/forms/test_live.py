@@ -172,4 +172,5 @@ def test_the_error_of_one_element_of_a_ring_is_shown_too() -> None:
         )
     )
     form = next(form for form in forms_of(simulation, "rover") if form["path"].startswith("errors.sensors.ring.ele"))
+    assert form["widget"]["kind"] == "number"
     assert (form["label"], form["value"], form["unit"]) == ("elements 2 heading error", 0.02, "rad")

@@ -38,3 +38,18 @@ def test_a_page_that_is_removed_is_gone_and_its_name_free_again() -> None:
     assert pages.find("run", "demo") is None
     assert pages.first is edit
     assert pages.add("run", "demo", StubSession()).path == "/run/demo"
+
+
+def test_a_pages_session_can_be_replaced_and_another_page_be_the_first() -> None:
+    pages = Pages()
+    assert pages.first is None
+    faults = pages.add("faults", "demo", StubSession())
+    run = pages.add("run", "demo", StubSession())
+    assert pages.first is faults
+    session = StubSession()
+    new = pages.replace(faults, session)
+    assert (new.path, new.session) == ("/faults/demo", session)
+    assert pages.find("faults", "demo") is pages.first is new
+    pages.first = run
+    assert pages.replace(run, session) is pages.first
+    assert list(pages) == [new, pages.first]

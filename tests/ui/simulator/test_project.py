@@ -10,10 +10,10 @@ import pytest
 
 import amorsim as am
 from amorsim.core.errors import AmorsimError
-from amorsim.ui.simulator.commands import _copy_maps
 from amorsim.ui.simulator.messages import COMMANDS, check
 from amorsim.ui.simulator.project import Saver, place_for
 from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.saved_scenario import _copy_maps
 from tests import building
 from tests.ui.aside import aside
 from tests.ui.sessions import Make, write_project

@@ -31,6 +31,7 @@ export class FaultsPage {
   /** @param {HTMLElement} root */
   build(root) {
     this.file = h("span", { class: "file" });
+    this.back = h("a", { class: "back", hidden: true }, "back to the simulation of the file as it was");
     this.count = h("h2", { id: "faults-title" }, "Faults");
     this.list = h("div", { class: "scroll", tabindex: "0", role: "group", "aria-labelledby": "faults-title" });
     this.status = h("div", { class: "banner", role: "status", "aria-live": "polite", hidden: true });
@@ -45,7 +46,7 @@ export class FaultsPage {
       h(
         "div",
         { class: "window" },
-        h("header", { class: "bar" }, h("h1", {}, "amorsim"), this.file, h("span", { class: "space" }), this.theme),
+        h("header", { class: "bar" }, h("h1", {}, "amorsim"), this.file, this.back, h("span", { class: "space" }), this.theme),
         this.status,
         h(
           "div",
@@ -130,11 +131,13 @@ export class FaultsPage {
     document.title = `${file} · amorsim`;
     say(this.file, file);
     this.file.title = file;
+    this.back.hidden = !said.path;
+    this.back.href = said.path;
     say(this.count, faults.length === 1 ? "1 fault" : `${faults.length || "No"} faults`);
     this.tell(said.status === "starting" ? STARTING : "");
     this.list.replaceChildren(faultList(faults, file));
     this.stage.show(still, (name) => this.image(name));
-    say(this.lack, lackOf(still));
+    say(this.lack, said.status === "reading" ? "the drawing follows; after installing, this takes a minute once" : lackOf(still));
   }
 
   /** @param {string} name */
@@ -166,7 +169,8 @@ function lackOf(still) {
   if (!still) return "nothing of this file can be drawn";
   const lacks = still.scene.map === null ? ["no map can be read"] : [];
   const placeless = still.robots.filter((pose) => !pose).length;
-  if (placeless) lacks.push(placeless === 1 ? "1 robot has no place yet" : `${placeless} robots have no place yet`);
+  const robots = placeless === 1 ? "1 robot gets its place" : `${placeless} robots get their places`;
+  if (placeless) lacks.push(`${robots} when the simulation starts`);
   return lacks.join("; ");
 }
 

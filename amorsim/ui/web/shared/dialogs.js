@@ -26,8 +26,9 @@ export function askName(title, label, name, note, save) {
     const said = await save(input.value.trim());
     saves.disabled = false;
     saves.textContent = "save";
-    if (said.ok) dialog.close();
-    else problem.textContent = said.error;
+    if (said.ok) return dialog.close();
+    problem.textContent = said.error;
+    input.focus(); // which the disabled button had lost
   };
   input.addEventListener("keydown", (event) => event.key === "Enter" && go());
   const saves = h("button", { class: "main", onclick: go }, "save");

@@ -94,7 +94,7 @@ export class Field {
     this.mark.title = words;
     for (const name of Object.keys(MARKS)) this.element.classList.toggle(name, name === state);
     this.element.dataset.state = state;
-    this.back.disabled = Boolean(parameter.fixed) || !isChanged(parameter);
+    this.back.disabled = Boolean(parameter.fixed) || !isChanged(parameter) || Boolean(parameter.is_added);
     say(this.help, this.words(parameter));
     if (!this.isBusy) this.put(parameter);
   }

@@ -1,6 +1,6 @@
 // The fields of forms by the kind of their widget (see `Widget` in amorsim/ui/forms/description.py).
 
-import { brief, h } from "./dom.js";
+import { brief, h, say } from "./dom.js";
 import { Field, numberIn, shown } from "./field.js";
 import { ListField } from "./list_field.js";
 import { NumberField } from "./number_field.js";
@@ -273,8 +273,13 @@ function errorParts(parameter, element, on) {
     field.element.dataset.part = name;
     return Object.assign(field, { name });
   });
-  const remove = h("button", { class: "tool remove", onclick: () => on.set(target, null) }, "remove this error");
-  element.append(...fields.map((field) => field.element), h("div", { class: "line" }, remove));
+  const error = h("p", { class: "error", role: "alert" });
+  const take = async () => {
+    const said = await on.set(target, null);
+    say(error, said.ok ? "" : said.error);
+  };
+  const remove = h("button", { class: "tool remove", onclick: take }, "remove this error");
+  element.append(...fields.map((field) => field.element), h("div", { class: "line" }, remove), error);
   const update = ({ deviation }) => {
     deviation.forEach((part, n) => fields[n].update(plainly(part)));
     remove.disabled = !deviation.some((part) => part.is_given);

@@ -2,6 +2,7 @@
 // Nothing here knows the Simulator: the Editor makes its forms of the same fields.
 
 import { h } from "./dom.js";
+import { chainRows, targetRows } from "./chains.js";
 import { marksInWords } from "./field.js";
 import { makeField } from "./fields.js";
 
@@ -15,9 +16,12 @@ const KINDS = {
   estimator: "Estimator",
 };
 
+const NOTHING = { chains: [], targets: [] };
+
 export class Form {
   /**
-   * @param on `{set(path, value): promise of {ok, error}, restore(path): the same}`; values in the form's units
+   * @param on `{set(path, value), restore(path)}`, each a promise of {ok, error}; where noise can come and go also
+   *   `{noises(path), add(path, table), remove(path)}`. Values are in the form's units.
    */
   constructor(on) {
     this.on = on;
@@ -26,12 +30,18 @@ export class Form {
     this.signature = "";
   }
 
-  /** Show these fields; where they are the same ones as before only their values change. */
-  show(parameters) {
-    const signature = parameters.map((p) => `${p.path} ${p.widget?.kind} ${Boolean(p.slider?.length)}`).join("\n");
+  /**
+   * Show these fields; where they are the same ones as before only their values change.
+   * @param parts `chains`, list of `ChainForm`, and `targets` that may be given an error, list of `TargetForm`
+   */
+  show(parameters, parts = NOTHING) {
+    const { chains = [], targets = [] } = parts;
+    const fields = parameters.map((p) => `${p.path} ${p.widget?.kind} ${Boolean(p.slider?.length)}`);
+    const elements = chains.map((chain) => `${chain.path}: ${chain.elements.map((one) => `${one.name} ${one.is_added}`)} ${chain.gone}`);
+    const signature = [...fields, ...elements, ...targets.map((one) => one.path)].join("\n");
     if (signature !== this.signature) {
       this.signature = signature;
-      this.build(parameters);
+      this.build(parameters, chains, targets);
     }
     for (const parameter of parameters) this.fields.get(parameter.path)?.update(parameter);
   }
@@ -47,27 +57,30 @@ export class Form {
     return new Map([...groups].map((group) => [group.dataset.group, group.open]));
   }
 
-  build(parameters) {
+  build(parameters, chains, targets) {
     const { opened } = this;
     this.fields.clear();
-    const sections = [];
-    const kinds = [...new Set(parameters.map((p) => p.kind))].sort((a, b) => Object.keys(KINDS).indexOf(a) - Object.keys(KINDS).indexOf(b));
-    for (const kind of kinds) {
+    const order = Object.keys(KINDS);
+    const kinds = new Set(parameters.map((p) => p.kind));
+    if (chains.length) kinds.add("noise");
+    const sections = [...kinds].sort((a, b) => order.indexOf(a) - order.indexOf(b)).map((kind) => {
       const mine = parameters.filter((p) => p.kind === kind);
-      const groups = [...new Set(mine.map((p) => p.group))];
-      const parts = groups.map((group) => {
-        const rows = this.rows(mine.filter((p) => p.group === group), kind);
+      const isChains = kind === "noise" && chains.length > 0;
+      const groups = isChains ? chains.map((chain) => chain.group) : [...new Set(mine.map((p) => p.group))];
+      const parts = groups.map((group, n) => {
+        const rows = isChains ? chainRows(chains[n], (path) => this.rows(mine.filter((p) => p.part === path)), this.on) : this.rows(mine.filter((p) => p.group === group));
         if (group === undefined) return h("div", { class: "group" }, rows);
         const key = `${kind} ${group}`;
         const isOpen = opened.get(key) ?? (kind === "systematic" ? group === "drive" : kind === "noise" && groups.length < 2);
         return h("details", { class: "group", open: isOpen, "data-group": key }, h("summary", {}, groupTitle(group)), rows);
       });
-      sections.push(h("section", {}, KINDS[kind] ? h("h3", {}, KINDS[kind]) : null, parts));
-    }
+      const added = kind === "systematic" ? targetRows(targets, this.on.set) : [];
+      return h("section", {}, KINDS[kind] ? h("h3", {}, KINDS[kind]) : null, parts, added);
+    });
     this.element.replaceChildren(marksInWords(), ...sections);
   }
 
-  rows(parameters, _kind) {
+  rows(parameters) {
     return parameters.map((parameter) => {
       const field = makeField(parameter, this.on);
       this.fields.set(parameter.path, field);

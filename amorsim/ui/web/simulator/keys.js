@@ -51,7 +51,7 @@ export function listenToKeys(simulator) {
     ArrowDown: () => pan(0, -60),
   };
   window.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector("dialog[open]")) return;
     const target = /** @type {HTMLInputElement} */ (event.target);
     if (takesKeys(target)) {
       // What is typed the form looks after; a slider or a list gives the keyboard back itself.

@@ -33,9 +33,13 @@ export class Simulator {
     });
     this.timebar = new TimeBar(ask);
     this.driving = new Driving(ask, (text) => this.hint(text));
+    const change = (command) => this.connection.ask({ ...command, robot: this.robot.name }).then((said) => this.formSaid(said));
     this.form = new Form({
-      set: (path, value) => this.connection.ask({ do: "set", robot: this.robot.name, path, value }).then((said) => this.formSaid(said)),
-      restore: (path) => this.connection.ask({ do: "restore", robot: this.robot.name, path }).then((said) => this.formSaid(said)),
+      set: (path, value) => change({ do: "set", path, value }),
+      restore: (path) => change({ do: "restore", path }),
+      add: (path, value) => change({ do: "add", path, value }),
+      remove: (path) => change({ do: "remove", path }),
+      noises: (path) => this.ask({ do: "noises", path, robot: this.robot.name }),
     });
     this.parts = build(this);
     root.replaceChildren(this.parts.element);
@@ -174,7 +178,7 @@ export class Simulator {
     const robot = this.robot;
     const said = await this.connection.ask({ do: "parameters", robot: robot.name });
     if (!said.ok || robot !== this.robot) return;
-    this.form.show(said.parameters);
+    this.form.show(said.parameters, said);
     this.stage.trueSensors = said.sensors;
     this.stage.redraw();
   }
@@ -191,6 +195,10 @@ export class Simulator {
   async askState() {
     const state = await this.connection.ask({ do: "state" });
     if (!state.ok) return;
+    if (state.moved) {
+      location.replace(state.moved);
+      return;
+    }
     this.state = state;
     this.timebar.setState(state);
     this.warnings.show(state);

@@ -21,11 +21,13 @@ export class Warnings {
   show(state) {
     const fault = state.fault;
     const trouble = WORDS[state.status] !== undefined || state.status === "fault";
-    const signature = trouble ? `${state.status} ${fault?.number ?? ""}` : "";
+    let signature = trouble ? `${state.status} ${fault?.number ?? ""}` : "";
+    if (!trouble && state.changed) signature = "changed";
     if (signature === this.shown) return;
     this.shown = signature;
-    this.banner.hidden = !trouble;
-    this.banner.className = `banner ${state.status}`;
+    this.banner.hidden = !signature;
+    this.banner.className = `banner ${trouble ? state.status : signature}`;
+    if (signature === "changed") this.offerReload();
     if (!trouble) return;
     const parts = [h("span", {}, fault && state.status !== "lost" ? fault.text : WORDS[state.status])];
     if (fault?.stack) parts.push(h("button", { onclick: () => tell("Where it was", h("pre", { tabindex: "0" }, fault.stack)) }, "show the stack"));
@@ -36,5 +38,17 @@ export class Warnings {
       if (without.length) parts.push(h("button", { onclick: () => this.ask({ do: "restart", without: [] }) }, "restart with it"));
     }
     this.banner.replaceChildren(...parts);
+  }
+
+  /** The scenario's file has changed: offer to load it again, which ends this simulation. */
+  offerReload() {
+    const button = h("button", { class: "holders-only", title: "ends this simulation" }, "load again");
+    button.addEventListener("click", async () => {
+      button.disabled = true;
+      const said = await this.ask({ do: "reload" });
+      button.disabled = false;
+      if (said.ok) location.replace(said.path);
+    });
+    this.banner.replaceChildren(h("span", {}, "The scenario's files have changed."), button);
   }
 }

@@ -91,7 +91,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "places" | "save_scenario" | "save_run" | "restart"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
@@ -249,6 +249,24 @@ export const BLOCKS = [
  */
 
 /**
+ * A chain of noise, in order; `group` is that of its fields. `gone` are elements that the scenario has in it.
+ * @typedef {object} ChainForm
+ * @property {string} path
+ * @property {string} group
+ * @property {ElementForm[]} elements
+ * @property {string[]} gone
+ */
+
+/**
+ * An element of a chain: its name, that of its class, and whether the scenario does not have it.
+ * @typedef {object} ElementForm
+ * @property {string} name
+ * @property {string} use
+ * @property {string} path
+ * @property {boolean} is_added
+ */
+
+/**
  * Something that happened; `number` counts from 1 within an epoch.
  * @typedef {object} EventLine
  * @property {number} number
@@ -304,6 +322,7 @@ export const BLOCKS = [
  * @property {any} value
  * @property {any} scenario
  * @property {boolean} is_changed
+ * @property {boolean} is_added
  * @property {string} fixed
  * @property {string} drawn
  * @property {number | null} drawn_value
@@ -340,6 +359,15 @@ export const BLOCKS = [
  * @property {string} reason
  * @property {EventLine | null} fault
  * @property {string} holder
+ * @property {boolean} changed
+ * @property {string} moved
+ */
+
+/**
+ * A number within a list that may be given an error, and has none yet.
+ * @typedef {object} TargetForm
+ * @property {string} path
+ * @property {string} label
  */
 
 /**

@@ -1,0 +1,117 @@
+"""The motion of the wheels as estimators predict with it: a nominal drive's displacement, and the doubt in it."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Drive, Joint, RobotModel
+from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.kernels.kinematics import odometry
+
+__all__ = ["Reckoned", "angles_of", "check_encoder", "reckon", "sensor_of"]
+
+Array = npt.NDArray[np.float64]
+
+_NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the error is of second order in it
+
+
+@functools.cache
+def _rolling(joints: tuple[Joint, ...]) -> npt.NDArray[np.int64]:
+    return np.array([i for i, joint in enumerate(joints) if joint.rolls], dtype=np.int64)
+
+
+@functools.cache
+def _whole(rows: int) -> Array:
+    return np.ones((rows, 1))
+
+
+def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np.int64], radius: Array) -> Array:
+    """The body's motion (forward, left, turn) per metre of travel of each rolling joint, `(N, 3, r)`."""
+    offered: Any = getattr(drive, "jacobian", None)
+    if offered is not None:
+        return np.ascontiguousarray(offered(before, after))
+    middle = 0.5 * (before + after)
+    out = np.empty((len(middle), 3, len(rolling)))
+    for j, joint in enumerate(rolling):
+        back, ahead = middle.copy(), middle.copy()
+        back[:, joint] -= _NUDGE
+        ahead[:, joint] += _NUDGE
+        one = _whole(len(middle))
+        # Both start from the middle and are given in its frame, so the errors of first order cancel.
+        moved = drive.displacement(middle, ahead, one) - drive.displacement(middle, back, one)
+        out[:, :, j] = moved / (2.0 * _NUDGE * radius[:, j : j + 1])
+    return out
+
+
+class Reckoned(NamedTuple):
+    """Where N robots are after their joints have moved."""
+
+    pose: Array  # (N, 3)
+    covariance: Array  # (N, 3, 3)
+    turn: Array  # (N, 1) [rad] over the motion
+
+
+def reckon(drive: Drive, pose: Array, covariance: Array, before: Array, after: Array, variance: Any) -> Reckoned:
+    """Poses and covariances after the nominal drive's joints `(N, j)` have moved, to first order.
+
+    White noise on the travel of each rolling joint widens the covariance, by `variance` `(N, 1)` [m^2/m].
+    """
+    rows = len(after)
+    rolling = _rolling(drive.joints)
+    radius = drive.rolling_radius()
+    twist = drive.twist(before, after)
+    found = Reckoned(np.empty((rows, 3)), np.empty((rows, 3, 3)), twist[:, 2:])
+    odometry.reckon(
+        pose,
+        covariance,
+        np.ascontiguousarray(drive.displacement(before, after, _whole(rows))),
+        twist,
+        _jacobian(drive, before, after, rolling, radius),
+        before,
+        after,
+        rolling,
+        radius,
+        variance,
+        found.pose,
+        found.covariance,
+    )
+    return found
+
+
+def sensor_of(who: str, robot: RobotModel, name: str, field: str, kind: str) -> Any:
+    """The sensor of a robot's model that a field of an estimator names.
+
+    Raises
+    ------
+    ComponentError
+        If the robot has no such sensor.
+    """
+    sensors = robot.sensors
+    if name not in sensors:
+        names = ", ".join(repr(known) for known in sensors) or "none"
+        raise ComponentError(
+            f"{who} reads the sensor {name!r}, which the robot does not have; its sensors: {names}."
+            f"{did_you_mean(name, sensors)} Name the robot's {kind} in the field {field!r}."
+        )
+    return sensors[name].sensor
+
+
+def check_encoder(who: str, robot: RobotModel, name: str) -> None:
+    """Raise a `ComponentError` if the robot has no such sensor, or one that counts no joints."""
+    sensor = sensor_of(who, robot, name, "encoder", "encoder")
+    if not callable(getattr(sensor, "angles", None)):
+        raise ComponentError(
+            f"{who} reads the sensor {name!r}, but a {type(sensor).__name__} counts no "
+            "joints: it has no method angles(values). Name the robot's encoder in the field 'encoder'."
+        )
+
+
+def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -> tuple[Array, Array]:
+    """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first."""
+    sensor: Any = robot.sensors[encoder].sensor
+    after = sensor.angles(measured)
+    return np.where(np.isnan(joints), after, joints), after  # the first reading is the reference of all others

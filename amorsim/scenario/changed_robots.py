@@ -1,0 +1,90 @@
+"""Robots that were changed after a document was read, written into the document: what differs, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import DocumentError
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.document import Document
+from amorsim.scenario.layout import MISSING, Path_
+from amorsim.scenario.models import ERROR_KEYS
+from amorsim.scenario.resolved import robot_table
+from amorsim.scenario.spec import Deviation, Robot
+from amorsim.scenario.toml_values import are_same
+
+__all__ = ["set_robots"]
+
+_NO_ERROR = attrs.asdict(Deviation(), filter=lambda _, value: value is not None)
+
+
+def set_robots(document: Document, before: Sequence[Robot], after: Sequence[Robot], registry: Registry) -> None:
+    """Say in a document how the robots that it means were changed.
+
+    Names, starts and what robots know are left alone.
+
+    Parameters
+    ----------
+    document
+        A scenario's.
+    before, after
+        The robots that it means, in its order, and as they are now.
+
+    Raises
+    ------
+    DocumentError
+        If the document cannot say it: robots of one table with ``count`` are not alike any more, or it does not mean so
+        many robots.
+    ScenarioError
+        If a file cannot name something in a robot.
+    """
+    first = 0
+    there = document.values.get("robots")
+    for number, robot in enumerate(there if isinstance(there, list) else ()):
+        path = f"robots.{number}"
+        count = robot.get("count", 1) if isinstance(robot, dict) else 0
+        if not isinstance(count, int) or count < 1:
+            raise DocumentError("expected the table of a robot", path)
+        tables = [
+            (robot_table(one, registry), robot_table(other, registry))
+            for one, other in zip(before[first : first + count], after[first : first + count], strict=True)
+        ]
+        if len(tables) != count:
+            raise DocumentError(f"expected {count} robots, got {len(tables)}", path)
+        first += count
+        if not all(are_same(table, tables[0][1]) for _, table in tables):
+            raise DocumentError("robots of one table differ from each other, which it cannot say", path)
+        for at, value in _differences(*tables[0], ()):
+            _set(document, f"{path}.{'.'.join(map(str, at))}", value)
+    if first != len(before):
+        raise DocumentError(f"expected {len(before)} robots, got {first}", "robots")
+
+
+def _set(document: Document, path: str, value: Any) -> None:
+    if value is MISSING:
+        document.remove(path)
+    else:
+        document.set(path, value)
+
+
+def _differences(before: Any, after: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
+    """The paths at which two tables differ, and what is in the second; `MISSING` where it says nothing."""
+    if are_same(before, after):
+        return
+    if path[:1] == ("errors",) and isinstance(after, dict) and set(after) <= ERROR_KEYS:
+        said = {key: value for key, value in after.items() if not are_same(value, _NO_ERROR.get(key))}
+        yield path, said or {"scale": 1.0}
+    elif isinstance(before, dict) and isinstance(after, dict):
+        for key in dict.fromkeys((*before, *after)):
+            yield from _differences(before.get(key, MISSING), after.get(key, MISSING), (*path, key))
+    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        for index, item in enumerate(after):
+            yield from _differences(before[index], item, (*path, index))
+    elif path[:1] == ("errors",) and isinstance(after, dict):
+        for key, item in after.items():
+            yield from _differences(MISSING, item, (*path, key))
+    else:
+        yield path, after

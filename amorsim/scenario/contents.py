@@ -1,0 +1,161 @@
+"""What the tables of a scenario say: completed from models, read and checked."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from amorsim.core.errors import MapError
+from amorsim.core.map import Map
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.alike import Alike
+from amorsim.scenario.components import read_recording
+from amorsim.scenario.faults import Book, Node, Source
+from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.floor_file import read_floor
+from amorsim.scenario.models import check_format, drop_removed, merge_models
+from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
+from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
+from amorsim.scenario.starts import Placed, check_starts, placed, read_series
+from amorsim.scenario.worlds import Maps, start_of
+from amorsim.scenario.written import Written
+
+__all__ = ["book_of", "read_top", "read_values"]
+
+_KEYS = (
+    *("format", "description", "world", "simulation", "recording"),
+    *("robots", "obstacles", "landmarks", "lights", "zones", "floor"),
+)
+_TIMES = ("dt", "duration", "seed")
+
+
+def book_of(written: Written, path: Path) -> Book:
+    """A book for what a file says, with the faults of its lines that are no TOML."""
+    book = Book(Source(file=str(path), folder=path.parent))
+    book.has_lost_lines = bool(written.bad)
+    for fault in written.faults(str(path)):
+        book.add(fault)
+    return book
+
+
+def read_values(
+    document: dict[str, Any],
+    book: Book,
+    registry: Registry,
+    maps: Maps,
+    starts: bool,
+    is_map_alone: bool,
+) -> dict[str, Any]:
+    """What a `Scenario` is made with, as far as there is no fault in the book afterwards."""
+    book.document = document
+    merge_models(document, book, registry)
+    return read_top(Node(document, (), book), registry, maps, starts, is_map_alone)
+
+
+def read_top(top: Node, registry: Registry, maps: Maps, starts: bool, is_map_alone: bool) -> dict[str, Any]:
+    """What a `Scenario` is made with, of the whole table, into which models were merged."""
+    check_format(top.child("format"))
+    top.refuse_unknown(_KEYS)
+    if "description" in top:
+        top.child("description").text("a text")
+    values: dict[str, Any] = {}
+    world = None
+    if "world" in top:
+        world = maps.read(top.child("world"))
+        if world is not None:
+            top.book.warnings = tuple(f"{world.name}: {warning}" for warning in world.warnings)
+    else:
+        top.child("world").fault("missing; expected [world] with map = the path of a map file")
+    if "simulation" in top and (node := top.child("simulation")).expect_table():
+        fields = file_fields(Scenario, names=_TIMES)
+        node.refuse_unknown(fields)
+        values.update(read_fields(node, fields))
+    if "recording" in top:
+        values["recording"] = read_recording(top.child("recording"), registry)
+    for key, kind in (("landmarks", Landmark), ("lights", Light)):
+        things = top.child(key)
+        if things.value is not None and things.expect_list(f"a list of tables, [[{key}]]"):
+            values[key] = [thing for thing in (read_component(kind, item) for item in things.items()) if thing]
+
+    zones = top.child("zones")
+    if zones.value is not None and zones.expect_list("a list of tables, [[zones]]"):
+        read_zones = [read_zone(node, number, registry) for number, node in enumerate(zones.items(), start=1)]
+        values["zones"] = [zone for zone in read_zones if zone]
+    _check_names({}, zones)
+    if "floor" in top and (floor := read_floor(top.child("floor"))) is not None:
+        values["floor"] = floor
+    marks = values.get("landmarks", ())
+    robots, obstacles, stand = _read_bodies(top, maps, world, registry, marks, is_map_alone)
+    if starts and world is not None:
+        check_starts(world, stand)
+    values.update(map=world, robots=robots, obstacles=obstacles)
+    return values
+
+
+def _read_bodies(
+    top: Node,
+    maps: Maps,
+    world: Map | None,
+    registry: Registry,
+    marks: Sequence[Landmark],
+    is_map_alone: bool,
+) -> tuple[list[Robot], list[Obstacle], list[Placed]]:
+    """The robots and obstacles of a document, those of a table with `count` one by one, and where they stand."""
+    robots, obstacles = top.child("robots"), top.child("obstacles")
+    fleet: list[Robot] = []
+    others: list[Obstacle] = []
+    stand: list[Placed] = []
+    names: dict[tuple[str, ...], list[str]] = {}
+    same_robots, same_obstacles = Alike(), Alike()
+    if robots.value is None or robots.value == []:
+        robots.fault("missing; expected one robot at least, [[robots]] with name, model and controller")
+    elif robots.expect_list("a list of tables, [[robots]]"):
+        for node in robots.items():
+            drop_removed(node.value)
+            robot = same_robots.read(node, lambda node: read_robot(node, maps, world, registry, marks))
+            if robot is not None and world is not None and not {"pose", "start"} & set(node.value):
+                robot = _put(node, robot, world, is_map_alone)
+            series = [] if robot is None else read_series(node, robot, world)
+            fleet += series
+            names[node.path] = [one.name for one in series]
+            stand += placed(node, series) if node.is_table else []
+    if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
+        for number, node in enumerate(obstacles.items(), start=1):
+            obstacle = same_obstacles.read(node, functools.partial(read_obstacle, number=number, registry=registry))
+            bodies = [] if obstacle is None else read_series(node, obstacle, world)
+            others += bodies
+            names[node.path] = [one.name for one in bodies]
+            stand += placed(node, bodies) if node.is_table else []
+    _check_names(names, robots, obstacles)
+    return fleet, others, stand
+
+
+def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> None:
+    """A fault for everything in these lists that is called as something before it.
+
+    `names` are those of what was read, by the table's path; of others the name may be all that could be read.
+    """
+    seen: dict[str, str] = {}
+    for group in lists:
+        for node in group.items() if isinstance(group.value, list) else ():
+            name = node.value.get("name") if node.is_table else None
+            own = [name] if isinstance(name, str) and "count" not in node else []
+            for name in names.get(node.path) or own:
+                if name in seen:
+                    node.child("name").fault(f"{seen[name]} is called {name!r} too; names must differ")
+                    break
+                seen[name] = ".".join(node.path)
+
+
+def _put(node: Node, robot: Robot, world: Map, is_map_alone: bool) -> Robot | None:
+    """A robot without a pose, put where the map wants it; for a map alone elsewhere if there is no room for it."""
+    try:
+        start = start_of(world, robot, must_be_free=is_map_alone)
+    except MapError as error:
+        node.child("pose").fault(f"missing, and {error}")
+        return None
+    return attrs.evolve(robot, pose=start)

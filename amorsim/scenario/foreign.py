@@ -1,0 +1,87 @@
+"""Scenarios in other programs' files, read by scenario loaders into the tables of a scenario's own file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from amorsim.contracts import ScenarioDocument, ScenarioLoader
+from amorsim.core.errors import Fault, PluginError, ScenarioError
+from amorsim.core.reading import check_readable
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.faults import Book, Node, Source
+from amorsim.scenario.fields import read_component
+from amorsim.scenario.settings import Setting, parse_settings
+
+__all__ = ["find_scenario_loader", "read_foreign", "split_options"]
+
+_HEAD = 4096
+_MOST_BYTES = 10**9
+_OPTION = "loader."
+
+
+def find_scenario_loader(path: Path, registry: Registry) -> tuple[str, type[ScenarioLoader]] | None:
+    """Name and class of the loader that reads a file as a scenario: by its extension, and its first bytes; or None."""
+    extension = path.suffix.lower()
+    if extension in ("", ".toml"):
+        return None
+    head: bytes | None = None
+    for entry in registry.entries("scenario_loader"):
+        try:
+            cls: type[ScenarioLoader] = registry.get("scenario_loader", entry.name)
+        except PluginError as error:
+            registry.report(str(error))
+            continue
+        if extension not in cls.extensions:
+            continue
+        if head is None:
+            try:
+                check_readable(path, _MOST_BYTES)
+                with path.open("rb") as file:
+                    head = file.read(_HEAD)
+            except (OSError, ValueError):  # which the reader of scenarios reports, or that of maps
+                return None
+        if cls.sniff(head):
+            return entry.name, cls
+    return None
+
+
+def split_options(overrides: Iterable[str]) -> tuple[list[str], list[str]]:
+    """Settings for a scenario loader, ``loader.KEY=VALUE``, and those for the scenario."""
+    texts = [overrides] if isinstance(overrides, str) else list(overrides)
+    options = [text for text in texts if text.strip().startswith(_OPTION)]
+    return options, [text for text in texts if text not in options]
+
+
+def read_foreign(path: Path, name: str, cls: type[ScenarioLoader], options: Sequence[str] = ()) -> ScenarioDocument:
+    """What a file says, by the loader of that name, with settings ``loader.KEY=VALUE``.
+
+    Raises
+    ------
+    ScenarioError
+        With the faults of the file, or of the settings.
+    """
+    book = Book(Source(file="", folder=path.parent))
+    settings = parse_settings(options, book)
+    loader = read_component(cls, _options(settings, book))
+    book.raise_if_any()
+    try:
+        document = loader.read(path)
+    except ScenarioError:
+        raise
+    except Exception as error:  # a third party's loader
+        problem = f"the scenario loader {name!r} failed with {type(error).__name__}: {error}"
+        raise ScenarioError([Fault(file=str(path), path="", message=problem)]) from error
+    if not isinstance(document, ScenarioDocument):
+        problem = f"the scenario loader {name!r} gave {document!r}; expected a ScenarioDocument"
+        raise ScenarioError([Fault(file=str(path), path="", message=problem)])
+    return document
+
+
+def _options(settings: Sequence[Setting], book: Book) -> Node:
+    """The settings as the table of a component, each from its text."""
+    table = {}
+    for setting in settings:
+        table[".".join(setting.path[1:])] = setting.value
+        book.set_source(("loader", *setting.path[1:]), Source(file=setting.file, folder=Path.cwd(), depth=0))
+    return Node(table, ("loader",), book)

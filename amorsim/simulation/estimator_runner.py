@@ -1,0 +1,190 @@
+"""An estimator without the simulator: fed with times, commands and readings from anywhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.scenario.spec import Robot
+from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
+from amorsim.simulation.blame import Whose
+from amorsim.simulation.estimating import Estimators
+from amorsim.simulation.handle import finite_numbers
+from amorsim.simulation.row_clock import RowClock
+from amorsim.simulation.sensing.noise_chain import Streams
+
+__all__ = ["EstimatorRunner"]
+
+Array = npt.NDArray[np.float64]
+
+_GRID = 1e-6  # of a step: times that are as near to a multiple of it are that multiple
+
+
+class EstimatorRunner:
+    """Runs one estimator of one robot on times, commands and readings from anywhere, such as the log of a real robot.
+
+    ::
+
+        runner = am.EstimatorRunner(robot, "ekf")
+        for time, command, readings in log:
+            estimate = runner.update(time, readings, command)
+        print(estimate.pose, runner.beliefs)
+
+    Fed with what a simulated robot received, it gives the same bits as the simulation.
+
+    Parameters
+    ----------
+    robot
+        With its pose at the start, as it knows it: its nominal drive, sensors and knowledge are used.
+    estimator
+        An estimator, or the name of one of the robot's.
+    dt
+        The step that the robot's software knows [s]. Updates may come at any times.
+    seed, replica
+        Of the simulation, for an estimator that draws random numbers.
+
+    Raises
+    ------
+    AmorsimError
+        If the robot has no pose, or no estimator of that name; a `ComponentError` if the estimator refuses the robot.
+    """
+
+    def __init__(
+        self, robot: Robot, estimator: str | Estimator, *, dt: float = 0.1, seed: int = 0, replica: int = 0
+    ) -> None:
+        if robot.pose is None:
+            raise AmorsimError(f"robot {robot.name!r}: an estimator starts from a pose; give the robot one (pose=...)")
+        if isinstance(estimator, str):
+            if estimator not in robot.estimators:
+                known = ", ".join(map(repr, robot.estimators)) or "none"
+                raise AmorsimError(
+                    f"robot {robot.name!r} has no estimator {estimator!r}; it has: {known}."
+                    f"{did_you_mean(estimator, robot.estimators)}"
+                )
+            name, estimator = estimator, robot.estimators[estimator]
+        else:
+            found = [name for name, own in robot.estimators.items() if own is estimator]
+            name = found[0] if found else "estimator"
+        if finite_numbers((dt,)) is None or not dt > 0.0:
+            raise AmorsimError(f"dt: expected a number of seconds > 0, got {dt!r}")
+        self._name, self._dt = name, float(dt)
+        self._who = f"robot {robot.name!r}, estimator {name!r}"
+        robot = attrs.evolve(robot, estimators={name: estimator})
+        self._sizes = {sensor: reading_size(robot, sensor) for sensor in robot.sensors}
+        self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
+        self._clock = RowClock(np.array([replica]), self._dt)
+        self._streams = Streams(seed, [robot.name], self._clock.counter)
+        whose = Whose("robot", [robot.name], self._clock)
+        self._estimators = Estimators({name: self._streams.draws("estimator", name)}, whose)
+        self._estimators.set_parameters([robot])
+        pose = poses_of([robot])
+        self._estimators.start(Context(rows=1, dt=self._dt, robot=self._model, pose=pose, names=[robot.name]))
+        self._first: float | None = None  # [s], the time of the first update
+        self._tick = -1
+        self._time = 0.0  # [s] since the first
+        self._taken: dict[str, tuple[Array, int, float]] = {}  # by sensor: values, and when they were measured
+
+    def update(
+        self,
+        time: float,
+        readings: Mapping[str, npt.ArrayLike],
+        command: npt.ArrayLike | None = None,
+        ages: Mapping[str, float] | None = None,
+    ) -> Estimate:
+        """The estimate, `pose` `(3,)` and `covariance` `(3, 3)`, after the readings that arrived at a time [s].
+
+        Parameters
+        ----------
+        readings
+            By sensor, the values of a reading that has just arrived; a sensor without a new one is left out.
+        command
+            The command of the step that ends now, a number for each of the robot's channels; without it, zeros.
+        ages
+            By sensor, how long ago [s] its reading was measured, if not now.
+
+        Raises
+        ------
+        AmorsimError
+            If the time is not after the one before, or a sensor, a number of values or an age is wrong; a
+            `ComponentError` if the estimator fails.
+        """
+        elapsed = self._go_to(time)
+        self._receive(readings, ages or {})
+        channels = self._model.channels
+        wanted = self._numbers(np.zeros(len(channels)) if command is None else command, "the command", len(channels))
+        held = {sensor: self._reading(sensor, sensor in readings) for sensor in self._sizes}
+        self._estimators.update(self._model, held, wanted, np.array([[elapsed]]))
+        pose, covariance = self._estimators.first
+        return Estimate(pose[0], covariance[0])
+
+    @property
+    def beliefs(self) -> Beliefs:
+        """What else the estimator believes after the last update: arrays by name, without an axis of rows."""
+        return {name: array[0] for name, array in self._estimators.beliefs_of(self._name).items()}
+
+    def _go_to(self, time: float) -> float:
+        """Put the clock to a time; returns the seconds since the update before, 0 at the first."""
+        if finite_numbers((time,)) is None:
+            raise AmorsimError(f"{self._who}: expected a time in seconds, got {time!r}")
+        if self._first is None:
+            self._first = float(time)
+        since = float(time) - self._first
+        if self._tick >= 0 and not since > self._time:
+            raise AmorsimError(
+                f"{self._who}: expected a time after {self._first + self._time:g} s, the one before, got {time:g} s; "
+                "sort the log by time"
+            )
+        tick = max(round(since / self._dt), self._tick + 1)
+        before, last = self._time, self._tick
+        # Differences of times are rounded; whole steps are not, as in the simulation.
+        whole = self._is_step(since, tick) and self._is_step(before, last)
+        elapsed = 0.0 if last < 0 else (tick - last) * self._dt if whole else since - before
+        self._tick, self._time = tick, since
+        self._clock.set_tick(np.array([[tick]]))
+        self._streams.rewind()
+        return elapsed
+
+    def _is_step(self, time: float, tick: int) -> bool:
+        return math.isclose(time, tick * self._dt, rel_tol=1e-12, abs_tol=_GRID * self._dt)
+
+    def _receive(self, readings: Mapping[str, npt.ArrayLike], ages: Mapping[str, float]) -> None:
+        """Take the readings that have arrived."""
+        for sensor in (*readings, *ages):
+            if sensor not in self._sizes:
+                known = ", ".join(map(repr, self._sizes)) or "none"
+                raise AmorsimError(
+                    f"{self._who}: the robot has no sensor {sensor!r}; it has: {known}."
+                    f"{did_you_mean(sensor, self._sizes)}"
+                )
+        for sensor, values in readings.items():
+            age = ages.get(sensor, 0.0)
+            if finite_numbers((age,)) is None or age < 0.0:
+                raise AmorsimError(f"{self._who}: expected an age >= 0 s of {sensor!r}, got {age!r}")
+            numbers = self._numbers(values, f"a reading of {sensor!r}", self._sizes[sensor])
+            self._taken[sensor] = numbers, max(self._tick - round(age / self._dt), 0), self._time - age
+
+    def _numbers(self, values: npt.ArrayLike, what: str, count: int) -> Array:
+        """Values as a row `(1, count)`."""
+        try:
+            row = np.array(values, dtype=np.float64).reshape(1, -1)
+        except (TypeError, ValueError):
+            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {values!r}") from None
+        if row.shape[1] != count:
+            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {row.shape[1]}")
+        return row
+
+    def _reading(self, sensor: str, is_new: bool) -> Measurement:
+        """A sensor's last reading, as the robot holds it."""
+        if sensor not in self._taken:
+            values, stamp, age = np.full((1, self._sizes[sensor]), np.nan), -1, 0.0
+        else:
+            values, stamp, taken = self._taken[sensor]
+            whole = (self._tick - stamp) * self._dt
+            age = whole if abs(whole - (self._time - taken)) < _GRID * self._dt else self._time - taken
+        return Measurement(values, np.array([[stamp]]), np.array([[age]]), np.array([[is_new]]))

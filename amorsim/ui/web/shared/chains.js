@@ -1,0 +1,111 @@
+// Chains of noise in a form: their elements, which can be taken out, and drafts of elements that can be added.
+
+import { h, say } from "./dom.js";
+import { makeField } from "./fields.js";
+
+/**
+ * `value` with another value at a path of keys and numbers.
+ * @param {string[]} path
+ */
+function withValue(value, path, given) {
+  const [key, ...rest] = path;
+  const copy = Array.isArray(value) ? [...value] : { ...value };
+  copy[key] = rest.length ? withValue(copy[key], rest, given) : given;
+  return copy;
+}
+
+/** A component that is not yet there: which it is, and the form of its fields. Nothing is set before it is added. */
+class Draft {
+  /** @param on `{add(table): promise of {ok, error}, done()}` */
+  constructor(label, choices, on) {
+    this.choices = choices;
+    this.on = on;
+    this.select = h("select", { "aria-label": `${label}: which`, onchange: () => this.turn() }, choices.map((one) => h("option", { value: one.name }, one.name)));
+    this.about = h("p", { class: "note" });
+    this.fields = h("div", { class: "inner" });
+    this.error = h("p", { class: "error", role: "alert" });
+    this.element = h(
+      "div",
+      { class: "draft" },
+      h("div", { class: "line" }, this.select, h("button", { class: "tool main", onclick: () => this.add() }, "add"), h("button", { class: "tool", onclick: () => on.done() }, "cancel")),
+      this.about,
+      this.fields,
+      this.error,
+    );
+    this.turn();
+  }
+
+  turn() {
+    const choice = this.choices.find((one) => one.name === this.select.value) ?? this.choices[0];
+    this.table = {};
+    say(this.about, choice.help);
+    say(this.error, "");
+    const made = new Map(
+      choice.fields.map((parameter) => [parameter.path, makeField(parameter, { set: (path, value) => this.set(made, path, value), restore: (path) => this.drop(made, path, choice) })]),
+    );
+    this.fields.replaceChildren(...[...made.values()].map((field) => field.element));
+  }
+
+  set(made, path, value) {
+    const [key, ...rest] = path.split(".");
+    const { parameter } = made.get(key);
+    this.table[key] = rest.length ? withValue(parameter.value, rest, value) : value;
+    made.get(key).update({ ...parameter, value: this.table[key], is_given: true });
+    return Promise.resolve({ ok: true });
+  }
+
+  drop(made, path, choice) {
+    delete this.table[path];
+    made.get(path).update(choice.fields.find((field) => field.path === path));
+    return Promise.resolve({ ok: true });
+  }
+
+  async add() {
+    const said = await this.on.add({ use: this.select.value, ...this.table });
+    say(this.error, said.ok ? "" : said.error);
+    if (said.ok) this.on.done();
+  }
+}
+
+/**
+ * The rows of a chain: its elements with their fields, and a button that begins a draft.
+ * @param chain a `ChainForm`
+ * @param rows the elements of the fields of the element at a path
+ * @param on `{noises(path), add(path, table), remove(path)}`, each a promise of {ok, error}
+ */
+export function chainRows(chain, rows, on) {
+  const name = chain.path.replace(/^sensors\.|\.noise$/g, "");
+  const elements = chain.elements.map((element) => {
+    const remove = h("button", { class: "back", title: "take it out of the chain", "aria-label": `${name}: remove ${element.name}` }, "×");
+    const error = h("p", { class: "error", role: "alert" });
+    remove.addEventListener("click", async () => {
+      const said = await on.remove(element.path);
+      if (!said.ok) say(error, said.error);
+    });
+    const use = element.use === element.name ? null : h("span", { class: "unit" }, element.use);
+    const added = element.is_added ? h("span", { class: "mark", title: "the scenario does not have it" }, "+") : null;
+    const head = h("div", { class: "element", "data-element": element.path }, added, h("span", { class: "name" }, element.name), use, remove);
+    return [head, error, ...rows(element.path)];
+  });
+  const place = h("div", { class: "adding" });
+  const gone = chain.gone.length ? h("p", { class: "note" }, `taken out: ${chain.gone.join(", ")}`) : null;
+  const begin = h("button", { class: "tool", "aria-label": `${name}: add noise` }, "add noise …");
+  const end = () => place.replaceChildren(...[begin, gone].filter(Boolean));
+  begin.addEventListener("click", async () => {
+    const said = await on.noises(chain.path);
+    if (!said.ok) return;
+    const draft = new Draft(name, said.choices, { add: (table) => on.add(chain.path, table), done: end });
+    place.replaceChildren(draft.element);
+    draft.select.focus();
+  });
+  end();
+  return [...elements.flat(), place];
+}
+
+/** A list of numbers that may be given an error. */
+export function targetRows(targets, set) {
+  if (!targets.length) return [];
+  const select = h("select", { "aria-label": "number that is to have an error" }, targets.map(({ path, label }) => h("option", { value: path }, label)));
+  const add = h("button", { class: "tool", onclick: () => set(`errors.${select.value}`, { scale: 1, add: 0 }) }, "add an error");
+  return [h("div", { class: "adding", "data-adds": "error" }, select, add)];
+}

@@ -1,0 +1,92 @@
+"""amorsim convert: every format that can be written, what is lost, and that nothing is overwritten."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.core.same_cells import have_same_cells
+from tests.cli.conftest import Command
+
+WALLS = [(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (2.0, 1.0, 2.5, 3.25)]
+
+
+@pytest.fixture
+def room(tmp_path: Path) -> Path:
+    am.save_map(am.Map.from_segments(WALLS, resolution=0.01), tmp_path / "room.wld")
+    return tmp_path / "room.wld"
+
+
+@pytest.mark.parametrize("ending", ["wld", "png", "pgm", "bmp", "yaml", "map"])
+def test_the_cells_are_the_same(amorsim: Command, room: Path, ending: str) -> None:
+    result = amorsim("convert", room, f"out.{ending}", "--resolution", 0.1)
+    assert (result.status, result.err) == (0, "")
+    lines = result.out.splitlines()
+    assert lines[0] == f"out.{ending}: 60 x 40 cells of 0.1 m; read back, the cells are the same"
+    is_told = ending in ("yaml",)
+    assert lines[1:] == ([] if is_told else ["the file does not say it: read it with resolution = 0.1"])
+    options = {} if is_told else {"resolution": 0.1}
+    again = am.load_map(room.with_name(f"out.{ending}"), **options)
+    assert have_same_cells(again, am.load_map(room, resolution=0.1))
+
+
+def test_what_is_lost_is_said_in_numbers(amorsim: Command, tmp_path: Path) -> None:
+    unknown = np.zeros((4, 6))
+    unknown[0] = 1
+    world = am.Map.from_array(
+        np.eye(4, 6)[::-1] * (unknown == 0), unknown=unknown, resolution=0.5, origin=(0.1, 0.0, 0.0)
+    )
+    am.save_map(world, tmp_path / "lab.yaml")
+    result = amorsim("convert", "lab.yaml", "lab.wld")
+    assert "walls are off by 0.1 m at the most, 6 unknown cells are no longer known as such" in result.out
+
+
+def test_nothing_is_overwritten_without_force(amorsim: Command, room: Path) -> None:
+    before = room.read_bytes()
+    result = amorsim("convert", room, room)
+    assert result.status == 2
+    assert "room.wld is there already; --force" in result.err
+    # The picture beside it is as much a file that is there.
+    picture = room.with_name("lab.pgm")
+    picture.write_bytes(b"mine")
+    result = amorsim("convert", room, "lab.yaml", "--resolution", 0.05)
+    assert (result.status, picture.read_bytes(), room.read_bytes()) == (2, b"mine", before)
+    assert "lab.pgm is there already" in result.err
+    assert not room.with_name("lab.yaml").exists()
+    assert amorsim("convert", room, "lab.yaml", "--resolution", 0.05, "--force").status == 0
+    assert picture.read_bytes().startswith(b"P5")
+    assert sorted(file.name for file in room.parent.iterdir()) == ["lab.pgm", "lab.yaml", "room.wld"]
+
+
+def test_options_are_those_of_a_world(amorsim: Command, tmp_path: Path) -> None:
+    from PIL import Image
+
+    Image.fromarray(np.array([[0, 100, 255]], np.uint8)).save(tmp_path / "grey.png")
+    assert "3 colours" in amorsim("convert", "grey.png", "a.map").err
+    result = amorsim("convert", "grey.png", "a.map", "--set", "world.threshold=0.5", "--resolution", 1)
+    assert result.status == 0
+    assert (tmp_path / "a.map").read_text().endswith("map\n@@.\n")
+    assert "Did you mean" in amorsim("convert", "grey.png", "b.map", "--set", "world.treshold=0.5").err
+
+
+def test_a_scenario_gives_its_map(amorsim: Command, study: Path, tmp_path: Path) -> None:
+    result = amorsim("convert", study, "study.png")
+    assert result.status == 0
+    assert (tmp_path / "study.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("none.wld", "a.png"), "none.wld: there is no such file"),
+        (("room.wld", "a.xyz"), "no format of maps is known by this extension"),
+        (("room.wld", "a.jpg"), "a JPEG blurs"),
+    ],
+)
+def test_mistakes_are_told(amorsim: Command, room: Path, arguments: tuple[str, str], words: str) -> None:
+    result = amorsim("convert", *arguments)
+    assert result.status == 2
+    assert words in result.err

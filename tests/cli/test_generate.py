@@ -1,0 +1,47 @@
+"""amorsim generate: a world in a file, the same one for the same seed, and nothing overwritten."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import amorsim as am
+from amorsim.core.same_cells import have_same_cells
+from tests.cli.conftest import Command
+
+
+def test_a_world_is_written_as_the_ending_says(amorsim: Command, tmp_path: Path) -> None:
+    result = amorsim("generate", "maze", "--seed", 3, "--size", 6, 5, "--set", "loops=0.5", "-o", "maze.yaml")
+    assert (result.status, result.err) == (0, "")
+    assert result.out.startswith("maze.yaml: 120 x 100 cells of 0.05 m; read back, the cells are the same")
+    world = am.worlds.maze(3, size=(6.0, 5.0), loops=0.5)
+    assert have_same_cells(am.load_map(tmp_path / "maze.yaml"), world)
+
+
+def test_a_file_that_is_there_is_replaced_by_force_alone(amorsim: Command, tmp_path: Path) -> None:
+    arguments = ("generate", "maze", "--size", 6, 5, "-o", "maze.wld")
+    assert amorsim(*arguments).status == 0
+    before = (tmp_path / "maze.wld").read_bytes()
+    result = amorsim(*arguments, "--seed", 5)
+    assert result.status == 2
+    assert "is there already; --force" in result.err
+    assert (tmp_path / "maze.wld").read_bytes() == before
+    assert amorsim(*arguments, "--seed", 5, "--force").status == 0
+    assert (tmp_path / "maze.wld").read_bytes() != before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("offic", "-o", "a.png"), "Did you mean 'office'?"),
+        (("office", "-o", "a.png", "--set", "corridr=2"), "Did you mean 'corridor'?"),
+        (("office", "-o", "a.png", "--set", "door=0.4"), "door is 0.4 m"),
+        (("office", "-o", "a.xyz"), "no format of maps is known"),
+    ],
+)
+def test_a_mistake_is_said_in_words(amorsim: Command, tmp_path: Path, arguments: tuple[str, ...], words: str) -> None:
+    result = amorsim("generate", *arguments)
+    assert result.status == 2
+    assert words in result.err
+    assert not list(tmp_path.glob("a.*"))
