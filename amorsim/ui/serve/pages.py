@@ -87,7 +87,7 @@ class Pages:
             If there is no such kind of page.
         """
         if kind not in KINDS:
-            raise AmorsimError(f"expected a kind of page, {' or '.join(map(repr, KINDS))}, got {kind!r}")
+            raise AmorsimError(f"expected a kind of page, {', '.join(map(repr, KINDS))}; got {kind!r}")
         plain = _ODD.sub("-", name).strip("-.") or "session"
         free, number = plain, 1
         while (kind, free) in self._pages:

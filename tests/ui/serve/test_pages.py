@@ -25,10 +25,19 @@ def test_sessions_have_names_of_their_own_that_need_no_quoting() -> None:
 
 
 def test_a_page_is_of_a_kind_that_there_is() -> None:
-    with pytest.raises(AmorsimError, match="expected a kind of page, 'run' or 'faults', got 'fly'"):
+    with pytest.raises(AmorsimError, match="expected a kind of page, 'run', 'edit', 'faults'; got 'fly'"):
         Pages().add("fly", "demo", StubSession())
     for kind in KINDS:
         assert Pages().add(kind, "demo", StubSession()).file.is_file()
+
+
+def test_a_page_that_is_removed_is_gone_and_its_name_free_again() -> None:
+    pages = Pages()
+    edit, run = pages.add("edit", "demo", StubSession()), pages.add("run", "demo", StubSession())
+    pages.remove(run)
+    assert pages.find("run", "demo") is None
+    assert pages.first is edit
+    assert pages.add("run", "demo", StubSession()).path == "/run/demo"
 
 
 def test_a_pages_session_can_be_replaced_and_another_page_be_the_first() -> None:
