@@ -13,7 +13,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.ui.simulator.messages import COMMANDS, check
 from amorsim.ui.simulator.project import Saver, place_for
 from amorsim.ui.simulator.recipe import Recipe
-from amorsim.ui.simulator.saved_scenario import _copy_maps
+from amorsim.ui.simulator.saved_scenario import _copying
 from tests import building
 from tests.ui.aside import aside
 from tests.ui.sessions import Make, write_project
@@ -121,10 +121,9 @@ def test_a_map_is_copied_beside_nothing_that_is_there(tmp_path: Path) -> None:
     (tmp_path / "passing" / "map.wld").write_text(text)
     (tmp_path / "saved.wld").symlink_to(tmp_path / "elsewhere.wld")  # which is not there
     (tmp_path / "saved-2.wld").write_text("kept")
-    document: dict[str, Any] = {"world": {"map": str(tmp_path / "passing" / "map.wld")}, "robots": []}
     scenario = building.scenario(map=am.load_map(tmp_path / "passing" / "map.wld"))
-    _copy_maps(document, scenario, [tmp_path / "passing"], tmp_path / "saved.toml")
-    assert document["world"]["map"] == str(tmp_path / "saved-3.wld")
+    copy_of = _copying(scenario, [tmp_path / "passing"], tmp_path / "saved.toml")
+    assert copy_of(str(tmp_path / "passing" / "map.wld")) == str(tmp_path / "saved-3.wld")
     assert (tmp_path / "saved-3.wld").read_text() == text
     assert (tmp_path / "saved-2.wld").read_text() == "kept"
     assert not (tmp_path / "elsewhere.wld").exists()
@@ -135,6 +134,6 @@ def test_no_other_command_names_a_file() -> None:
         name for name, shape in COMMANDS.items() if {"name", "file", "path", "folder"} & {*shape.needs, *shape.may}
     }
     # A picture of a map is looked up by name, and the path of a parameter is none of files.
-    assert named == {"save_scenario", "save_run", "image", "set", "restore"}
+    assert named == {"save_scenario", "save_run", "image", "set", "restore", "add", "remove", "noises"}
     with pytest.raises(AmorsimError):
         check({"do": "write_scenario", "file": "/tmp/x"})
