@@ -1,0 +1,44 @@
+"""The contract of estimators."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping, Sequence
+
+from amorsim.contracts.robot import Component, RobotModel
+from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement, State
+from amorsim.core.draws import Draws
+
+__all__ = ["Estimator"]
+
+
+class Estimator(Component, abc.ABC):
+    """Estimates the robot's pose from its readings, the nominal robot and its knowledge, never from the true world."""
+
+    @abc.abstractmethod
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the previous one (0 at the start)."""
+
+    def beliefs(self, state: State) -> Beliefs:
+        """What else it believes after the last update: innovations, verdicts of gates, biases ...; nothing by default.
+
+        Called only when a recorder or a viewer asks, once a step at most, so compute here what `update` does not need.
+        Names and shapes are the same in every step: (N, ...), of float64, int64 or bool, first axis the row. Values are
+        finite, or nan where there is nothing. Return arrays that later steps do not write into. Do not change `state`.
+        """
+        return {}
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What it uses: a sensor or another source, what that says about the state, and how far it is trusted.
+
+        Called on the estimator as specified, before stacking; ``amorsim check`` prints it as a table.
+        """
+        return ()

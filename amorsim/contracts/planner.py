@@ -1,0 +1,64 @@
+"""The contract of planners, and their answer."""
+
+from __future__ import annotations
+
+import abc
+import math
+from collections.abc import Sequence
+
+import attrs
+import numpy as np
+
+from amorsim.contracts.values import Array
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape
+
+__all__ = ["Plan", "Planner"]
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Plan:
+    """The answer of a planner: a path from start to goal, or the reason why there is none."""
+
+    status: str
+    """``"found"``, ``"unreachable"``, ``"start_blocked"``, ``"goal_blocked"``, or ``"budget"`` if the planner's budget
+    was used up before it had an answer."""
+    poses: Array = attrs.field(factory=lambda: np.empty((0, 3)))
+    """(M, 3) [m, m, rad] in the world: the corners of the path, from start to goal, joined by straight lines.
+
+    The heading is that of the line to the next pose; at the goal the one asked for, or else that of the last line. No
+    poses without a path.
+    """
+    length: float = math.inf
+    """Length of the path [m]; inf without one."""
+    cost: float = math.inf
+    """What the planner minimised, along this path; inf without one."""
+    expanded: int = 0
+    """How many cells or states the planner took up."""
+    searched: Array = attrs.field(factory=lambda: np.empty((0, 2)))
+    """(K, 2) [m] in the world: the places it took up, in order, for pictures."""
+    message: str = ""
+    """Why there is no path, in a sentence; empty if there is one."""
+
+    @property
+    def points(self) -> Array:
+        """The places of the poses (M, 2) [m]."""
+        return self.poses[:, :2]
+
+
+class Planner(abc.ABC):
+    """Finds a path on a map: a pure function of map, start, goal, footprint and its own parameters.
+
+    The map is one that a robot was given or made, never the true world. A planner works at a cell size of its own, has
+    a budget, so that it always comes to an end, and can be interrupted with Ctrl-C.
+    """
+
+    @abc.abstractmethod
+    def plan(
+        self, world: Map, start: Sequence[float], goal: Sequence[float], *, footprint: Shape | None = None
+    ) -> Plan:
+        """The plan for a robot with this footprint from `start` to `goal`, each (x, y) or (x, y, heading) [m, rad].
+
+        Without a footprint the robot is a point. Places in walls or outside the map give a status. Raises `PlanError`
+        if start or goal are not such numbers, or if the map has more cells than the planner can take.
+        """

@@ -1,0 +1,217 @@
+"""What a robot is made of, drives and sensors, and what it knows of itself."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, NamedTuple
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts.values import Aim, Array, State
+from amorsim.contracts.view import Emission, View
+from amorsim.core.draws import Draws
+from amorsim.core.map import Map
+from amorsim.core.poses import Mount, exponential
+from amorsim.core.shapes import Shape
+
+__all__ = ["Component", "Context", "Drive", "Joint", "Part", "RobotModel", "Sensor", "SensorModel"]
+
+
+class Component:
+    """The base of all kinds that have a state."""
+
+    def start(self, context: Context) -> State:
+        """The state at the start of an episode: arrays whose first axis is the row; empty by default."""
+        return {}
+
+
+@attrs.frozen(kw_only=True)
+class Joint:
+    """A joint of a drive: a wheel or a steering axis. `rolls` is true for a wheel that turns along the ground."""
+
+    name: str
+    rolls: bool = True
+
+
+class Part(NamedTuple):
+    """A rigid body of a robot in addition to its base: a trailer, a boom. Its shape is in its own frame."""
+
+    name: str
+    shape: Shape
+
+
+class Drive(Component, abc.ABC):
+    """How joints follow commands, and how a body moves as its joints move.
+
+    The engine moves the true body with the true parameters and the wheels' travel over the ground. An estimator calls
+    `displacement` with the nominal parameters and the encoders' readings.
+    """
+
+    # Both may be properties that depend on static fields.
+    joints: ClassVar[tuple[Joint, ...]]
+    channels: ClassVar[tuple[str, ...]]  # of a command, in order; joint rates [rad/s] or positions [rad]
+    # Further bodies of the robot; this may be a property as well.
+    parts: ClassVar[tuple[Part, ...]] = ()
+
+    @abc.abstractmethod
+    def advance(
+        self, joints: Array, rates: Array, command: Array, dt: float, state: State, draws: Draws
+    ) -> tuple[Array, Array]:
+        """Joints `(N, j)` [rad] and their rates [rad/s] a step later, under `command` `(N, c)` within the limits."""
+
+    @abc.abstractmethod
+    def twist(self, before: Array, after: Array) -> Array:
+        """The body's motion (forward [m], left [m], turn [rad]) `(N, 3)` in a step from `before` to `after`.
+
+        A drive whose path is not that of a constant twist returns the mean twist and overrides `displacement`.
+        """
+
+    @abc.abstractmethod
+    def command_for(self, twist: Array, joints: Array) -> Array:
+        """The command `(N, c)` that moves the body with `twist` `(N, 3)` [m/s, m/s, rad/s], or as close as possible."""
+
+    @abc.abstractmethod
+    def rolling_radius(self) -> Array:
+        """Travel over the ground per turn [m/rad] of each joint that rolls, `(N, r)`."""
+
+    def displacement(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The body's displacement `(N, 3)`, in its frame before, in closed form, at a fraction `(N, 1)` of the step."""
+        return exponential(self.twist(before, after), fraction)
+
+    def between(self, before: Array, after: Array, fraction: Array) -> Array:
+        """The joints `(N, j)` after a stop at `fraction`; moving to them displaces the body as `displacement` says."""
+        return before + (after - before) * fraction
+
+    def travel(self, before: Array, after: Array) -> Array:
+        """Bounds on the path `(N, 2)`: a part f of the step covers at most f times this length [m] and turning [rad].
+
+        The search for contact uses them. A drive that moves unevenly within a step must bound its fastest part.
+        """
+        twist = self.twist(before, after)
+        return np.stack((np.sqrt(twist[:, 0] ** 2 + twist[:, 1] ** 2), np.abs(twist[:, 2])), axis=1)
+
+    def contacts(self, joints: Array) -> Array:
+        """Where each joint that rolls touches the ground `(N, r, 2)` [m], in the body's frame.
+
+        Zones of the floor act there. By default all joints touch at the base point.
+        """
+        return np.zeros((len(joints), sum(joint.rolls for joint in self.joints), 2))
+
+    def follow(self, joints: Array, displacement: Array) -> Array:
+        """The joints `(N, j)` after passive ones have followed the body's actual `displacement` `(N, 3)`."""
+        return joints
+
+    def part_poses(self, joints: Array) -> Array:
+        """Poses of the `parts` `(N, p, 3)` in the body's frame, for these joints."""
+        return np.zeros((len(joints), 0, 3))
+
+    def part_travel(self, before: Array, after: Array) -> Array:
+        """Bounds on the parts' paths in the world `(N, p, 2)` [m, rad], as `travel` gives the body's.
+
+        At a fraction f the joints are ``follow(between(before, after, f), displacement(before, after, f))``, and the
+        parts are at their `part_poses`. Bounds that are too low let parts pass through walls; too high cost only time.
+        """
+        return np.zeros((len(before), 0, 2))
+
+    def heading_offset(self, joints: Array) -> Array | None:
+        """The direction of travel `(N, 1)` [rad] in the body's frame; None: the body's heading.
+
+        For drives whose wheels steer independently of the body; the turn of a twist is then that of the course.
+        """
+        return None
+
+    def curvature_max(self) -> Array | None:
+        """The largest curvature that the drive can follow `(N, 1)` [1/m]; None for a drive that turns in place."""
+        return None
+
+    def top_speeds(self) -> Array | None:
+        """Limits of speed [m/s], turn [rad/s] and their rates of change [m/s^2, rad/s^2], `(N, 4)`.
+
+        inf for no limit; None if the drive does not know its limits.
+        """
+        return None
+
+
+class Sensor(Component, abc.ABC):
+    """The reading of an ideal device. Mount, rate, latency and noise are set for any sensor, outside its class."""
+
+    unit: ClassVar[str]  # of the values: "m", "rad", "rad/s", "count" ...
+    medium: ClassVar[str] = ""  # what it emits into, for others to hear: "ultrasound" ...; or a static field
+    channels: ClassVar[tuple[str, ...]] = ()  # of its own commands, if it takes any: ("pan", "tilt")
+
+    @abc.abstractmethod
+    def size(self, drive: Drive) -> int:
+        """The number of values in a reading on a robot with this drive; it depends on static parameters only."""
+
+    @abc.abstractmethod
+    def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
+        """The ideal reading `(N, k)`, and by name what else the chain may need (incidence ...), each `(N, k)`."""
+
+    def columns(self) -> Mapping[str, str]:
+        """Names and units of the columns of a reading, if its values are not all one quantity in `unit`.
+
+        With c columns, value i belongs to column i modulo c: ``{"range": "m", "bearing": "rad"}`` means a range, a
+        bearing, a range ... All sensors of a class with the same static parameters have the same columns. An element
+        of the chain names the `column` that it acts on.
+        """
+        return {}
+
+    def bearings(self) -> Array | None:
+        """The bearing [rad] of each value, `(1, k)` or `(N, k)`, from the mount's heading; for range sensors."""
+        return None
+
+    def actuate(self, command: Array, dt: float, state: State, draws: Draws) -> None:
+        """Follow the command `(N, c)` of its own `channels` for a step; the result goes into `state`."""
+
+    def emit(self, view: View, state: State) -> Emission | None:
+        """What it emits into its `medium`; called for all sensors that have one before any sensor senses."""
+        return None
+
+
+@attrs.frozen(kw_only=True)
+class SensorModel:
+    """A sensor as the robot's software knows it: its nominal parameters, mount and rate."""
+
+    name: str
+    sensor: Sensor
+    mount: Mount
+    size: int  # values in a reading
+    rate: float | None  # [Hz], None for every step
+
+
+@attrs.frozen(kw_only=True)
+class RobotModel:
+    """What N robots know of themselves and their world: nominal parameters and knowledge, never the truth."""
+
+    rows: int
+    dt: float  # [s]
+    drive: Drive
+    shape: Shape
+    sensors: Mapping[str, SensorModel]
+    channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
+    map: Map | None = None  # `knowledge.map` of the scenario
+    landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
+    landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) their ids, 0 for a landmark without one
+    names: Sequence[str] = ()  # the rows' robots, for messages
+
+    def who(self, row: int) -> str:
+        """The name of a row's robot, for messages."""
+        return f"robot {self.names[row]!r}" if self.names else f"row {row}"
+
+
+@attrs.frozen(kw_only=True)
+class Context:
+    """The input of `start`: the number of rows, the step, the nominal robot, and the start pose that the robot knows.
+
+    Nothing can be drawn here: draw random initial values at the first call, where `elapsed` is 0.
+    """
+
+    rows: int
+    dt: float  # [s]
+    robot: RobotModel  # an obstacle's motion has none and must not use it
+    pose: Array  # (N, 3) [m, m, rad]
+    size: int = 0  # values in a sample, for a sensor and the elements of its chain
+    names: Sequence[str] = ()  # the rows' robots or obstacles, for messages

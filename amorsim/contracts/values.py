@@ -1,0 +1,52 @@
+"""What components pass to one another: readings, estimates, aims and the clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Aim", "Array", "Beliefs", "Clock", "Estimate", "Measurement", "State"]
+
+
+Array = npt.NDArray[np.float64]
+State = dict[str, npt.NDArray[Any]]
+Beliefs = Mapping[str, npt.NDArray[Any]]
+"""What an estimator believes besides the pose: arrays by name, first axis the row; nan where there is nothing."""
+
+
+class Clock(NamedTuple):
+    """The time of each row: `tick` (N, 1), `time` (N, 1) [s], and the step `dt` [s]."""
+
+    tick: npt.NDArray[np.int64]
+    time: Array
+    dt: float
+
+
+class Measurement(NamedTuple):
+    """A reading as the robot receives it: the measured values `(N, k)`, their tick and age, and if they are new."""
+
+    measured: Array
+    stamp: npt.NDArray[np.int64]  # (N, 1), the tick of the values; -1 before the first arrive
+    age: Array  # (N, 1) [s], since that tick
+    fresh: npt.NDArray[np.bool_]  # (N, 1), whether they arrived in this step
+
+
+class Estimate(NamedTuple):
+    """An estimate of the robot's pose: `pose` (N, 3) [m, m, rad] and `covariance` (N, 3, 3)."""
+
+    pose: Array
+    covariance: Array
+
+
+class Aim(NamedTuple):
+    """Offsets of a sensor's beams: an angle [rad] added to each beam's bearing `(N, k)`, or None.
+
+    `time` `(N, k)` [s] is when each beam is measured relative to this tick, at most 0; None: all at the tick.
+    An element of a chain adds to the aim that it is given (``aim._replace``). A sensor without beams ignores both.
+    """
+
+    bearing: Array | None = None
+    time: Array | None = None
