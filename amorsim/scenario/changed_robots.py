@@ -10,7 +10,7 @@ import attrs
 from amorsim.core.errors import DocumentError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
-from amorsim.scenario.layout import MISSING, Path_
+from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.models import ERROR_KEYS
 from amorsim.scenario.resolved import robot_table
 from amorsim.scenario.spec import Deviation, Robot
@@ -58,23 +58,87 @@ def set_robots(document: Document, before: Sequence[Robot], after: Sequence[Robo
         if not all(are_same(table, tables[0][1]) for _, table in tables):
             raise DocumentError("robots of one table differ from each other, which it cannot say", path)
         for at, value in _differences(*tables[0], ()):
-            _set(document, f"{path}.{'.'.join(map(str, at))}", value)
+            _set(document, ("robots", number, *at), found_at(tables[0][0], at), value)
     if first != len(before):
         raise DocumentError(f"expected {len(before)} robots, got {first}", "robots")
 
 
-def _set(document: Document, path: str, value: Any) -> None:
-    if value is MISSING:
+def _set(document: Document, at: Path_, before: Any, after: Any) -> None:
+    path = _dotted(at)
+    if after is MISSING:
         document.remove(path)
+    elif not _is_chain(at, after):
+        document.set(path, after)
+    elif _is_said(document, at, before):
+        _set_chain(document, path, before, after)
     else:
-        document.set(path, value)
+        document.set(path, after)
+        for index in range(len(after)):
+            _leave_out_defaults(document, f"{path}.{index}")
+
+
+def _is_chain(at: Path_, value: Any) -> bool:
+    return at[-1:] in (("ground",), ("noise",)) and isinstance(value, list)
+
+
+def _is_said(document: Document, at: Path_, chain: Any) -> bool:
+    """Whether the file itself says a chain that has as many elements as this one."""
+    there = found_at(document.values, at)
+    return isinstance(there, list) and isinstance(chain, list) and len(there) == len(chain)
+
+
+def _set_chain(document: Document, path: str, before: list[dict[str, Any]], after: list[dict[str, Any]]) -> None:
+    """Change a chain that the file says, element by element: what stays keeps its place and its comments."""
+    kept = {element["name"] for element in after}
+    there = {element["name"]: element for element in before}
+    names = list(there)
+    for index in reversed(range(len(names))):
+        if names[index] not in kept:
+            document.remove(f"{path}.{index}")
+            del names[index]
+    for index, element in enumerate(after):
+        name, place = element["name"], f"{path}.{index}"
+        if name not in names:
+            names.insert(index, name)
+            document.add(path, element, index)
+            _leave_out_defaults(document, place)
+            continue
+        if names[index] != name:
+            document.move(f"{path}.{names.index(name)}", index)
+            names.remove(name)
+            names.insert(index, name)
+        if element["use"] != there[name]["use"] or element.keys() != there[name].keys():
+            document.set(place, element)
+            _leave_out_defaults(document, place)
+            continue
+        for key, value in element.items():
+            if not are_same(value, there[name][key]):
+                document.set(f"{place}.{key}", value)
+
+
+def _leave_out_defaults(document: Document, path: str) -> None:
+    """Leave out what a new element says though it holds anyway."""
+    element = document.get(path)
+    for key, value in element.items():
+        if key == "use":
+            continue
+        under = document.inherited(f"{path}.{key}").under
+        default = element["use"] if key == "name" else None if under is None else under.value
+        if are_same(value, default):
+            document.remove(f"{path}.{key}")
+
+
+def _dotted(at: Path_) -> str:
+    return ".".join(map(str, at))
 
 
 def _differences(before: Any, after: Any, path: Path_) -> Iterator[tuple[Path_, Any]]:
     """The paths at which two tables differ, and what is in the second; `MISSING` where it says nothing."""
     if are_same(before, after):
         return
-    if path[:1] == ("errors",) and isinstance(after, dict) and set(after) <= ERROR_KEYS:
+    if _is_chain(path, after):
+        yield path, after
+    elif path[:1] == ("errors",) and isinstance(after, dict) and set(after) <= ERROR_KEYS:
         said = {key: value for key, value in after.items() if not are_same(value, _NO_ERROR.get(key))}
         yield path, said or {"scale": 1.0}
     elif isinstance(before, dict) and isinstance(after, dict):

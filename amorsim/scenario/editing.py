@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from amorsim.core.errors import DocumentError
 from amorsim.scenario import inline
 from amorsim.scenario.layout import MISSING, Layout, Path_, changed, found_at, inserted, without
-from amorsim.scenario.statements import Statement, cut, members
+from amorsim.scenario.statements import Statement, cut
 from amorsim.scenario.toml_values import are_same, as_toml, keys_as_toml, parse, parse_value
 
 __all__ = ["Editor", "Splice"]
@@ -381,9 +381,7 @@ class Editor:
             index, left = spot
             statement = self.statements[index]
             at, _, _ = inline.find(statement.text, statement.first, left)
-            member = list(members(statement.text, at))[number]
-            text = inline.remove(statement.text, at, member)
-            text = inline.insert(text, at, (), statement.text[member.first : member.last], place, self._newline)
+            text = inline.move(statement.text, at, number, place, self._newline)
             self._replace_pair(index, text, expected)
             return
         runs = self._runs(path)

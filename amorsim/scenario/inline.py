@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from amorsim.scenario.statements import Member, members
 from amorsim.scenario.toml_values import keys_as_toml
 
-__all__ = ["find", "insert", "remove"]
+__all__ = ["find", "insert", "move", "remove"]
 
 Path_ = tuple[str | int, ...]
 
@@ -83,6 +83,36 @@ def remove(text: str, at: int, member: Member) -> str:
     close = _close(text, at)
     inside = text[at + 1 : member.start] + text[end:close]
     return text[: at + 1] + (inside if inside.strip() else "") + text[close:]
+
+
+def move(text: str, at: int, number: int, place: int, newline: str) -> str:
+    """The text with a member of the array at `at` elsewhere in it, number `place` afterwards.
+
+    Where every member has lines of its own, those go with it, and the comments above it and beside it.
+    """
+    there = list(members(text, at))
+    member = there[number]
+    if _have_lines(text, at, there):
+        if _comma(text, there[-1].last) is None:
+            text = f"{text[: there[-1].last]},{text[there[-1].last :]}"
+        ends = [text.index("\n", member.last) + 1 for member in there]
+        begins = [text.index("\n", at) + 1, *ends[:-1]]
+        lines = [text[begin:end] for begin, end in zip(begins, ends, strict=True)]
+        lines.insert(place, lines.pop(number))
+        return text[: begins[0]] + "".join(lines) + text[ends[-1] :]
+    value = text[member.first : member.last]
+    return insert(remove(text, at, member), at, (), value, place, newline)
+
+
+def _have_lines(text: str, at: int, there: Sequence[Member]) -> bool:
+    """Whether each member begins a line, and the bracket at `at` and its end share none with them."""
+    close = _close(text, at)
+    for member in there:
+        line_end = text.find("\n", member.last, close)
+        comma = _comma(text, member.last)
+        if _indent(text, member.start) is None or line_end < 0 or (comma is not None and comma > line_end):
+            return False
+    return True
 
 
 def _indent(text: str, at: int) -> str | None:

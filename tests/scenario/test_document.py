@@ -237,3 +237,25 @@ def test_reading_and_changing_a_thousand_robots_takes_less_than_a_third_of_a_sec
         document.set("robots.r500.pose.x", 3.0)
         seconds.append(time.process_time() - start)
     assert min(seconds) < 0.3
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (
+            'a = [\n    "x", # the first\n    # about y\n    "y",\n    "z" # the last\n]\n',
+            'a = [\n    "z", # the last\n    "x", # the first\n    # about y\n    "y",\n]\n',
+        ),
+        ('a = ["x", "y", "z"]\n', 'a = ["z", "x", "y"]\n'),
+        ('a = [\n    "x", "y",\n    "z"\n]\n', None),
+        ('a = [\n    "x",\n    "y",\n    "z"\n    ,\n]\n', None),
+    ],
+)
+def test_an_item_of_a_list_within_a_value_moves_with_its_comments(tmp_path, before, after):
+    document = am.Document(before, tmp_path / "x.toml")
+    document.move("a.2", 0)
+    assert document.values == {"a": ["z", "x", "y"]}
+    if after is not None:
+        assert document.text == after
+    document.undo()
+    assert document.text == before

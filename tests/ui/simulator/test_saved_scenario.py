@@ -86,6 +86,52 @@ def test_only_what_was_changed_differs(study: Path) -> None:
     assert am.open_document(saved).inherited("robots.rover.drive.track").under is not None
 
 
+CHAIN = """
+[[robots]]
+name = "third"
+model = "pioneer2dx"
+pose = { x = 1.0, y = 5.0 }
+[robots.sensors.gps]
+use = "gps"
+noise = [
+    { use = "gaussian", std = 0.10 }, # of its data sheet
+    { use = "bias", value = 0.2 },    # by the trees
+    { use = "dropout", probability = 0.1 },
+]
+"""
+
+
+def test_of_a_chain_what_stays_keeps_its_lines(study: Path) -> None:
+    study.write_text(AUTHORED + CHAIN)
+    simulation = am.Simulation(am.load(study))
+    bias = {"use": "bias", "value": 0.3}
+    scale = {"use": "scale", "factor": 1.1}
+    simulation.set("third", "sensors.gps.noise", [bias, scale, {"use": "gaussian", "std": 0.1}])
+    saved = study.with_name("saved.toml")
+    save_scenario(simulation, saved)
+    text = saved.read_text()
+    assert (
+        """noise = [
+    { use = "bias", value = 0.3 },    # by the trees
+    { use = "scale", factor = 1.1 },
+    { use = "gaussian", std = 0.10 }, # of its data sheet
+]
+"""
+        in text
+    )
+    assert am.load(saved).robots[3].sensors["gps"] == simulation.robot("third").nominal.sensors["gps"]
+
+
+def test_of_a_chain_that_replaces_the_models_no_default_is_written(study: Path) -> None:
+    simulation = am.Simulation(am.load(study))
+    simulation.set("rover", "sensors.laser.noise", [{"use": "dropout", "probability": 0.1}])
+    saved = study.with_name("saved.toml")
+    save_scenario(simulation, saved)
+    (line,) = (line for line in saved.read_text().splitlines() if "noise" in line)
+    assert line.endswith('noise = [{ use = "dropout", probability = 0.1 }]')
+    assert am.load(saved).robots[0].sensors["laser"] == simulation.robot("rover").nominal.sensors["laser"]
+
+
 def test_settings_of_the_command_line_and_the_seed_are_said(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
