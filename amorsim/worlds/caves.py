@@ -15,11 +15,15 @@ from amorsim.worlds.passable import open_parts, places_for
 __all__ = ["Cave", "neighbours"]
 
 _LEAST = 0.1  # of the area; less is no cave but a hole
+_TRIES = 20
 
 
 @attrs.frozen(kw_only=True)
 class Cave(CellWorld):
-    """A cave: random rock, smoothed by a cellular automaton in which a cell becomes what most cells around it are."""
+    """A cave: random rock, smoothed by a cellular automaton in which a cell becomes what most cells around it are.
+
+    Where hardly anything of it is connected, it is drawn again.
+    """
 
     fill: float = parameter(0.45, ge=0, le=1, help="share of rock at first; from about 0.5 on little is left of a cave")
     grain: float = parameter(0.4, unit="m", gt=0, help="side of the automaton's cells")
@@ -27,6 +31,16 @@ class Cave(CellWorld):
 
     def draw(self, sheet: Sheet, numbers: Numbers) -> None:
         """Draw the cave. Raises `MapError` if hardly anything of it is connected."""
+        for _ in range(_TRIES):
+            if self._has_room(sheet, numbers):
+                return
+        raise MapError(
+            f"fill = {self.fill:g} leaves less than {_LEAST:.0%} of the area where a robot with a clearance of "
+            f"{self.clearance:g} m gets about; take less fill, a smaller clearance, or a coarser grain"
+        )
+
+    def _has_room(self, sheet: Sheet, numbers: Numbers) -> bool:
+        """Draw a cave; whether the largest part of it that is connected is large enough."""
         rows, cols = sheet.cells.shape
         grain = self.in_cells(self.grain)
         rock = numbers.many(-(-rows // grain), -(-cols // grain)) < self.fill
@@ -36,11 +50,7 @@ class Cave(CellWorld):
         sheet.cells[:] = _rounded(np.repeat(np.repeat(rock, grain, axis=0), grain, axis=1)[:rows, :cols], grain)
         sheet.border(self.in_cells(0.1))
         _, sizes = open_parts(places_for(sheet.cells, self.clearance, self.resolution))
-        if sizes[1:].max(initial=0) < _LEAST * rows * cols:
-            raise MapError(
-                f"fill = {self.fill:g} leaves less than {_LEAST:.0%} of the area where a robot with a clearance of "
-                f"{self.clearance:g} m gets about; take less fill, a smaller clearance, or a coarser grain"
-            )
+        return bool(sizes[1:].max(initial=0) >= _LEAST * rows * cols)
 
 
 def neighbours(cells: NDArray[np.bool_], outside: int) -> NDArray[np.int64]:

@@ -46,7 +46,12 @@ PARAMETERS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
     "cave": {"size": SIZES, "fill": number(0.2, 0.42), "grain": number(0.3, 0.8)},
     "forest": {"size": SIZES, "density": number(0.0, 0.4)},
     "warehouse": {"size": SIZES, "aisle": number(0.9, 2.0), "empty": number(0.0, 1.0), "block": st.integers(1, 5)},
-    "crossing": {"size": SIZES, "street": number(0.9, 2.5), "yards": number(0.0, 1.0), "across": st.integers(1, 3)},
+    "crossing": {
+        "size": st.tuples(number(14.0, 22.0), number(14.0, 18.0)),
+        "street": number(0.9, 2.5),
+        "yards": number(0.0, 1.0),
+        "across": st.integers(1, 3),
+    },
     "barn": {"fill": number(0.1, 0.35), "rounds": st.integers(0, 4), "clearance": number(0.15, 0.35)},
 }
 NAMES = sorted(PARAMETERS)
@@ -122,6 +127,10 @@ def test_the_same_seed_gives_the_same_cells_on_every_machine(name: str) -> None:
     assert hashlib.sha256(world.to_array().tobytes()).hexdigest()[:16] == DIGESTS[name]
     assert make_world(world.source) == world
     assert make(name, {"seed": 8}) != world
+
+
+def test_a_cave_without_room_is_drawn_again() -> None:
+    check(make("cave", {"seed": 585721, "size": (8.0, 8.0)}))
 
 
 def test_every_generator_has_a_function_and_a_test() -> None:
