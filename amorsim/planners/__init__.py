@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 from amorsim.planners.a_star import AStar
+from amorsim.planners.curve_planner import Dubins, ReedsShepp
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.dijkstra import Dijkstra
 from amorsim.planners.jump_point import JumpPoint
 from amorsim.planners.theta_star import ThetaStar
 from amorsim.planners.wavefront import Wavefront
 
-__all__ = ["AStar", "DStarLite", "Dijkstra", "JumpPoint", "ThetaStar", "Wavefront"]
+__all__ = [
+    "AStar",
+    "DStarLite",
+    "Dijkstra",
+    "Dubins",
+    "JumpPoint",
+    "ReedsShepp",
+    "ThetaStar",
+    "Wavefront",
+]

@@ -117,6 +117,8 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
     registry.planner("d_star_lite", "amorsim.planners.d_star_lite:DStarLite")
     registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
+    registry.planner("dubins", "amorsim.planners.curve_planner:Dubins")
+    registry.planner("reeds_shepp", "amorsim.planners.curve_planner:ReedsShepp")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
 
