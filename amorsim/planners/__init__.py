@@ -7,7 +7,9 @@ from amorsim.planners.curve_planner import Dubins, ReedsShepp
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.dijkstra import Dijkstra
 from amorsim.planners.jump_point import JumpPoint
+from amorsim.planners.prm import Prm
 from amorsim.planners.theta_star import ThetaStar
+from amorsim.planners.trees import Rrt, RrtConnect, RrtStar
 from amorsim.planners.wavefront import Wavefront
 
 __all__ = [
@@ -16,7 +18,11 @@ __all__ = [
     "Dijkstra",
     "Dubins",
     "JumpPoint",
+    "Prm",
     "ReedsShepp",
+    "Rrt",
+    "RrtConnect",
+    "RrtStar",
     "ThetaStar",
     "Wavefront",
 ]

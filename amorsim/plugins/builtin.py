@@ -117,6 +117,10 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
     registry.planner("d_star_lite", "amorsim.planners.d_star_lite:DStarLite")
     registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
+    registry.planner("rrt", "amorsim.planners.trees:Rrt")
+    registry.planner("rrt_connect", "amorsim.planners.trees:RrtConnect")
+    registry.planner("rrt_star", "amorsim.planners.trees:RrtStar")
+    registry.planner("prm", "amorsim.planners.prm:Prm")
     registry.planner("dubins", "amorsim.planners.curve_planner:Dubins")
     registry.planner("reeds_shepp", "amorsim.planners.curve_planner:ReedsShepp")
 
