@@ -6,6 +6,7 @@ from amorsim.planners.a_star import AStar
 from amorsim.planners.curve_planner import Dubins, ReedsShepp
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.dijkstra import Dijkstra
+from amorsim.planners.hybrid_a_star import HybridAStar
 from amorsim.planners.jump_point import JumpPoint
 from amorsim.planners.potential_field import PotentialField
 from amorsim.planners.prm import Prm
@@ -19,6 +20,7 @@ __all__ = [
     "DStarLite",
     "Dijkstra",
     "Dubins",
+    "HybridAStar",
     "JumpPoint",
     "PotentialField",
     "Prm",

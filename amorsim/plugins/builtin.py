@@ -125,6 +125,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("prm", "amorsim.planners.prm:Prm")
     registry.planner("dubins", "amorsim.planners.curve_planner:Dubins")
     registry.planner("reeds_shepp", "amorsim.planners.curve_planner:ReedsShepp")
+    registry.planner("hybrid_a_star", "amorsim.planners.hybrid_a_star:HybridAStar")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
 
