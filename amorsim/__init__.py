@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
+    from amorsim import algorithms, controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
     from amorsim.contracts import (
         Aim,
         Beliefs,
@@ -150,7 +150,18 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing", "worlds")
+_PACKAGES = (
+    "algorithms",
+    "controllers",
+    "drives",
+    "estimators",
+    "motions",
+    "noise",
+    "planners",
+    "sensors",
+    "testing",
+    "worlds",
+)
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
@@ -236,6 +247,7 @@ __all__ = [
     "WheelSpeeds",
     "WorldGenerator",
     "Zone",
+    "algorithms",
     "check_code",
     "compose",
     "controllers",

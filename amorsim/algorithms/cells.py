@@ -15,7 +15,7 @@ from amorsim.core.errors import MapError, PlanError
 from amorsim.core.map import Map, Place
 from amorsim.kernels.search.room import squared_gaps
 
-__all__ = ["Cells", "free_cells", "place_of"]
+__all__ = ["Cells", "free_cells", "gaps_to_walls", "place_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -38,6 +38,8 @@ class Cells:
     gaps: npt.NDArray[np.int32] | None
     """(rows, cols) squared gap [cells^2] to the nearest occupied cell, as far as the footprint reaches; -1 in one. None
     for a point."""
+    occupied: npt.NDArray[np.uint8]
+    """(n,) 1 where a cell of the map is occupied, and in the border."""
     reach: float
     """[m] that a free cell keeps from all occupied ones, in every point of it."""
 
@@ -136,6 +138,7 @@ def _made(world: Map, reach: float, side: float, avoid_unknown: bool) -> Cells:
     except MapError as error:
         raise PlanError(f"the map's cells cannot be had: {error}") from error
     gaps = None
+    occupied = 1 - _flat(free)
     if reach > 0.0:
         # A wall that the footprint just touches is no obstacle, however its distance is rounded.
         needed = reach / side * (1.0 - 1e-12)
@@ -143,7 +146,24 @@ def _made(world: Map, reach: float, side: float, avoid_unknown: bool) -> Cells:
         gaps = np.empty(free.shape, np.int32)
         squared_gaps(free.view(np.uint8), most, np.empty(free.shape, np.int32), gaps)
         free = (gaps >= 0) & (gaps >= min(needed, most) ** 2)
-    return Cells(origin=world.origin, side=side, width=free.shape[1] + 2, free=_flat(free), gaps=gaps, reach=reach)
+    return Cells(
+        origin=world.origin,
+        side=side,
+        width=free.shape[1] + 2,
+        free=_flat(free),
+        gaps=gaps,
+        occupied=occupied,
+        reach=reach,
+    )
+
+
+def gaps_to_walls(cells: Cells) -> npt.NDArray[np.int32]:
+    """Squared gap (n,) [cells^2] between each cell and the nearest occupied one, however far; -1 in one."""
+    shape = (cells.rows, cells.cols)
+    free = np.ascontiguousarray(1 - cells.occupied.reshape(-1, cells.width)[1:-1, 1:-1])
+    found = np.empty(shape, np.int32)
+    squared_gaps(free, max(shape) + 1, np.empty(shape, np.int32), found)
+    return np.pad(found, 1, constant_values=-1).reshape(-1)
 
 
 def _flat(free: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint8]:

@@ -20,6 +20,7 @@ from amorsim.cli import (
     explain,
     generate,
     new,
+    plan,
     plot,
     plugins,
     reproduce,
@@ -67,6 +68,7 @@ app.command("reproduce", short_help="Run a finished run again, and compare.")(re
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
 app.command("convert", short_help="Write a map in another format.")(convert.command)
 app.command("generate", short_help="Make a random world, such as an office or a maze.")(generate.command)
+app.command("plan", short_help="Find a path on a map, and draw it.")(plan.command)
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
 app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)

@@ -15,7 +15,8 @@ from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.octile import FOUND, GOING_ON, octile_distance
 from amorsim.kernels.search.replan import Replan, follow, new_replan, repair, update_around
-from amorsim.planners.grid_planner import Found, GridPlanner, Place, octile_length
+from amorsim.planners.grid_planner import Found, GridPlanner, octile_length
+from amorsim.planners.on_cells import Place
 
 __all__ = ["DStarLite", "Replanner"]
 

@@ -11,24 +11,20 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.algorithms.cells import Cells, free_cells, place_of
-from amorsim.contracts import Plan, Planner
-from amorsim.core.errors import PlanError
+from amorsim.algorithms.cells import Cells, place_of
+from amorsim.contracts import Plan
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import Shape
 from amorsim.kernels.search.any_angle import is_open_line
 from amorsim.kernels.search.frontier import Search, new_search
 from amorsim.kernels.search.octile import FOUND, GOING_ON, expand_octile
+from amorsim.planners.on_cells import CellPlanner, Place, free_ends, poses_along, why_unreachable
 
 __all__ = ["Found", "GridPlanner", "Place", "found_by", "octile_length", "path_through", "run_octile", "run_search"]
 
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.int32]
-
-
-Place = tuple[float, float, float | None]
-"""x, y [m] and heading [rad] of a start or goal; None for a heading that is not given."""
 
 
 class Found(NamedTuple):
@@ -45,26 +41,17 @@ class Found(NamedTuple):
 
 
 @attrs.frozen(kw_only=True)
-class GridPlanner(Planner):
-    """A planner on square cells. A cell is free if all of it keeps the footprint's reach from every occupied cell."""
+class GridPlanner(CellPlanner):
+    """A planner that searches square cells."""
 
     any_angle: ClassVar[bool] = False
     """Whether the lines of paths may have any direction."""
 
-    cell: float | None = parameter(None, unit="m", gt=0, help="side of the cells; without it that of the map's")
     budget: int = parameter(100_000_000, ge=0, help="cells expanded at most")
-    avoid_unknown: bool = parameter(False, help="whether unknown cells of the map count as occupied")
 
     @abc.abstractmethod
     def search(self, cells: Cells, start: int, goal: int) -> Found:
         """Search for a path between two free cells."""
-
-    def cells_of(self, world: Map, footprint: Shape | None) -> Cells:
-        """The cells of a map that a robot with this footprint may be in."""
-        if not isinstance(footprint, Shape | None):
-            raise PlanError(f"footprint is {footprint!r}; expected a Shape, such as am.Shape.circle(0.25), or None")
-        reach = 0.0 if footprint is None else footprint.reach
-        return free_cells(world, reach, side=self.cell, avoid_unknown=self.avoid_unknown)
 
     def plan(
         self, world: Map, start: Sequence[float], goal: Sequence[float], *, footprint: Shape | None = None
@@ -80,21 +67,16 @@ class GridPlanner(Planner):
     def plan_on(self, cells: Cells, start: Place, goal: Place, search: Callable[[Cells, int, int], Found]) -> Plan:
         """The plan on these cells, by a search between two free ones."""
         ends = (start, goal)
-        places = []
-        for name, (x, y, _) in zip(("start", "goal"), ends, strict=True):
-            place = cells.cell_at(x, y)
-            if place is None:
-                return Plan(status=f"{name}_blocked", message=f"the {name} ({x:g}, {y:g}) is outside the map")
-            if not cells.free[place]:
-                return Plan(status=f"{name}_blocked", message=_why_blocked(cells, name, x, y, place))
-            places.append(place)
+        places = free_ends(cells, *ends)
+        if isinstance(places, Plan):
+            return places
         found = search(cells, *places)
         searched = cells.places(found.searched)
         if found.status != "found":
             message = (
                 f"the budget of {self.budget} cells was used up"
                 if found.status == "budget"
-                else _why_unreachable(cells, *places)
+                else why_unreachable(cells, *places)
             )
             return Plan(status=found.status, expanded=len(searched), searched=searched, message=message)
         points, length = _from_end_to_end(cells, found, *ends)
@@ -102,7 +84,7 @@ class GridPlanner(Planner):
             points, length = _without_needless_centres(cells, points, length)
         return Plan(
             status="found",
-            poses=_poses(points, ends[1][2]),
+            poses=poses_along(points, ends[1][2]),
             length=length,
             cost=found.length * cells.side,
             expanded=len(searched),
@@ -186,45 +168,3 @@ def _without_needless_centres(cells: Cells, points: Array, length: float) -> tup
     if len(kept) == len(points):
         return points, length
     return kept, math.fsum(np.hypot(*np.diff(kept, axis=0).T).tolist())
-
-
-def _poses(points: Array, heading: float | None) -> Array:
-    poses = np.zeros((len(points), 3))
-    poses[:, :2] = points
-    if len(points) > 1:
-        legs = np.diff(points, axis=0)
-        poses[:-1, 2] = np.arctan2(legs[:, 1], legs[:, 0])
-        poses[-1, 2] = poses[-2, 2]
-    if heading is not None:
-        poses[-1, 2] = heading
-    return poses
-
-
-def _why_blocked(cells: Cells, name: str, x: float, y: float, place: int) -> str:
-    where = f"the {name} ({x:g}, {y:g})"
-    if cells.gaps is None or cells.gaps[place // cells.width - 1, place % cells.width - 1] < 0:
-        return f"{where} is in an occupied cell"
-    return (
-        f"{where} is in a cell {cells.gap(place):.3g} m from an occupied one, and the footprint reaches "
-        f"{cells.reach:.3g} m"
-    )
-
-
-def _why_unreachable(cells: Cells, start: int, goal: int) -> str:
-    """Whether a smaller footprint would find a path, and which."""
-    plain = "no free cells lead from start to goal"
-    if cells.gaps is None:
-        return plain
-    # The largest gap with a path, among those that there are: without a path at one, there is none at larger ones.
-    steps = np.unique(cells.gaps[(cells.gaps >= 0)])
-    steps = steps[steps * cells.side**2 < cells.reach**2]
-    low, high = -1, len(steps)
-    while high - low > 1:
-        middle = (low + high) // 2
-        there = attrs.evolve(cells, free=cells.narrowed(int(steps[middle])))
-        status, _ = run_octile(there, start, goal, len(there.free), 1.0)
-        low, high = (middle, high) if status == "found" else (low, middle)
-    if low < 0:
-        return f"{plain}, not even for a point"
-    would = math.sqrt(steps[low]) * cells.side
-    return f"{plain} for a footprint that reaches {cells.reach:.3g} m; one that reaches {would:.3g} m would pass"

@@ -117,6 +117,15 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("jump_point", "amorsim.planners.jump_point:JumpPoint")
     registry.planner("d_star_lite", "amorsim.planners.d_star_lite:DStarLite")
     registry.planner("theta_star", "amorsim.planners.theta_star:ThetaStar")
+    registry.planner("voronoi", "amorsim.planners.voronoi:Voronoi")
+    registry.planner("potential_field", "amorsim.planners.potential_field:PotentialField")
+    registry.planner("rrt", "amorsim.planners.trees:Rrt")
+    registry.planner("rrt_connect", "amorsim.planners.trees:RrtConnect")
+    registry.planner("rrt_star", "amorsim.planners.trees:RrtStar")
+    registry.planner("prm", "amorsim.planners.prm:Prm")
+    registry.planner("dubins", "amorsim.planners.curve_planner:Dubins")
+    registry.planner("reeds_shepp", "amorsim.planners.curve_planner:ReedsShepp")
+    registry.planner("hybrid_a_star", "amorsim.planners.hybrid_a_star:HybridAStar")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
 

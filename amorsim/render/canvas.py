@@ -77,6 +77,17 @@ class Canvas:
         )
         self.mask(np.asarray(stencil) & is_line, (left / FINENESS, top / FINENESS), colour)
 
+    def segments(self, ends: Points, colour: str, width: float) -> None:
+        """Straight lines of a width, each between two places, (K, 4); many of them, so their ends are not round."""
+        x0, y0, x1, y1 = (edge * FINENESS for edge in self.frame)
+        stencil = Image.new("1", (x1 - x0, y1 - y0))
+        pen = ImageDraw.Draw(stencil)
+        far = 4 * max(x1 - x0, y1 - y0)
+        fine = np.clip(ends * FINENESS - np.array([x0, y0, x0, y0]), -far, far)
+        for piece in fine[np.all(np.isfinite(fine), axis=1)].tolist():
+            pen.line(piece, fill=1, width=max(1, round(width * FINENESS)))
+        self._image.paste(colour, (x0, y0), stencil)
+
     def line(self, points: Points, colour: str, width: float, *, dash: tuple[float, float] | None = None) -> None:
         """A line of round ends and corners through points (T, 2), whole or in dashes and gaps of two lengths.
 

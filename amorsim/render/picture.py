@@ -21,9 +21,10 @@ from amorsim.render.marks import COLOURS
 from amorsim.render.things import Thing, draw_thing
 from amorsim.render.words import font, in_words, round_length, shortened
 
-__all__ = ["RobotPath", "Thing", "draw_map", "draw_run"]
+__all__ = ["SMALLEST", "Page", "RobotPath", "Thing", "draw_map", "draw_run"]
 
-_SMALLEST = 240  # [px] longer side: below, title and legend leave nothing to the map
+SMALLEST = 240
+"""Longer side [px] of the smallest picture: below, title and legend leave nothing to the map."""
 _GROWTH = 0.25  # of the map's longer side: how far beyond its edge a path is followed
 _ROOM = 0.01  # likewise, around what is shown: walls at the map's edge are seen whole
 _FAR = 1000.0  # likewise: beyond, places are as good as equal
@@ -98,9 +99,10 @@ def draw_run(
     ParameterError
         If `size` is less than 240.
     """
-    if size < _SMALLEST:
-        raise ParameterError("size", f"expected at least {_SMALLEST} pixels, got {size}")
-    page = _Page(map, paths, [_points(zone) for zone in zones], patches, things, size, title)
+    if size < SMALLEST:
+        raise ParameterError("size", f"expected at least {SMALLEST} pixels, got {size}")
+    page = Page(map, paths, [_points(zone) for zone in zones], patches, things, size, title)
+    page.draw_floor()
     page.draw_walls()
     page.draw_things()
     for path in paths:
@@ -110,7 +112,7 @@ def draw_run(
     return page.finish()
 
 
-class _Page:
+class Page:
     """The sheet: a title above, the plot, a legend and a scale bar below."""
 
     def __init__(
@@ -143,15 +145,7 @@ class _Page:
         """Share the sheet out: the legend takes the lines that it needs, the plot what is left."""
         width, height = self._high - self._low
         top = self._margin + (round(1.3 * self._line_height) if self._title else 0)
-        items = items_of(
-            [path.name for path in self._paths],
-            true=any(len(path.true) for path in self._paths),
-            estimated=any(len(path.estimated) for path in self._paths),
-            zones=len(self._zones),
-            kinds={thing.kind for thing in self._things}
-            | {"drop" if patch.is_drop else "marking" for patch in self._patches},
-            hits=sum(len(path.collisions) for path in self._paths),
-        )
+        items = self.items()
         lines = 0
         self._legend: list[list[Item]] = [[]]
         # More lines make a smaller plot and a narrower page, so that the words may need more lines still.
@@ -171,15 +165,32 @@ class _Page:
         left = (page_width - plot_width) // 2
         self._plot: tuple[int, int, int, int] = (left, top, left + plot_width, top + plot_height)
 
+    def items(self) -> Sequence[Item]:
+        """The entries of the legend."""
+        return items_of(
+            [path.name for path in self._paths],
+            true=any(len(path.true) for path in self._paths),
+            estimated=any(len(path.estimated) for path in self._paths),
+            zones=len(self._zones),
+            kinds={thing.kind for thing in self._things}
+            | {"drop" if patch.is_drop else "marking" for patch in self._patches},
+            hits=sum(len(path.collisions) for path in self._paths),
+        )
+
     # ------------------------------------------------------------------------------------------ plot
 
+    def draw_floor(self) -> None:
+        """Paint what is free, and what lies outside the map."""
+        self._canvas.frame = self._plot
+        self._canvas.rectangle(self._plot, COLOURS["outside"])
+        (left, top), (right, bottom) = self._in_plot(np.array([(0.0, self._map.size[1]), (self._map.size[0], 0.0)]))
+        self._canvas.rectangle((left, top, right, bottom), "white")
+
     def draw_walls(self) -> None:
-        """Paint what is free and what is occupied, and what lies outside the map."""
+        """Paint what is occupied, over the patches and zones of the floor."""
         canvas = self._canvas
         canvas.frame = self._plot
-        canvas.rectangle(self._plot, COLOURS["outside"])
-        (left, top), (right, bottom) = self._in_plot(np.array([(0.0, self._map.size[1]), (self._map.size[0], 0.0)]))
-        canvas.rectangle((left, top, right, bottom), "white")
+        left, bottom = self._in_plot(np.zeros((1, 2)))[0]
         fine = 1 / (self._scale * FINENESS)  # [m] side of a fine pixel
         pixels = self._map.to_array(resolution=fine)[::-1] != 0
         # A wall a millimetre thick would be but a breath of grey; cells that can be seen keep their size.

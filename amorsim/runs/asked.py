@@ -18,7 +18,15 @@ if TYPE_CHECKING:
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
-__all__ = ["look_up", "make_simulation", "read_scenario", "read_world", "with_options"]
+__all__ = [
+    "look_up",
+    "look_up_world",
+    "make_simulation",
+    "read_any_world",
+    "read_scenario",
+    "read_world",
+    "with_options",
+]
 
 
 def look_up(
@@ -124,6 +132,44 @@ def read_world(name: str, *, resolution: float | None = None, changes: Sequence[
     if options is not None:
         return read_map_alone(Path(name), overrides=tuple(changes), **options)
     return load(name, overrides=tuple(changes)).map
+
+
+def look_up_world(name: str, *, seed: int = 0, resolution: float | None = None, changes: Sequence[str] = ()) -> None:
+    """Raise the errors of `read_any_world` for these arguments, except those of a map's content; compiles nothing."""
+    from amorsim.scenario.read import read_generated_alone
+
+    if _is_generator(name):
+        read_generated_alone(name, seed, _of_generator(resolution, changes), is_made=False)
+    else:
+        look_up(name, resolution=resolution, changes=changes)
+
+
+def read_any_world(name: str, *, seed: int = 0, resolution: float | None = None, changes: Sequence[str] = ()) -> Map:
+    """As `read_world`; or else, by the name of a world generator, its world with this seed.
+
+    Changes of a generator's fields are spelt as those of a world: ``world.corridor=1.5``.
+    """
+    from amorsim.scenario.read import read_generated_alone
+
+    if not _is_generator(name):
+        return read_world(name, resolution=resolution, changes=changes)
+    world = read_generated_alone(name, seed, _of_generator(resolution, changes))
+    assert world is not None  # or there would be faults
+    return world
+
+
+def _is_generator(name: str) -> bool:
+    """Whether a name is that of a world generator, and of no scenario and no file."""
+    from amorsim.plugins.manager import default_registry
+
+    registry = default_registry()
+    is_other = name in registry.names("scenario") or Path(name).exists()
+    return name in registry.names("world_generator") and not is_other
+
+
+def _of_generator(resolution: float | None, changes: Sequence[str]) -> list[str]:
+    cell = [] if resolution is None else [f"cell={resolution!r}"]
+    return [*cell, *(change.removeprefix("world.") for change in changes)]
 
 
 def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threads: int = 1) -> tuple[Simulation, str]:

@@ -13,11 +13,17 @@ from hypothesis.extra import numpy as hnp
 import amorsim as am
 from amorsim.algorithms.cells import free_cells
 from amorsim.kernels.search.octile import GOING_ON
-from amorsim.planners.grid_planner import run_search
+from amorsim.planners.grid_planner import GridPlanner, run_search
 from amorsim.plugins.manager import make_registry
 
 REGISTRY = make_registry(entry_points=[])
-NAMES = REGISTRY.names("planner")
+# That of potential fields may end in a trap; it has tests of its own.
+NAMES = [
+    name
+    for name in REGISTRY.names("planner")
+    if issubclass(REGISTRY.get("planner", name), GridPlanner) and name != "potential_field"
+]
+SHORT = [name for name in NAMES if name != "voronoi"]
 
 
 def rooms(door: int = 4) -> am.Map:
@@ -85,7 +91,7 @@ def test_start_and_goal_are_met_wherever_they_are_in_their_cells(name):
     assert (plan.points[1:] != plan.points[:-1]).any(axis=1).all()
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SHORT)
 def test_a_turned_map_turns_its_plans(name):
     cells = rooms().to_array()
     planner = REGISTRY.get("planner", name)()
@@ -101,7 +107,7 @@ def test_a_turned_map_turns_its_plans(name):
     assert plan.points == pytest.approx(np.array([turned(x, y) for x, y in straight.points]), abs=1e-9)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SHORT)
 def test_cells_of_another_size(name):
     cls = REGISTRY.get("planner", name)
     plan = cls(cell=0.2).plan(rooms(), (2.1, -0.9), (3.7, -0.9))

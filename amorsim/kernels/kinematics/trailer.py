@@ -8,13 +8,43 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 
-__all__ = ["follow_hitch"]
+__all__ = ["follow_hitch", "hitch_after"]
 
 Floats = npt.NDArray[np.float64]
 # A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
 Column = Any
+
+
+@part
+def hitch_after(hitch: float, v: float, w: float, length: float, offset: float, limit: float) -> float:
+    """The hitch angle [rad] after a constant twist of `v` [m] forward and a turn `w` [rad]; see `follow_hitch`."""
+    if v == 0.0 and w == 0.0:
+        return hitch
+    pull = -0.5 * v / length
+    swing = 0.5 * offset * w / length
+    turn = 0.5 * w
+    square = pull * pull - turn * turn + swing * swing
+    root = math.sqrt(abs(square))
+    if root == 0.0:
+        even = 1.0
+        odd = 1.0
+    elif square > 0.0:
+        even = math.cosh(root)
+        odd = math.sinh(root) / root
+    else:
+        even = math.cos(root)
+        odd = math.sin(root) / root
+    s = math.sin(0.5 * hitch)
+    c = math.cos(0.5 * hitch)
+    above = even * s + odd * (pull * s + (turn + swing) * c)
+    below = even * c + odd * ((swing - turn) * s - pull * c)
+    after = 2.0 * math.atan2(above, below)
+    # The same turn of the trailer around the tractor: no jump as it folds under.
+    after += 4.0 * math.pi * math.floor((hitch - after) / (4.0 * math.pi) + 0.5)
+    # One that is beyond its end already, which may have been set nearer, does not jump there.
+    return min(max(after, min(-limit, hitch)), max(limit, hitch))
 
 
 @kernel
@@ -30,33 +60,6 @@ def follow_hitch(
     beyond. A tractor that stands leaves the hitch as it is, to the bit.
     """
     for i in range(hitch.shape[0]):
-        length = trailer_length[i, 0]
-        v = twists[i, 0]
-        w = twists[i, 2]
-        if v == 0.0 and w == 0.0:
-            out[i, 0] = hitch[i, 0]
-            continue
-        pull = -0.5 * v / length
-        swing = 0.5 * hitch_offset[i, 0] * w / length
-        turn = 0.5 * w
-        square = pull * pull - turn * turn + swing * swing
-        root = math.sqrt(abs(square))
-        if root == 0.0:
-            even = 1.0
-            odd = 1.0
-        elif square > 0.0:
-            even = math.cosh(root)
-            odd = math.sinh(root) / root
-        else:
-            even = math.cos(root)
-            odd = math.sin(root) / root
-        s = math.sin(0.5 * hitch[i, 0])
-        c = math.cos(0.5 * hitch[i, 0])
-        above = even * s + odd * (pull * s + (turn + swing) * c)
-        below = even * c + odd * ((swing - turn) * s - pull * c)
-        out[i, 0] = 2.0 * math.atan2(above, below)
-        # The same turn of the trailer around the tractor: no jump as it folds under.
-        out[i, 0] += 4.0 * math.pi * math.floor((hitch[i, 0] - out[i, 0]) / (4.0 * math.pi) + 0.5)
-        # One that is beyond its end already, which may have been set nearer, does not jump there.
-        limit = hitch_max[i, 0]
-        out[i, 0] = min(max(out[i, 0], min(-limit, hitch[i, 0])), max(limit, hitch[i, 0]))
+        out[i, 0] = hitch_after(
+            hitch[i, 0], twists[i, 0], twists[i, 2], trailer_length[i, 0], hitch_offset[i, 0], hitch_max[i, 0]
+        )

@@ -1,0 +1,103 @@
+"""amorsim plan: a path on a map, its figures and its picture, and what is said where there is none."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import amorsim as am
+from tests.cli.conftest import Command
+
+ENDS = ("--from", "0.55,0.55", "--to", "5.05,1.05,90")
+
+
+@pytest.fixture
+def rooms(tmp_path: Path) -> str:
+    """Two rooms, 6 m x 4 m, with a door 1 m wide."""
+    walls = np.zeros((40, 60))
+    walls[:, 30] = 1
+    walls[25:35, 30] = 0
+    am.save_map(am.Map.from_array(walls, resolution=0.1), tmp_path / "rooms.yaml")
+    return "rooms.yaml"
+
+
+def test_a_path_is_told_and_drawn(amorsim: Command, rooms: str, tmp_path: Path) -> None:
+    result = amorsim("plan", rooms, *ENDS, "--planner", "theta_star", "--footprint", "0.2")
+    assert (result.status, result.err) == (0, "")
+    world = am.load_map(tmp_path / rooms)
+    plan = am.planners.ThetaStar().plan(world, (0.55, 0.55), (5.05, 1.05), footprint=am.Shape.circle(0.2))
+    first, second = result.out.splitlines()[-2:]  # before them, perhaps, that kernels are compiled
+    assert re.match(rf"found: length {plan.length:.3f} m, .*{plan.expanded} expanded, [0-9.]+ m?s", first)
+    assert second == "picture: plan.png"
+    with Image.open(tmp_path / "plan.png") as opened:
+        picture = np.asarray(opened.convert("RGB")).astype(int)
+    reds = (picture[..., 0] > 180) & (picture[..., 1] < 90) & (picture[..., 2] < 90)
+    blues = picture[..., 2] - picture[..., 0] > 20
+    assert reds.sum() > 1000
+    assert blues.sum() > 10_000
+
+
+def test_no_path_has_a_status_and_a_picture(amorsim: Command, rooms: str, tmp_path: Path) -> None:
+    wide = ("--from", "1.05,1.05", "--to", "5.05,1.05", "--footprint", "0.9x0.8", "-o", "wide.png")
+    result = amorsim("plan", rooms, *wide)
+    assert result.status == 1
+    assert "\nunreachable: " in "\n" + result.out
+    assert "one that reaches 0.4 m would pass" in result.err
+    assert (tmp_path / "wide.png").exists()
+    result = amorsim("plan", rooms, *ENDS, "--set", "budget=0", "-o", "none.png")
+    assert (result.status, result.out.splitlines()[-2].split(":")[0]) == (1, "budget")
+    assert "the budget of 0 cells was used up" in result.err
+
+
+def test_generated_worlds_and_scenarios_are_maps(amorsim: Command) -> None:
+    ends = ("--from", "2,2", "--to", "4,3")
+    result = amorsim("plan", "maze", "--seed", 3, "--set", "world.size=[6.0, 5.0]", *ends, "-o", "maze.png")
+    assert (result.status, result.err) == (0, "")
+    assert am.planners.AStar().plan(am.worlds.maze(3, size=(6.0, 5.0)), (2, 2), (4, 3)).length == pytest.approx(
+        float(result.out.splitlines()[-2].split()[2]), abs=5e-4
+    )
+    ends = ("--from", "5,4", "--to", "9,4")
+    result = amorsim("plan", "landmarks", *ends, "--set", "cell=0.1", "--robot", "pioneer2dx", "-o", "marks.png")
+    assert (result.status, result.err) == (0, "")
+
+
+def test_a_picture_that_is_there_is_replaced_by_force_alone(amorsim: Command, rooms: str, tmp_path: Path) -> None:
+    (tmp_path / "plan.png").write_text("mine")
+    result = amorsim("plan", rooms, *ENDS)
+    assert (result.status, result.err) == (2, "plan.png is there already; --force replaces it, -o names another file\n")
+    assert (tmp_path / "plan.png").read_text() == "mine"
+    assert amorsim("plan", rooms, *ENDS, "--force").status == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--from", "1", "--to", "2,2"), "--from: expected X,Y or X,Y,DEG, finite numbers"),
+        (("--from", "1,1", "--to", "nan,2"), "--to: expected X,Y or X,Y,DEG, finite numbers"),
+        ((*ENDS, "--planner", "a_sta"), "Did you mean 'a_star'?"),
+        ((*ENDS, "--set", "cel=0.1"), "Did you mean 'cell'?"),
+        ((*ENDS, "--set", "cell=-1"), "cell: expected"),
+        ((*ENDS, "--footprint", "-1"), "--footprint: expected a radius [m] above 0"),
+        ((*ENDS, "--footprint", "1x2x3"), "--footprint: expected"),
+        ((*ENDS, "--robot", "pioner2dx"), "Did you mean 'pioneer2dx'?"),
+        ((*ENDS, "--robot", "pioneer2dx", "--footprint", "1"), "expected one of them"),
+        ((*ENDS, "-o", "plan.xyz"), "plan.xyz: expected the name of a picture"),
+    ],
+)
+def test_a_mistake_is_said_in_words(
+    amorsim: Command, rooms: str, tmp_path: Path, arguments: tuple[str, ...], words: str
+) -> None:
+    result = amorsim("plan", rooms, *arguments)
+    assert result.status == 2
+    assert words in result.err
+    assert not list(tmp_path.glob("plan.*"))
+
+
+def test_a_missing_map_is_said_in_words(amorsim: Command) -> None:
+    result = amorsim("plan", "nowhere.png", *ENDS)
+    assert result.status == 2
+    assert "there is no such file" in result.err
