@@ -1,4 +1,3 @@
-import attrs
 import numpy as np
 import pytest
 
@@ -8,11 +7,20 @@ from amorsim.testing import check_component
 from tests.simulation.test_beliefs import Counting, scenario
 
 
+def written(folder, recorder, replicas, duration):
+    """A run's arrays: the files in order."""
+    sim = am.Simulation(scenario(Counting()), replicas=replicas)
+    folder.mkdir()
+    recorder.open(am.RunInfo(folder, sim.dt, sim.replicas, True), sim.frames())
+    for _ in range(sim.steps_of(duration)):
+        sim.step()
+        recorder.write(sim.frames(), [])
+    recorder.close()
+    return sorted((folder / "beliefs" / "who").glob("*.npz"))
+
+
 def test_beliefs_are_written_at_their_times(tmp_path):
-    given = scenario(Counting())
-    given = attrs.evolve(given, recording=am.Recording(also=[Arrays(every=0.25)]))
-    am.run(given, tmp_path / "run", replicas=2, duration=1.0)
-    files = sorted((tmp_path / "run" / "beliefs" / "who").glob("*.npz"))
+    files = written(tmp_path / "run", Arrays(every=0.25), 2, 1.0)
     assert [int(file.stem) for file in files] == [0, 3, 5, 8, 10]
     with np.load(files[1]) as found:
         assert found["large"].shape == (2, 65)
@@ -23,12 +31,8 @@ def test_beliefs_are_written_at_their_times(tmp_path):
 
 
 def test_the_same_run_gives_the_same_bytes(tmp_path):
-    given = attrs.evolve(scenario(Counting()), recording=am.Recording(also=[Arrays()]))
-    written = []
-    for name in ("one", "two"):
-        am.run(given, tmp_path / name, duration=0.2)
-        written.append((tmp_path / name / "beliefs" / "who" / "000000000.npz").read_bytes())
-    assert written[0] == written[1]
+    one, two = (written(tmp_path / name, Arrays(), 1, 0.2) for name in ("one", "two"))
+    assert one[0].read_bytes() == two[0].read_bytes()
 
 
 def test_it_keeps_the_contract():

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
+
 import attrs
 import numpy as np
 import pytest
@@ -21,6 +24,10 @@ map = "hall.wld"
 model = "pioneer2dx"
 pose = { x = 2.8, y = 3.0 }
 """
+
+
+def read(text):
+    return loads(tomllib.loads(text), Path(am.__file__).parent / "scenarios")
 
 
 def scenario(belief, estimator=None):
@@ -109,14 +116,14 @@ def test_who_knows_nothing_needs_an_estimator():
 )
 def test_a_scenario_is_written_with_it(belief):
     table = resolved_table(attrs.evolve(scenario(belief), resolved=None))
-    again = loads(table_text(table))
+    again = read(table_text(table))
     assert again.robots[0].initial_belief == belief
 
 
 def test_a_file_says_what_a_robot_knows():
-    robot = loads(FILE + "initial_belief = { kind = 'gaussian', std = 0.3, heading_std_deg = 10.0 }\n").robots[0]
+    robot = read(FILE + "initial_belief = { kind = 'gaussian', std = 0.3, heading_std_deg = 10.0 }\n").robots[0]
     assert robot.initial_belief == am.InitialBelief(kind="gaussian", std=0.3, heading_std=np.radians(10.0))
     with pytest.raises(am.ScenarioError, match=r"initial_belief\.kind"):
-        loads(FILE + "initial_belief = { kind = 'none' }\n")
+        read(FILE + "initial_belief = { kind = 'none' }\n")
     with pytest.raises(am.ScenarioError, match=r"initial_belief\.covariance.*positive"):
-        loads(FILE + "initial_belief = { kind = 'gaussian', covariance = [1, 2, 0, 1, 0, 1] }\n")
+        read(FILE + "initial_belief = { kind = 'gaussian', covariance = [1, 2, 0, 1, 0, 1] }\n")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
+
 import attrs
 import numpy as np
 import pytest
@@ -10,6 +13,10 @@ import amorsim as am
 from amorsim.scenario.read import loads
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.write import table_text
+
+
+def read(text):
+    return loads(tomllib.loads(text), Path(am.__file__).parent / "scenarios")
 
 
 def scenario(*kidnappings):
@@ -59,8 +66,8 @@ def test_where_a_wall_is_nobody_can_be_put():
 
 def test_a_file_says_so_and_is_written_so():
     given = scenario(am.Kidnapping(time=0.3, x=12.0, y=7.0, heading=0.5), am.Kidnapping(time=3.0, x=2.0, y=7.0))
-    again = loads(table_text(resolved_table(given)))
+    again = read(table_text(resolved_table(given)))
     assert again.robots[0].kidnappings == given.robots[0].kidnappings
     text = table_text(resolved_table(given)).replace("time = 3.0", "time = -3.0")
     with pytest.raises(am.ScenarioError, match=r"kidnappings\.1\.time: expected a number \[s\] >= 0"):
-        loads(text)
+        read(text)
