@@ -88,6 +88,8 @@ if TYPE_CHECKING:
         Distribution,
         Drop,
         Floor,
+        InitialBelief,
+        Kidnapping,
         Knowledge,
         Landmark,
         Light,
@@ -137,8 +139,8 @@ _MODULES = {
     "amorsim.scenario.robots": "load_robot",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
-        "Deviation Distribution Drop Floor Knowledge Landmark Light Marking MountedSensor NoiseElement Obstacle "
-        "Pose RandomStart Recording Robot Scenario Zone"
+        "Deviation Distribution Drop Floor InitialBelief Kidnapping Knowledge Landmark Light Marking MountedSensor "
+        "NoiseElement Obstacle Pose RandomStart Recording Robot Scenario Zone"
     ),
     "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",
@@ -191,8 +193,10 @@ __all__ = [
     "Floor",
     "FloorPoints",
     "Frame",
+    "InitialBelief",
     "Joint",
     "KeptStages",
+    "Kidnapping",
     "Knowledge",
     "Landmark",
     "Light",

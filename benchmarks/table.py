@@ -17,6 +17,7 @@ _TITLES = {
     "crowd": "A crowd",
     "memory": "Memory and loading",
     "start": "Start-up and files",
+    "filters": "Filters",
 }
 _HEAD = ("setting", "side", "median", "least to most", "unit", "amorsim is", "counts", "what it did")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -47,7 +48,7 @@ def draw_path(files: RunFiles, robot: str, replica: int | None, trace: Trace) ->
         for estimate in trace.estimates:
             label = "estimated end" if estimate is trace.estimates[0] else None
             axis.plot(*estimate.pose[-1, 0, :2], "D", color=estimate.style["color"], label=label, **dots)
-    _draw_collisions(axis, files.table("events", robot=robot, replica=replica))
+    _draw_events(axis, files.table("events", robot=robot, replica=replica))
     _frame(figure, axis, np.concatenate(seen))
     return figure
 
@@ -77,7 +78,7 @@ def draw_all_paths(files: RunFiles, robot: str, trace: Trace) -> Figure:
             ends = estimate.pose[-1, :, :2]
             axis.plot(*ends.T, "D", color=estimate.style["color"], label=name, **(dots | {"markersize": 3}))
             seen.append(ends)
-    _draw_collisions(axis, files.table("events", robot=robot, replica="all"))
+    _draw_events(axis, files.table("events", robot=robot, replica="all"))
     _frame(figure, axis, np.concatenate(seen))
     return figure
 
@@ -102,10 +103,24 @@ def _frame(figure: Figure, axis: Any, seen: Array) -> None:
     legend(figure, axis)
 
 
-def _draw_collisions(axis: Any, events: Table) -> None:
+def _draw_events(axis: Any, events: Table) -> None:
+    """Where it collided, and where it was put or carried to."""
     hits = events["kind"] == "collision"
     if hits.any():
         axis.plot(events["x"][hits], events["y"][hits], "x", color="#b91c1c", label="collision", mew=2, zorder=4)
+    moved = np.isin(events["kind"], ("pose_set", "kidnapped"))
+    places = np.array([place for text in events["value"][moved] if (place := _place_in(str(text))) is not None])
+    if len(places):
+        axis.plot(*places.T, "*", color="#7c3aed", label="put elsewhere", markersize=11, linestyle="", zorder=4)
+
+
+def _place_in(text: str) -> tuple[float, float] | None:
+    """Where a pose, as JSON, is; None if it is none."""
+    try:
+        x, y, _ = json.loads(text)
+        return float(x), float(y)
+    except (ValueError, TypeError):
+        return None
 
 
 def _draw_uncertainty(axis: Any, path: Array, covariance: Array, style: dict[str, Any], label: str) -> None:

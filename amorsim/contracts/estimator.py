@@ -5,6 +5,9 @@ from __future__ import annotations
 import abc
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+import numpy.typing as npt
+
 from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement, State
 from amorsim.core.draws import Draws
@@ -35,6 +38,14 @@ class Estimator(Component, abc.ABC):
         finite, or nan where there is nothing. Return arrays that later steps do not write into. Do not change `state`.
         """
         return {}
+
+    def failed(self, state: State) -> npt.NDArray[np.bool_] | None:
+        """Rows `(N,)` whose numbers exploded in the last update, which it continues from an earlier state; or None.
+
+        Each is an event ``"estimator_failed"``. A field ``on_failure`` of the value ``"end"`` ends the robot's
+        controller.
+        """
+        return None
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """What it uses: a sensor or another source, what that says about the state, and how far it is trusted.

@@ -204,7 +204,10 @@ class RobotModel:
 
 @attrs.frozen(kw_only=True)
 class Context:
-    """The input of `start`: the number of rows, the step, the nominal robot, and the start pose that the robot knows.
+    """The input of `start`: the number of rows, the step, the nominal robot, and what the robot knows of its start.
+
+    `pose` and `covariance` are the robot's ``initial_belief``; of a robot that knows nothing of its start, the pose is
+    nan.
 
     Nothing can be drawn here: draw random initial values at the first call, where `elapsed` is 0.
     """
@@ -212,6 +215,7 @@ class Context:
     rows: int
     dt: float  # [s]
     robot: RobotModel  # an obstacle's motion has none and must not use it
-    pose: Array  # (N, 3) [m, m, rad]
+    pose: Array  # (N, 3) [m, m, rad], as the robot believes; nan if it knows nothing of its start
     size: int = 0  # values in a sample, for a sensor and the elements of its chain
     names: Sequence[str] = ()  # the rows' robots or obstacles, for messages
+    covariance: Array | None = None  # (N, 3, 3) of that pose; None: it is exact

@@ -18,6 +18,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon
 
 __all__ = ["DeadReckoning"]
@@ -29,10 +30,10 @@ Array = npt.NDArray[np.float64]
 class DeadReckoning(Estimator):
     """Adds up the nominal drive's displacements between encoder readings, from the pose it was given.
 
-    The covariance grows from 0 by white noise on the travel of each rolling joint, to first order; it does not
-    depend on the number of steps. A drive may offer ``jacobian(before, after) -> (N, 3, r)``, the body's motion
-    (forward, left, turn) per metre of travel of each rolling joint. Otherwise the Jacobian is found by turning
-    each joint a little.
+    The covariance grows from that of the robot's initial belief by white noise on the travel of each rolling joint, to
+    first order; it does not depend on the number of steps. A drive may offer ``jacobian(before, after) -> (N, 3, r)``,
+    the body's motion (forward, left, turn) per metre of travel of each rolling joint. Otherwise the Jacobian is found
+    by turning each joint a little.
 
     Parameters
     ----------
@@ -56,12 +57,13 @@ class DeadReckoning(Estimator):
         Raises
         ------
         ComponentError
-            If the robot has no such sensor, or one that counts no joints.
+            If the robot has no such sensor, or one that counts no joints, or knows nothing of its start.
         """
         check_encoder("dead reckoning", context.robot, self.encoder)
+        refuse_lost("dead reckoning", context)
         return {
             "pose": np.array(context.pose, dtype=np.float64),
-            "covariance": np.zeros((context.rows, 3, 3)),
+            "covariance": covariance_at_start(context),
             "joints": np.full((context.rows, len(context.robot.drive.joints)), np.nan),
         }
 

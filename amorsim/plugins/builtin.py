@@ -101,6 +101,8 @@ def amorsim_register(registry: Registry) -> None:
 
     registry.estimator("dead_reckoning", "amorsim.estimators.dead_reckoning:DeadReckoning")
     registry.estimator("ekf", "amorsim.estimators.ekf:Ekf")
+    registry.estimator("ukf", "amorsim.estimators.ukf:Ukf")
+    registry.estimator("monte_carlo", "amorsim.estimators.monte_carlo:MonteCarlo")
 
     registry.controller("wander", "amorsim.controllers.wander:Wander")
     registry.controller("goto", "amorsim.controllers.goto:GoTo")
@@ -128,6 +130,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.planner("hybrid_a_star", "amorsim.planners.hybrid_a_star:HybridAStar")
 
     registry.recorder("text", "amorsim.recorders.text:Text")
+    registry.recorder("arrays", "amorsim.recorders.arrays:Arrays")
 
     for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):
         registry.device(name, _PACKAGE / "devices" / f"{name}.toml")
@@ -157,6 +160,8 @@ def amorsim_register(registry: Registry) -> None:
             "doors",
             "swarm",
             "landmarks",
+            "find-yourself",
+            "kidnapped",
         ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

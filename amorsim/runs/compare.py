@@ -68,11 +68,11 @@ def first_difference(before: Path, after: Path, dt: float) -> Difference | None:
 
 
 def _tables(folder: Path) -> list[Path]:
-    return [*folder.glob("*.csv"), *folder.glob("sensors/*.csv"), *folder.glob("estimates/*.csv")]
+    return [path for part in ("", "sensors/", "estimates/", "beliefs/") for path in folder.glob(f"{part}*.csv")]
 
 
 def _rank(name: str) -> int:
-    order = ("commands.csv", "events.csv", "sensors/", "poses.csv", "velocities.csv", "estimates/")
+    order = ("commands.csv", "events.csv", "sensors/", "poses.csv", "velocities.csv", "estimates/", "beliefs/")
     return next(i for i, start in enumerate((*order, "")) if name.startswith(start))
 
 

@@ -15,6 +15,8 @@ from amorsim.core.parameters import Parameter
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.fields import file_fields
 from amorsim.scenario.floor import Drop, Floor, Marking
+from amorsim.scenario.initial_belief import InitialBelief
+from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.maps import find_loader
 from amorsim.scenario.models import LOOKS
@@ -133,6 +135,10 @@ def _of_body(values: Mapping[str, Any], body: Path_, rest: Path_, registry: Regi
             return _of_use(values, (*body, "sensors", name, "noise", number), "noise", registry, tuple(inner), unit)
         case ("sensors", name, *inner):
             return _of_use(values, (*body, "sensors", name), "sensor", registry, tuple(inner))
+        case ("initial_belief", *inner):
+            return _At(InitialBelief, tuple(inner))
+        case ("kidnappings", int(), *inner):
+            return _At(Kidnapping, tuple(inner))
         case ("knowledge", *inner):
             return _of_map(values, (*body, "knowledge"), tuple(inner), registry, folder)
     if body[0] == "zones":

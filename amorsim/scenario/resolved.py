@@ -21,6 +21,7 @@ from amorsim.scenario.fields import write_fields
 from amorsim.scenario.floor import Floor
 from amorsim.scenario.floor_file import write_floor
 from amorsim.scenario.generated import write_generated
+from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.models import FORMAT, LOOKS
 from amorsim.scenario.spec import (
     Knowledge,
@@ -82,12 +83,15 @@ def chain_table(robot: Robot, path: str, registry: Registry) -> list[dict[str, A
 
 
 def robot_table(robot: Robot, registry: Registry) -> dict[str, Any]:
-    """The complete table of a robot's model: no name, no start, no knowledge; programs by their absolute paths.
+    """The complete table of a robot's model: no name, no start, no knowledge; programs by their absolute
+    paths.
 
     What is raised is as for `resolved_table`.
     """
     writer = _Writer(registry, maps_in_files=True)
-    plain = attrs.evolve(robot, model="", pose=None, start=None, knowledge=Knowledge())
+    plain = attrs.evolve(
+        robot, model="", pose=None, start=None, initial_belief=InitialBelief(), kidnappings=(), knowledge=Knowledge()
+    )
     table = writer.model(plain)
     if writer.faults:
         raise ScenarioError(writer.faults)
@@ -204,6 +208,10 @@ class _Writer:
             pose = pose or start_of(world, robot)
             written["pose"] = write_fields(pose)
         written.update(self._model_of(robot, path, pose))
+        if robot.initial_belief != InitialBelief():
+            written["initial_belief"] = write_fields(robot.initial_belief)
+        if robot.kidnappings:
+            written["kidnappings"] = [write_fields(one) for one in robot.kidnappings]
         knowledge: dict[str, Any] = {}
         if robot.knowledge.map is not None:
             knowledge = self._map(robot.knowledge.map, f"{path}.knowledge")

@@ -26,8 +26,10 @@ from amorsim.scenario.components import (
     read_sensor,
 )
 from amorsim.scenario.deviations import read_deviations
-from amorsim.scenario.faults import Book, Node, Source
-from amorsim.scenario.fields import file_fields, read_fields
+from amorsim.scenario.faults import Book, Node, Source, shown
+from amorsim.scenario.fields import file_fields, read_component, read_fields
+from amorsim.scenario.initial_belief import InitialBelief
+from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.models import LOOKS, drop_removed, merge_models
 from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
@@ -49,6 +51,8 @@ _ROBOT_KEYS = (
     "controller",
     "on_collision",
     "errors",
+    "initial_belief",
+    "kidnappings",
     "knowledge",
     *LOOKS,
 )
@@ -121,6 +125,10 @@ def read_robot(
         values["controller"] = read_controller(node.child("controller"), registry)
     if "pose" in node:
         values["pose"] = read_pose(node.child("pose"))
+    if "initial_belief" in node:
+        values["initial_belief"] = read_component(InitialBelief, node.child("initial_belief"))
+    if "kidnappings" in node:
+        values["kidnappings"] = _kidnappings(node.child("kidnappings"))
     if "knowledge" in node:
         values["knowledge"] = maps.read_knowledge(node.child("knowledge"), world, marks)
     values.update(read_fields(node, file_fields(Robot, names=("on_collision", *LOOKS))))
@@ -193,6 +201,13 @@ def read_zone(node: Node, number: int, registry: Registry) -> Zone | None:
     except ParameterError as error:
         node.child(error.name).fault(error.problem)
         return None
+
+
+def _kidnappings(node: Node) -> list[Kidnapping]:
+    if not isinstance(node.value, list):
+        node.fault(f"expected a list of tables {{ time, x, y, heading_deg }}, got {shown(node.value)}")
+        return []
+    return [found for child in node.items() if (found := read_component(Kidnapping, child)) is not None]
 
 
 def _name(node: Node, default: str) -> str:

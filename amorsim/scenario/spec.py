@@ -26,6 +26,8 @@ from amorsim.core.shapes import Shape
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.floor import Drop, Floor, Marking
+from amorsim.scenario.initial_belief import InitialBelief
+from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.kinds import by_name, check_colour, is_a, many
 from amorsim.scenario.pose import Pose
 
@@ -34,6 +36,8 @@ __all__ = [
     "Distribution",
     "Drop",
     "Floor",
+    "InitialBelief",
+    "Kidnapping",
     "Knowledge",
     "Landmark",
     "Light",
@@ -292,6 +296,10 @@ def _controller(given: Controller | Callable[..., Any] | None) -> Controller | N
     return UserController(source="", function=given)
 
 
+def _kidnappings(given: Iterable[Kidnapping]) -> tuple[Kidnapping, ...]:
+    return many("kidnappings", Kidnapping, given)
+
+
 @attrs.frozen(kw_only=True, eq=False)
 class Robot:
     """A robot: nominal parameters, how the true ones differ (`errors`), and its software.
@@ -302,6 +310,10 @@ class Robot:
         Where it starts; without it, at the map's start or at the free place with most room.
     start
         In place of a pose: drawn at random.
+    initial_belief
+        What it knows of that pose.
+    kidnappings
+        When it is carried elsewhere.
     errors
         `Deviation` by path: ``"drive.track"``, ``"sensors.laser.mount.heading"``, ``"pose.x"`` ...
     ground
@@ -329,6 +341,10 @@ class Robot:
     errors: dict[str, Deviation] = attrs.field(factory=dict, validator=_check_errors)
     pose: Pose | None = attrs.field(default=None, validator=is_a(Pose, _POSE, optional=True))
     start: RandomStart | None = attrs.field(default=None, validator=is_a(RandomStart, _START, optional=True))
+    initial_belief: InitialBelief = attrs.field(
+        factory=InitialBelief, validator=is_a(InitialBelief, "am.InitialBelief(kind='gaussian', std=0.3)")
+    )
+    kidnappings: tuple[Kidnapping, ...] = attrs.field(default=(), converter=_kidnappings)
     knowledge: Knowledge = attrs.field(factory=Knowledge, validator=is_a(Knowledge, "am.Knowledge(map=...)"))
     fiducial: int = parameter(0, ge=0, le=2**31 - 1, help="what is written on the mark that it carries; 0: none")
     height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
@@ -338,6 +354,11 @@ class Robot:
         check_colour(self.colour)
         if self.pose is not None and self.start is not None:
             raise ParameterError("start", "expected either a pose or a start at random, got both")
+        if self.initial_belief.kind == "nothing" and not self.estimators:
+            raise ParameterError(
+                "initial_belief",
+                "a robot that knows nothing of its start needs an estimator that finds it; it has none",
+            )
 
 
 def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:

@@ -21,6 +21,7 @@ from amorsim.plugins.checks import check_name
 from amorsim.scenario.bodies import read_pose, read_shape
 from amorsim.scenario.faults import Book, Node, shown
 from amorsim.scenario.fields import read_component
+from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.needs import least_bytes, most_room
 from amorsim.scenario.parts import parts_at
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
@@ -208,7 +209,7 @@ def _are_alike(one: Body, other: Body) -> bool:
         if isinstance(a, dict):
             if a.keys() != b.keys() or any(a[key] is not b[key] for key in a):
                 return False
-        elif a is not b and not (isinstance(a, (str, int, float, RandomStart, tuple)) and a == b):
+        elif a is not b and not (isinstance(a, (str, int, float, RandomStart, InitialBelief, tuple)) and a == b):
             return False
     return True
 

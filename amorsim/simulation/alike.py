@@ -30,6 +30,7 @@ def group_key(robot: Robot) -> Hashable:
         tuple((name, signature(estimator)) for name, estimator in robot.estimators.items()),
         None if robot.controller is None else signature(robot.controller),
         robot.on_collision,
+        robot.initial_belief,
         id(robot.knowledge.map) if robot.knowledge.map is not None else None,
         robot.knowledge.landmarks,
         robot.knowledge.landmark_ids,

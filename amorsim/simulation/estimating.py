@@ -91,6 +91,17 @@ class Estimators:
             self.estimates[name] = estimate
         self._updates += 1
 
+    def failures(self) -> Iterator[tuple[str, int, bool]]:
+        """What failed in the last update: the estimator's name, the row, and whether that ends its controller."""
+        for name, estimator in self._estimators.items():
+            if type(estimator).failed is Estimator.failed:
+                continue
+            failed = estimator.failed(self.states[name])
+            if failed is not None and failed.any():
+                ends = getattr(estimator, "on_failure", "continue") == "end"
+                for row in np.flatnonzero(failed).tolist():
+                    yield name, row, ends
+
     def beliefs(self) -> Mapping[str, Beliefs]:
         """The beliefs of the estimators that have any, by name; each is asked when it is first looked up."""
         return _StepBeliefs(self, self._believers) if self._believers else _NOTHING

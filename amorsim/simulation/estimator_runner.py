@@ -12,9 +12,10 @@ import numpy.typing as npt
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
+from amorsim.simulation.alike import channels_of, reading_size, robot_model
 from amorsim.simulation.blame import Whose
 from amorsim.simulation.estimating import Estimators
+from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Streams
@@ -47,7 +48,8 @@ class EstimatorRunner:
     dt
         The step that the robot's software knows [s]. Updates may come at any times.
     seed, replica
-        Of the simulation, for an estimator that draws random numbers.
+        Of the simulation, for an estimator that draws random numbers, and for a Gaussian initial belief, which the
+        simulation draws about the robot's pose. Without a seed that pose is what the robot believes.
 
     Raises
     ------
@@ -56,7 +58,7 @@ class EstimatorRunner:
     """
 
     def __init__(
-        self, robot: Robot, estimator: str | Estimator, *, dt: float = 0.1, seed: int = 0, replica: int = 0
+        self, robot: Robot, estimator: str | Estimator, *, dt: float = 0.1, seed: int | None = None, replica: int = 0
     ) -> None:
         if robot.pose is None:
             raise AmorsimError(f"robot {robot.name!r}: an estimator starts from a pose; give the robot one (pose=...)")
@@ -79,12 +81,14 @@ class EstimatorRunner:
         self._sizes = {sensor: reading_size(robot, sensor) for sensor in robot.sensors}
         self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
         self._clock = RowClock(np.array([replica]), self._dt)
-        self._streams = Streams(seed, [robot.name], self._clock.counter)
+        self._streams = Streams(seed or 0, [robot.name], self._clock.counter)
         whose = Whose("robot", [robot.name], self._clock)
         self._estimators = Estimators({name: self._streams.draws("estimator", name)}, whose)
         self._estimators.set_parameters([robot])
-        pose = poses_of([robot])
-        self._estimators.start(Context(rows=1, dt=self._dt, robot=self._model, pose=pose, names=[robot.name]))
+        pose, covariance = first_beliefs([robot], None if seed is None else self._streams.draws(*BELIEF))
+        self._estimators.start(
+            Context(rows=1, dt=self._dt, robot=self._model, pose=pose, names=[robot.name], covariance=covariance)
+        )
         self._first: float | None = None  # [s], the time of the first update
         self._tick = -1
         self._time = 0.0  # [s] since the first

@@ -14,7 +14,9 @@ class Event:
     `kind` is ``"collision"`` (with `other`, the wall or a body's name; `point` in the world; `speed` [m/s] of the
     robot's or obstacle's base point just before, or of a part's point of contact; and `part` and `other_part` if
     parts of robots met: `amorsim.Part`, empty for the bodies themselves), ``"controller_ended"``,
-    ``"pose_set"``, ``"handed_over"`` (to `value`), or ``"parameter_set"`` (with `path` and `value`).
+    ``"pose_set"`` (by `Simulation.set_pose`, to the pose `value`), ``"kidnapped"`` (by its scenario, likewise),
+    ``"estimator_failed"`` (`path` says which), ``"handed_over"`` (to `value`), or ``"parameter_set"`` (with `path` and
+    `value`).
     `tick` counts the complete steps before it; `time` [s] may lie between two ticks.
     """
 
@@ -42,6 +44,10 @@ class Event:
             return f"{head}: its controller ended"
         if self.kind == "pose_set":
             return f"{head} was put elsewhere"
+        if self.kind == "estimator_failed":
+            return f"{head}: the numbers of {self.path} exploded; it continues from its last valid state"
+        if self.kind == "kidnapped":
+            return f"{head} was kidnapped"
         if self.kind == "handed_over":
             return f"{head} was handed over to {'a hand' if self.value == 'hand' else 'its controller'}"
         if isinstance(self.value, list):  # a chain of noise, as tables

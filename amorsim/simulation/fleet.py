@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ from amorsim.scenario.worlds import start_of
 from amorsim.simulation.alike import group_key
 from amorsim.simulation.contact.resolve import WALL, Movement
 from amorsim.simulation.events import Event
+from amorsim.simulation.first_beliefs import BELIEF
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.placing import draw_starts, with_start
@@ -51,6 +53,8 @@ class Fleet:
         The group of robots, if there is no other group, no obstacle and no part.
     touching
         The pairs of bodies (`WALL` for a wall) that touched in the last step while still moving towards each other.
+    kidnappings
+        By the tick before which they happen: names of robots, and poses.
     contacts
         The pairs whose contact continues: they touched in the last step, or earlier and have not parted since.
     """
@@ -64,6 +68,7 @@ class Fleet:
         robots = [_placed(robot, scenario) for robot in sorted(scenario.robots, key=lambda robot: robot.name)]
         obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
         self.names = tuple(robot.name for robot in robots)
+        self.kidnappings = _kidnappings(robots, scenario.dt)
         zones = zone_streams(scenario.zones)
         streams = [(robot.name, *stream) for robot in robots for stream in (*_stream_names(robot), *zones)]
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
@@ -218,6 +223,15 @@ def _placed(robot: Robot, scenario: Scenario) -> Robot:
     return attrs.evolve(robot, pose=start_of(scenario.map, robot))
 
 
+def _kidnappings(robots: Sequence[Robot], dt: float) -> dict[int, list[tuple[str, tuple[float, ...]]]]:
+    found: dict[int, list[tuple[str, tuple[float, ...]]]] = {}
+    for robot in robots:
+        for one in robot.kidnappings:
+            tick = math.ceil(one.time / dt - 1e-9)
+            found.setdefault(tick, []).append((robot.name, (one.x, one.y, one.heading)))
+    return found
+
+
 def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tuple[int, Any]]]:
     """Things with their positions, grouped by key, in order of each group's first."""
     parts: dict[Any, list[tuple[int, Any]]] = {}
@@ -227,7 +241,7 @@ def _partition(things: Sequence[Any], key: Callable[[Any], Any]) -> list[list[tu
 
 
 def _stream_names(robot: Robot) -> list[tuple[str, ...]]:
-    names: list[tuple[str, ...]] = [("drive",), ("controller",)]
+    names: list[tuple[str, ...]] = [("drive",), ("controller",), BELIEF]
     names += [("estimator", name) for name in robot.estimators]
     names += [("ground", "noise", element.name) for element in robot.ground]
     for name, unit in robot.sensors.items():

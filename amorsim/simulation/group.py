@@ -30,6 +30,7 @@ from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
 from amorsim.simulation.controlling import Driver
 from amorsim.simulation.estimating import Estimators
+from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.row_clock import RowClock
 from amorsim.simulation.sensing.noise_chain import Chain, Streams
 from amorsim.simulation.sensing.sensor_suite import SensorSuite
@@ -78,6 +79,7 @@ class Group:
         self.ends_on_collision = first.on_collision == "end"
         self.streams = Streams(seed, self.names, self.row_clock.counter, world.workers)
         self.drive_draws = self.streams.draws("drive")
+        self._belief_draws = self.streams.draws(*BELIEF)
         self.ground = Chain(first.ground, self.streams, self.whose, "ground")
         self.zones = Zones(zones, self.rows, self.streams, self.whose)
         self.sensors = {
@@ -138,8 +140,8 @@ class Group:
     def start(self) -> None:
         """Start an episode in every row. Sensing and estimating follow when all bodies are placed."""
         rows = self.rows
-        told = poses_of(self.specified)
-        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told, names=self.names)
+        told, covariance = first_beliefs(self.specified, self._belief_draws)
+        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told, names=self.names, covariance=covariance)
         joints = len(self.drive.joints)
         self.true_pose = poses_of(self.true)
         self.true_twist = np.zeros((rows, 3))

@@ -101,6 +101,30 @@ def _sense(fleet: Fleet) -> None:
 def _estimate(fleet: Fleet) -> None:
     for group in fleet.groups:
         group.estimate_pose()
+        for name, row, ends in group.estimators.failures():
+            _log_failure(fleet, group, name, row, ends)
+
+
+def _log_failure(fleet: Fleet, group: Group, name: str, row: int, ends: bool) -> None:
+    """Log an event for an estimator whose numbers exploded, and one for a controller that ends by it."""
+    index = int(fleet.world.replica_index[group.bodies[row]])
+    tick = int(fleet.ticks[index])
+    event = Event(
+        tick=tick,
+        time=tick * fleet.dt,
+        replica=fleet.replicas[index],
+        kind="estimator_failed",
+        name=group.names[row],
+        path=f"estimators.{name}",
+    )
+    is_driving = group.driver.active[row, 0] and not group.driver.by_hand[row, 0]
+    if not ends:
+        fleet.events.append(event)
+    elif is_driving:
+        fleet.events.append(event)
+        group.driver.end(row)
+        if group.driver.controller is not None:
+            fleet.events.append(attrs.evolve(event, kind="controller_ended", path=""))
 
 
 def _record(fleet: Fleet) -> None:

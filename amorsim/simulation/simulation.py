@@ -121,8 +121,15 @@ class Simulation:
     # ---------------------------------------------------------------------------------------------------- stepping
 
     def step(self) -> None:
-        """Simulate one step: the `PHASES` in order."""
+        """Simulate one step: the `PHASES` in order, after robots that are kidnapped now were carried away."""
+        if self._fleet.kidnappings:
+            self._kidnap()
         phases.step(self._fleet)
+
+    def _kidnap(self) -> None:
+        for index, tick in enumerate(self._fleet.ticks.tolist()):
+            for name, pose in self._fleet.kidnappings.get(tick, ()):
+                self._put(self.robot(name, self.replicas[index]), pose, "kidnapped")
 
     def run(self, duration: float | None = None) -> None:
         """Step for `duration` [s]; without it, for the scenario's duration.
@@ -292,18 +299,22 @@ class Simulation:
         Its parts move with it; their poses relative to the robot stay the same.
         """
         handle = self.robot(name, replica)
-        group, row = handle._group, handle._row
         numbers = finite_numbers(pose)
         if numbers is None or len(numbers) != 3:
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {in_words(pose)}")
+        self._put(handle, tuple(numbers), "pose_set")
+
+    def _put(self, handle: RobotHandle, numbers: tuple[float, ...], kind: str) -> None:
+        """Move a robot to a pose, which is an event of that kind."""
+        group, row, name = handle._group, handle._row, handle.name
         wanted = np.array([numbers])
         beyond = outside(self._fleet.world.map, *wanted[0, :2].tolist())
         if beyond:
-            raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: that {beyond}")
+            raise AmorsimError(f"robot {name!r} cannot stand at {numbers}: that {beyond}")
         parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
         found = self._fleet.overlap(group, row, np.concatenate((wanted, parts)))
         if found:
-            raise AmorsimError(f"robot {name!r} cannot stand at {tuple(pose)}: it would overlap {found}")
+            raise AmorsimError(f"robot {name!r} cannot stand at {numbers}: it would overlap {found}")
         group.true_pose = _with_row(group.true_pose, row, wanted[0])
         if group.parts is not None:
             group.parts.put(row, parts)
@@ -311,7 +322,7 @@ class Simulation:
         group.joint_rates = _with_row(group.joint_rates, row, 0.0)
         self._fleet.place()
         self._fleet.part_from_all(int(group.bodies[row]))
-        self._log_change(handle, "pose_set", "pose", tuple(numbers))
+        self._log_change(handle, kind, "pose", numbers)
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
         """Change a parameter of a robot from the next step on; in one replica, or in all if none is given.
@@ -444,6 +455,7 @@ class Simulation:
         fleet.ticks = np.zeros_like(fleet.ticks)
         fleet.touching = fleet.contacts = frozenset()
         fleet.episodes = fleet.episodes + again
+        fleet.tell_time()  # initial beliefs are drawn at the start
         for group in fleet.everything:
             group.start()
         fleet.place()

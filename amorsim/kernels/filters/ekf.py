@@ -1,4 +1,7 @@
-"""An extended Kalman filter of a pose and a gyro's bias, over rows: one prediction, and updates one number at a time.
+"""A Kalman filter of a pose and a gyro's bias, over rows: one prediction, and updates one number at a time.
+
+How what is expected depends on the state is found by slopes (the extended filter) or by points (the unscented one,
+`amorsim.kernels.filters.points`); all else is the same.
 
 The state of a row is x, y, heading and the gyro's bias. An update of two numbers takes them one after the other, which
 is exact once their noise is independent: a correlated pair is decorrelated first. So no matrix is inverted, and a row
@@ -16,14 +19,30 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.filters.compatible import Search, pair_up
+from amorsim.kernels.filters.points import (
+    LANDMARK,
+    NEAREST,
+    PLACE,
+    Transform,
+    Work,
+    expect_by_points,
+    predict_by_points,
+    work,
+)
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = [
+    "BY_IDENTITY",
+    "JOINTLY",
     "MATCH",
+    "NEAREST_FIRST",
     "NIS",
     "RECORD",
     "USED",
     "Gaussians",
+    "Marks",
+    "Transform",
     "Work",
     "fuse_headings",
     "fuse_landmarks",
@@ -43,7 +62,16 @@ USED = 6  # 1 if it was used, 0 if the gate refused it
 MATCH = 7  # the landmark, by its place among those that the robot knows
 RECORD = 8
 
-_NEAREST = 1e-9  # [m] a landmark has no bearing from its own place
+
+# Which landmark a sighting is of.
+BY_IDENTITY, NEAREST_FIRST, JOINTLY = range(3)
+
+
+class Marks(NamedTuple):
+    """The landmarks that robots know."""
+
+    places: Floats  # (L, 2) [m]
+    ids: Ints  # (L,) 0 without one
 
 
 class Gaussians(NamedTuple):
@@ -53,21 +81,8 @@ class Gaussians(NamedTuple):
     covariance: Floats  # (N, 4, 4)
 
 
-class Work(NamedTuple):
-    """Room for one update of two numbers."""
-
-    slopes: Floats  # (2, 4) of the expected numbers by the state
-    spreads: Floats  # (2, 4) covariance of the state with them
-    residual: Floats  # (2,)
-
-
-def work() -> Work:
-    """Room for the updates of one call."""
-    return Work(np.empty((2, 4)), np.empty((2, 4)), np.empty(2))
-
-
 @kernel
-def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats) -> None:
+def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats, transform: Transform, at: Work) -> None:
     """Move the means to poses `after` (N, 3), and carry and widen the covariances.
 
     `noise` (N, 3, 3) is the covariance of the motion in the world; `growth` (N, 1) is added to the variance of the
@@ -76,6 +91,9 @@ def predict(belief: Gaussians, after: Floats, noise: Floats, growth: Floats) -> 
     for i in range(after.shape[0]):
         mean = belief.mean[i]
         p = belief.covariance[i]
+        if transform.by_points:
+            predict_by_points(mean, p, after[i], noise[i], growth[i, 0], transform, at)
+            continue
         # An error e of the heading before moves the end by e * (swing_x, swing_y).
         swing_x = mean[1] - after[i, 1]
         swing_y = after[i, 0] - mean[0]
@@ -128,9 +146,9 @@ def _squared(p: Floats, at: Work, r11: float, r12: float, r22: float, record: Fl
     """Compare two numbers with what is expected (`at`), into `record`; returns the normalised innovation squared."""
     _spread(p, at.slopes[0], at.spreads[0])
     _spread(p, at.slopes[1], at.spreads[1])
-    s11 = _along(at.slopes[0], at.spreads[0]) + r11
-    s12 = _along(at.slopes[1], at.spreads[0]) + r12
-    s22 = _along(at.slopes[1], at.spreads[1]) + r22
+    s11 = _along(at.slopes[0], at.spreads[0]) + (r11 + at.extra[0])
+    s12 = _along(at.slopes[1], at.spreads[0]) + (r12 + at.extra[1])
+    s22 = _along(at.slopes[1], at.spreads[1]) + (r22 + at.extra[2])
     first = at.residual[0]
     rest = at.residual[1] - s12 / s11 * first
     squared = first * first / s11 + rest * rest / (s22 - s12 / s11 * s12)
@@ -146,6 +164,9 @@ def _squared(p: Floats, at: Work, r11: float, r12: float, r22: float, record: Fl
 @part
 def _take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: float) -> None:
     """Update by two numbers, one after the other, both linearised where the mean was before."""
+    r11 += at.extra[0]
+    r12 += at.extra[1]
+    r22 += at.extra[2]
     # The second less its part that the first tells: its noise is independent of the first one's.
     share = r12 / r11
     residual = at.residual[1] - share * at.residual[0]
@@ -159,7 +180,7 @@ def _take_pair(mean: Floats, p: Floats, at: Work, r11: float, r12: float, r22: f
 
 
 @part
-def _see(mean: Floats, mount: Floats, x: float, y: float, distance: float, bearing: float, at: Work) -> bool:
+def _see_by_slopes(mean: Floats, mount: Floats, x: float, y: float, distance: float, bearing: float, at: Work) -> bool:
     """Compare a range and a bearing with those of a landmark, into `at`; False where it has no bearing."""
     c = math.cos(mean[2])
     s = math.sin(mean[2])
@@ -169,7 +190,7 @@ def _see(mean: Floats, mount: Floats, x: float, y: float, distance: float, beari
     dy = y - (mean[1] + aside_y)
     square = dx * dx + dy * dy
     away = math.sqrt(square)
-    if not away > _NEAREST:
+    if not away > NEAREST:
         return False
     at.slopes[0, 0] = -dx / away
     at.slopes[0, 1] = -dy / away
@@ -181,7 +202,62 @@ def _see(mean: Floats, mount: Floats, x: float, y: float, distance: float, beari
     at.slopes[1, 3] = 0.0
     at.residual[0] = distance - away
     at.residual[1] = wrap(bearing - wrap(math.atan2(dy, dx) - mean[2] - mount[2]))
+    at.extra[:] = 0.0
     return True
+
+
+@kernel
+def _see(
+    mean: Floats,
+    p: Floats,
+    mount: Floats,
+    place: Floats,
+    distance: float,
+    bearing: float,
+    transform: Transform,
+    at: Work,
+) -> bool:
+    """Compare a range and a bearing with those of a landmark, by slopes or by points."""
+    if transform.by_points:
+        return expect_by_points(LANDMARK, mean, p, mount, place[0], place[1], distance, bearing, transform, at)
+    return _see_by_slopes(mean, mount, place[0], place[1], distance, bearing, at)
+
+
+@kernel
+def _associate(
+    mean: Floats,
+    p: Floats,
+    reading: Floats,
+    mount: Floats,
+    marks: Marks,
+    noise: Floats,
+    gate: float,
+    transform: Transform,
+    at: Work,
+    search: Search,
+    record: Floats,
+) -> None:
+    """Pair sightings with landmarks jointly, into ``search.best``: the landmark of each slot, or -1."""
+    slots = search.best.shape[0]
+    marks_ = marks.places.shape[0]
+    for slot in range(slots):
+        distance = reading[3 * slot]
+        bearing = reading[3 * slot + 1]
+        for k in range(marks_):
+            search.fits[slot, k] = False
+            if not (math.isfinite(distance) and math.isfinite(bearing)):
+                continue
+            if not _see(mean, p, mount, marks.places[k], distance, bearing, transform, at):
+                continue
+            if _squared(p, at, noise[0], 0.0, noise[1], record) <= gate:
+                search.fits[slot, k] = True
+                search.slopes[slot, k] = at.slopes
+                search.residuals[slot, k] = at.residual
+                search.noise[slot, k, 0] = noise[0] + at.extra[0]
+                search.noise[slot, k, 1] = at.extra[1]
+                search.noise[slot, k, 2] = noise[1] + at.extra[2]
+    record[:] = np.nan
+    pair_up(p, search)
 
 
 @kernel
@@ -190,13 +266,13 @@ def fuse_landmarks(
     readings: Floats,
     fresh: Bools,
     mounts: Floats,
-    places: Floats,
-    ids: Ints,
+    marks: Marks,
     noise: Floats,
     gate: float,
-    by_identity: bool,
+    way: int,
+    transform: Transform,
     at: Work,
-    is_taken: Bools,
+    search: Search,
     records: Floats,
 ) -> None:
     """Update by the landmarks of readings (N, 3 m): range, bearing, identity in each slot.
@@ -205,26 +281,29 @@ def fuse_landmarks(
     ----------
     mounts
         Of the sensors on their robots, (N, 3).
-    places, ids
-        Of the landmarks that the robots know, (L, 2) and (L,).
+    marks
+        The landmarks that the robots know.
     noise
         Variances of range and bearing, (N, 2).
     gate
         The largest normalised innovation squared that is used.
-    by_identity
-        Whether a sighting is of the landmark with its identity; else of the one with the smallest normalised
-        innovation squared that no slot before it has taken.
-    is_taken
-        Room for L flags.
+    way
+        `BY_IDENTITY`: a sighting is of the landmark with its identity; `NEAREST_FIRST`: of the one with the smallest
+        normalised innovation squared that no slot before it has taken; `JOINTLY`: as `pair_up` finds for all slots.
+    search
+        Room for the pairs.
     records
         What was compared, (N, m, 8), nan in empty slots.
     """
+    places, ids = marks.places, marks.ids
     for i in range(readings.shape[0]):
         if not fresh[i, 0]:
             continue
         mean = belief.mean[i]
         p = belief.covariance[i]
-        is_taken[:] = False
+        search.is_taken[:] = False
+        if way == JOINTLY:
+            _associate(mean, p, readings[i], mounts[i], marks, noise[i], gate, transform, at, search, records[i, 0])
         for slot in range(records.shape[1]):
             distance = readings[i, 3 * slot]
             bearing = readings[i, 3 * slot + 1]
@@ -234,23 +313,28 @@ def fuse_landmarks(
             record = records[i, slot]
             best = -1
             least = math.inf
-            for k in range(places.shape[0]):
-                if by_identity:
-                    if ids[k] > 0 and float(ids[k]) == identity:
-                        best = k
-                elif not is_taken[k] and _see(mean, mounts[i], places[k, 0], places[k, 1], distance, bearing, at):
-                    squared = _squared(p, at, noise[i, 0], 0.0, noise[i, 1], record)
-                    if squared < least:
-                        best = k
-                        least = squared
-            if best < 0 or not _see(mean, mounts[i], places[best, 0], places[best, 1], distance, bearing, at):
+            if way == JOINTLY:
+                best = search.best[slot]
+            else:
+                for k in range(places.shape[0]):
+                    if way == BY_IDENTITY:
+                        if ids[k] > 0 and float(ids[k]) == identity:
+                            best = k
+                    elif not search.is_taken[k] and _see(
+                        mean, p, mounts[i], places[k], distance, bearing, transform, at
+                    ):
+                        squared = _squared(p, at, noise[i, 0], 0.0, noise[i, 1], record)
+                        if squared < least:
+                            best = k
+                            least = squared
+            if best < 0 or not _see(mean, p, mounts[i], places[best], distance, bearing, transform, at):
                 continue
             squared = _squared(p, at, noise[i, 0], 0.0, noise[i, 1], record)
             record[MATCH] = best
             record[USED] = 0.0
             if squared <= gate:
                 record[USED] = 1.0
-                is_taken[best] = True
+                search.is_taken[best] = True
                 _take_pair(mean, p, at, noise[i, 0], 0.0, noise[i, 1])
 
 
@@ -263,6 +347,7 @@ def fuse_places(
     variance: Floats,
     correlation: Floats,
     gate: float,
+    transform: Transform,
     at: Work,
     records: Floats,
 ) -> None:
@@ -274,17 +359,21 @@ def fuse_places(
             continue
         mean = belief.mean[i]
         p = belief.covariance[i]
-        c = math.cos(mean[2])
-        s = math.sin(mean[2])
-        aside_x = c * mounts[i, 0] - s * mounts[i, 1]
-        aside_y = s * mounts[i, 0] + c * mounts[i, 1]
-        at.slopes[:] = 0.0
-        at.slopes[0, 0] = 1.0
-        at.slopes[0, 2] = -aside_y
-        at.slopes[1, 1] = 1.0
-        at.slopes[1, 2] = aside_x
-        at.residual[0] = x - (mean[0] + aside_x)
-        at.residual[1] = y - (mean[1] + aside_y)
+        if transform.by_points:
+            expect_by_points(PLACE, mean, p, mounts[i], 0.0, 0.0, x, y, transform, at)
+        else:
+            c = math.cos(mean[2])
+            s = math.sin(mean[2])
+            aside_x = c * mounts[i, 0] - s * mounts[i, 1]
+            aside_y = s * mounts[i, 0] + c * mounts[i, 1]
+            at.slopes[:] = 0.0
+            at.slopes[0, 0] = 1.0
+            at.slopes[0, 2] = -aside_y
+            at.slopes[1, 1] = 1.0
+            at.slopes[1, 2] = aside_x
+            at.residual[0] = x - (mean[0] + aside_x)
+            at.residual[1] = y - (mean[1] + aside_y)
+            at.extra[:] = 0.0
         shared = correlation[i, 0] * variance[i, 0]
         record = records[i, 0]
         squared = _squared(p, at, variance[i, 0], shared, variance[i, 0], record)

@@ -11,6 +11,7 @@ from amorsim.core.errors import AmorsimError, DocumentError, PluginError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
 from amorsim.scenario.field_at import component_at
+from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Robot, Scenario
@@ -146,6 +147,8 @@ class _Inspector:
         yield from self._chain("Ground", ("ground",), "m")
         yield from self._shape()
         yield from self._errors(names)
+        yield self._section("Initial belief", ("initial_belief",), self._form(InitialBelief, ("initial_belief",)))
+        yield self._as_toml("Kidnappings", ("kidnappings",))
         yield self._as_toml("Knowledge", ("knowledge",))
 
     def _sensor(self, name: str) -> Iterator[Section]:

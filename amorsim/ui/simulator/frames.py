@@ -13,9 +13,20 @@ from amorsim.core.poses import compose, logarithm, relative
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.packing import Dynamic, RobotFlag, Selected
 
-__all__ = ["Before", "flags_of", "look_back", "moments_of", "obstacle_poses", "selected_of", "upper_triangle"]
+__all__ = [
+    "_MOST_PARTICLES",
+    "Before",
+    "flags_of",
+    "look_back",
+    "moments_of",
+    "obstacle_poses",
+    "selected_of",
+    "upper_triangle",
+]
 
 Array = npt.NDArray[np.float64]
+
+_MOST_PARTICLES = 3000  # that a frame has; of more, every second or third
 
 _UPPER = np.array([0, 1, 2, 4, 5, 8])  # of a 3 x 3 matrix, row by row
 
@@ -108,6 +119,23 @@ def _believed_parts(frame: Frame, row: int, estimated: Array) -> Array:
     return compose(np.repeat(estimated, count, axis=0), inside).reshape(-1)
 
 
+def _with_beliefs(simulation: Simulation, robot: int, selected: Selected) -> Selected:
+    """With the particles and hypotheses of the first of the robot's estimators that has any."""
+    frame, row = _places(simulation)(robot)
+    for beliefs in frame.beliefs.values():
+        if "particles" in beliefs and "weights" in beliefs:
+            table = np.column_stack((beliefs["particles"][row], beliefs["weights"][row]))
+            table = table[np.isfinite(table).all(axis=1)]
+            selected = selected._replace(particles=table[:: 1 + len(table) // _MOST_PARTICLES].reshape(-1))
+        if "hypotheses" in beliefs and "hypotheses_covariance" in beliefs:
+            upper = upper_triangle(beliefs["hypotheses_covariance"][row])
+            table = np.column_stack((beliefs["hypotheses"][row], beliefs["hypotheses_weight"][row], upper))
+            selected = selected._replace(hypotheses=table[np.isfinite(table).all(axis=1)].reshape(-1))
+        if len(selected.particles) or len(selected.hypotheses):
+            break
+    return selected
+
+
 def moments_of(
     simulation: Simulation,
     robots: Sequence[int],
@@ -133,6 +161,8 @@ def moments_of(
         true, estimated = poses[:, :3], poses[:, 3:]
         covariance, marks = np.full_like(covariance, np.nan), np.zeros_like(marks)
         selected = {robot: Selected(*(np.full_like(part, np.nan) for part in one)) for robot, one in selected.items()}
+    else:
+        selected = {robot: _with_beliefs(simulation, robot, one) for robot, one in selected.items()}
     first = Dynamic(
         version=0,
         number=0,

@@ -56,6 +56,8 @@ HEADER = (
     ("channel_count", "I"),
     ("oldest", "I"),  # tick
     ("part_count", "I"),
+    ("particle_count", "I"),
+    ("hypothesis_count", "I"),
     ("", "4x"),  # so that what follows begins at a multiple of 8
 )
 FRAME_HEADER = struct.Struct("<" + "".join(form for _, form in HEADER))
@@ -70,6 +72,8 @@ BLOCKS = (
     ("estimated_twist", "f8", "", 3),
     ("command", "f8", "channel_count", 1),
     ("believed_parts", "f8", "part_count", 3),
+    ("particles", "f8", "particle_count", 4),
+    ("hypotheses", "f8", "hypothesis_count", 10),
     ("true_poses", "f4", "robot_count", 3),
     ("estimated_poses", "f4", "robot_count", 3),
     ("covariances", "f4", "robot_count", 6),
@@ -120,6 +124,8 @@ class Selected(NamedTuple):
     estimated_twist: Array  # (3,)
     command: Array  # (C,)
     parts: Array = np.empty(0)  # (3 P,) where it believes its parts to be; nan where nothing measures their joints
+    particles: Array = np.empty(0)  # (4 P,) poses and weights that an estimator holds
+    hypotheses: Array = np.empty(0)  # (10 H,) poses, weights, and xx, xy, xh, yy, yh, hh of their covariances
 
 
 class Dynamic(NamedTuple):
@@ -173,6 +179,8 @@ def _head(moment: Dynamic) -> bytes:
         len(selected.command),
         moment.oldest,
         len(selected.parts) // 3,
+        len(selected.particles) // 4,
+        len(selected.hypotheses) // 10,
     )
     return header + np.concatenate(selected).astype("<f8").tobytes()
 
@@ -225,7 +233,7 @@ def unpack_frame(data: bytes) -> Dynamic:
 _BUNDLE_HEADER = struct.Struct("<4sI")  # magic, heads
 _BUNDLE_MAGIC = b"amb1"
 _HEAD = struct.Struct("<iI")  # robot, bytes of its head: a frame's header and what is told of that robot
-_NOTHING = Selected(*(np.full(size, np.nan) for size in (0, 0, 0, 0, 0, 3, 3, 0, 0)))
+_NOTHING = Selected(*(np.full(size, np.nan) for size in (0, 0, 0, 0, 0, 3, 3, 0, 0, 0, 0)))
 
 
 def pack_bundle(moments: Sequence[Dynamic]) -> bytes:
@@ -280,7 +288,7 @@ class Bundle:
         """A frame that tells nothing of the robot but what it tells of all."""
         fields = list(FRAME_HEADER.unpack_from(next(iter(self._heads.values()))))
         fields[_ROBOT : _ROBOT + 5] = (robot, 0, 0, 0, 0)
-        fields[-1] = 0  # parts
+        fields[-3:] = (0, 0, 0)  # parts, particles, hypotheses
         return _changed(FRAME_HEADER.pack(*fields) + np.concatenate(_NOTHING).tobytes(), number, flags) + self._tail
 
 

@@ -59,6 +59,8 @@ def moment(
             some(3),
             some(channels),
             some(3 * parts),
+            some(4 * parts),
+            some(10 * parts),
         ),
     )
 
@@ -80,7 +82,7 @@ def test_a_frame_comes_back_as_it_was(
 
 def test_sections_lie_where_a_script_may_view_them() -> None:
     # Views of float64 in a browser must begin at a multiple of 8, of float32 at one of 4.
-    assert FRAME_HEADER.size == 88
+    assert FRAME_HEADER.size == 96
     # Written down once by hand, for the script in the browser reads it by these places.
     data = pack_frame(moment(2, 1, 3, 2, 2, 2, 1))
     whole = unpack_frame(data)
@@ -89,9 +91,9 @@ def test_sections_lie_where_a_script_may_view_them() -> None:
     assert np.frombuffer(data, "<f4", 2, 24).tolist() == [np.inf, 4.5]
     assert np.frombuffer(data, "<u4", 6, 32).tolist() == [123, 456, 5, 9, 2, 1]
     assert np.frombuffer(data, "<i4", 6, 56).tolist() == [-1, 3, 2, 2, 2, 1]
-    np.testing.assert_array_equal(np.frombuffer(data, "<f8", 3, 88 + 8 * 3), whole.selected.measured)
-    first = 88 + 8 * (3 + 3 + 2 + 2 + 2 + 3 + 3 + 2 + 3)
-    assert np.frombuffer(data, "<u4", 1, 80)[0] == 1
+    np.testing.assert_array_equal(np.frombuffer(data, "<f8", 3, 96 + 8 * 3), whole.selected.measured)
+    first = 96 + 8 * (3 + 3 + 2 + 2 + 2 + 3 + 3 + 2 + 3 + 4 + 10)
+    assert np.frombuffer(data, "<u4", 3, 80).tolist() == [1, 1, 1]
     np.testing.assert_array_equal(np.frombuffer(data, "<f4", 6, first + 24), whole.estimated_pose.ravel())
 
 
@@ -118,7 +120,7 @@ def test_a_bundle_gives_each_window_its_frame(
     # Of a robot that nobody looked at there is what there is of all.
     bare = unpack_frame(bundle.bare_frame(9, 41, 16))
     assert (bare.selected_robot, bare.number, bare.flags, bare.tick) == (9, 41, 16, first.tick)
-    assert [len(part) for part in bare.selected] == [0, 0, 0, 0, 0, 3, 3, 0, 0]
+    assert [len(part) for part in bare.selected] == [0, 0, 0, 0, 0, 3, 3, 0, 0, 0, 0]
     np.testing.assert_array_equal(bare.true_pose, first.true_pose)
     np.testing.assert_array_equal(bare.robot_flags, first.robot_flags)
 

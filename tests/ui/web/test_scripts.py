@@ -58,6 +58,8 @@ def frame_of(robots: int, obstacles: int, sizes: list[int]) -> bytes:
                 estimated_twist=random.normal(size=3),
                 command=random.normal(size=2),
                 parts=random.normal(size=3 * obstacles),
+                particles=random.normal(size=4 * robots),
+                hypotheses=random.normal(size=10 * obstacles),
             ),
         )
     )
@@ -102,6 +104,8 @@ def test_a_frame_is_read_as_python_reads_it(window: Window, robots: int, obstacl
         ("estimatedTwist", meant.selected.estimated_twist),
         ("command", meant.selected.command),
         ("believedParts", meant.selected.parts),
+        ("particles", meant.selected.particles),
+        ("hypotheses", meant.selected.hypotheses),
     ):
         np.testing.assert_array_equal(flat(frame[key]), flat(values), err_msg=key)
     ends = np.cumsum(sizes)

@@ -1,5 +1,6 @@
 // The Simulator's own layers: what the selected robot knows, its readings and path, and where an event happened.
 
+import { drawCloud, drawHypotheses } from "../shared/cloud.js";
 import { drawBelievedParts, drawEllipse, drawMap, drawMarks, drawRobot, drawTrail } from "../shared/marks.js";
 import { SceneLayer } from "../shared/world.js";
 import { drawReadings, isDrawn } from "./readings.js";
@@ -56,6 +57,8 @@ export class RobotLayer extends SceneLayer {
       drawReadings({ context, camera, theme, kind: isTrue ? "true" : "measured" }, shape, pose, values);
     });
     if (!isTrue) {
+      if (options.particles) drawCloud(context, camera, frame.particles, theme);
+      if (options.hypotheses) drawHypotheses(context, camera, frame.hypotheses, theme);
       if (options.ellipse) drawEllipse(context, camera, pose, Array.from(frame.covariances.subarray(6 * i, 6 * i + 6)), theme);
       drawBelievedParts(context, camera, robot.parts, frame.believedParts, theme);
     }

@@ -16,12 +16,22 @@ export const TOOLS = [
   ["grid", "grid", "lines of a round distance (G)"],
 ];
 
+/** What an estimator may believe, and which number of a frame counts it; switches for these are in the Control pane. */
+export const BELIEFS = [
+  ["particles", "particleCount", "the particles that its estimator holds"],
+  ["hypotheses", "hypothesisCount", "where its estimator thinks the robot might be, each with 95 %"],
+];
+
 export function build({ stage, timebar, driving, form }) {
   const parts = {};
   const make = (name, element) => (parts[name] = element);
   parts.tools = new Map(
     TOOLS.map(([name, label, title]) => [name, h("button", { class: "tool", "aria-pressed": "false", title, "data-tool": name }, label)]),
   );
+  const views = [...parts.tools.values()];
+  for (const [name, , title] of BELIEFS) {
+    parts.tools.set(name, h("button", { class: "tool", "aria-pressed": "true", title, "data-tool": name }, name));
+  }
   parts.zoom = {
     out: h("button", { class: "tool", "aria-label": "zoom out (−)", title: "zoom out (−)" }, "−"),
     in: h("button", { class: "tool", "aria-label": "zoom in (+)", title: "zoom in (+)" }, "+"),
@@ -53,7 +63,7 @@ export function build({ stage, timebar, driving, form }) {
       { class: "head" },
       h("h2", { id: "robot-title" }, swatch("true"), make("robotName", h("span", {}, "Robot"))),
       make("robotNote", h("span", { class: "note" }, "what is true")),
-      h("div", { class: "tools", role: "group", "aria-label": "view" }, [...parts.tools.values(), ...Object.values(parts.zoom)]),
+      h("div", { class: "tools", role: "group", "aria-label": "view" }, [...views, ...Object.values(parts.zoom)]),
     ),
     stage.robot.element,
   );

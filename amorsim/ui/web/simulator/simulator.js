@@ -6,7 +6,7 @@ import { Driving } from "./drive.js";
 import { Events } from "./events.js";
 import { Form } from "../shared/forms.js";
 import { listenToKeys } from "./keys.js";
-import { build } from "./layout.js";
+import { BELIEFS, build } from "./layout.js";
 import { Numbers } from "./numbers.js";
 import { FLAG, ROBOT, readFrame } from "./protocol.js";
 import { isDrawn } from "./readings.js";
@@ -104,6 +104,7 @@ export class Simulator {
     }
     if (frame.epoch !== this.epoch || frame.selected !== this.selected) this.turn(frame);
     this.stage.setFrame(frame);
+    this.showBeliefs(frame);
     if (!(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
     this.timebar.show(frame, this.scene);
     this.driving.isRunning = Boolean(frame.states & FLAG.running);
@@ -162,6 +163,15 @@ export class Simulator {
         return button;
       }),
     );
+  }
+
+  /** Switches for what the selected robot's estimator believes, where it believes any. */
+  showBeliefs(frame) {
+    for (const [name, count] of BELIEFS) {
+      const button = this.parts.tools.get(name);
+      if (!frame[count]) button.remove();
+      else if (!button.isConnected) this.parts.sensors.append(button);
+    }
   }
 
   async readHistory() {

@@ -43,7 +43,7 @@ export class Stage {
     this.camera = new Camera();
     this.camera.changed = () => this.redraw();
     this.theme = readTheme(root);
-    this.options = { trails: true, ellipse: true, grid: true, follow: false, overlay: false };
+    this.options = { trails: true, ellipse: true, particles: true, hypotheses: true, grid: true, follow: false, overlay: false };
     this.hidden = new Set(); // names of sensors that are not drawn
     this.trueTrail = new Trail();
     this.estimatedTrail = new Trail();

@@ -7,7 +7,7 @@ export const FLAG = { running: 1, ended: 2, scrubbed: 4, fault: 8, hang: 16, loa
 export const ROBOT = { touching: 1, ended: 2, byHand: 4 };
 
 export const MAGIC = 0x31666d61; // the first four bytes, little endian
-export const HEADER_SIZE = 88; // bytes
+export const HEADER_SIZE = 96; // bytes
 
 /** Where the numbers of a frame's header lie: name, kind, byte.
  * @type {[string, "Uint32" | "Int32" | "Float32" | "Float64", number][]} */
@@ -31,6 +31,8 @@ export const HEADER = [
   ["channelCount", "Uint32", 72],
   ["oldest", "Uint32", 76],
   ["partCount", "Uint32", 80],
+  ["particleCount", "Uint32", 84],
+  ["hypothesisCount", "Uint32", 88],
 ];
 
 /** What follows it: name, kind, which number of the header counts it, how many for each.
@@ -45,6 +47,8 @@ export const BLOCKS = [
   ["estimatedTwist", Float64Array, "", 3],
   ["command", Float64Array, "channelCount", 1],
   ["believedParts", Float64Array, "partCount", 3],
+  ["particles", Float64Array, "particleCount", 4],
+  ["hypotheses", Float64Array, "hypothesisCount", 10],
   ["truePoses", Float32Array, "robotCount", 3],
   ["estimatedPoses", Float32Array, "robotCount", 3],
   ["covariances", Float32Array, "robotCount", 6],
@@ -74,6 +78,8 @@ export const BLOCKS = [
  * @property {number} channelCount
  * @property {number} oldest
  * @property {number} partCount
+ * @property {number} particleCount
+ * @property {number} hypothesisCount
  * @property {Float64Array} trueValues
  * @property {Float64Array} measuredValues
  * @property {Float64Array} ages
@@ -83,6 +89,8 @@ export const BLOCKS = [
  * @property {Float64Array} estimatedTwist
  * @property {Float64Array} command
  * @property {Float64Array} believedParts
+ * @property {Float64Array} particles
+ * @property {Float64Array} hypotheses
  * @property {Float32Array} truePoses
  * @property {Float32Array} estimatedPoses
  * @property {Float32Array} covariances

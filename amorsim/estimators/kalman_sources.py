@@ -1,4 +1,4 @@
-"""The sensors that correct an extended Kalman filter: what each must measure, and what must be stated of it."""
+"""The sensors that correct a Kalman filter: what each must measure, and what must be stated of it."""
 
 from __future__ import annotations
 
@@ -83,22 +83,22 @@ def check_sources(estimator: Any, robot: RobotModel) -> dict[str, int]:
         If the robot has no such sensor, or one of another kind; if its noise is not stated; if landmarks are to be
         seen and the robot knows none, or none with an identity, or two that cannot be told apart.
     """
-    found = {}
+    who, found = estimator.who, {}
     for source in SOURCES:
         name = getattr(estimator, source.field)
         if not name:
             continue
-        sensor = sensor_of("ekf", robot, name, source.field, source.field)
+        sensor = sensor_of(who, robot, name, source.field, source.field)
         model = robot.sensors[name]
         if not source.fits(model):
             raise ComponentError(
-                f"ekf corrects by the sensor {name!r} ({source.field}), but a {type(sensor).__name__} does not measure "
-                f"{source.wanted}"
+                f"{who} corrects by the sensor {name!r} ({source.field}), but a {type(sensor).__name__} does not "
+                f"measure {source.wanted}"
             )
         for field, words, unit in source.noise:
             if getattr(estimator, field) is None:
                 raise ComponentError(
-                    f"ekf corrects by the sensor {name!r} ({source.field}), but does not know its noise; state the "
+                    f"{who} corrects by the sensor {name!r} ({source.field}), but does not know its noise; state the "
                     f"standard deviation of the {words} [{unit}] in the field {field!r}"
                 )
         found[source.field] = model.size // 3 if source.field == "landmarks" else 1
@@ -109,26 +109,26 @@ def check_sources(estimator: Any, robot: RobotModel) -> dict[str, int]:
 
 def _check_landmarks(estimator: Any, robot: RobotModel) -> None:
     """Raise unless the robot knows landmarks that can be told apart."""
-    places, ids = robot.landmarks, robot.landmark_ids
+    who, places, ids = estimator.who, robot.landmarks, robot.landmark_ids
     if places is None or ids is None or not len(places):
         raise ComponentError(
-            f"ekf corrects by landmarks ({estimator.landmarks!r}), but the robot knows none; list them in "
+            f"{who} corrects by landmarks ({estimator.landmarks!r}), but the robot knows none; list them in "
             "knowledge.landmarks, or write landmarks = 'world' there"
         )
     if estimator.association == "identity":
         numbers, counts = np.unique(ids[ids > 0], return_counts=True)
         if not len(numbers):
             raise ComponentError(
-                "ekf tells landmarks apart by their identity, but none that the robot knows has an id; write them as "
-                "{ id, x, y }, or set association = 'nearest'"
+                f"{who} tells landmarks apart by their identity, but none that the robot knows has an id; write them "
+                "as { id, x, y }, or set association = 'nearest' or 'joint'"
             )
         if counts.max() > 1:
             raise ComponentError(
-                f"ekf tells landmarks apart by their identity, but {counts.max()} that the robot knows have the id "
+                f"{who} tells landmarks apart by their identity, but {counts.max()} that the robot knows have the id "
                 f"{numbers[np.argmax(counts)]}; list each once"
             )
         return
     rows, counts = np.unique(places, axis=0, return_counts=True)
     if counts.max() > 1:
         x, y = rows[np.argmax(counts)].tolist()
-        raise ComponentError(f"ekf: the robot knows {counts.max()} landmarks at ({x:g}, {y:g}) m; list each once")
+        raise ComponentError(f"{who}: the robot knows {counts.max()} landmarks at ({x:g}, {y:g}) m; list each once")

@@ -1,0 +1,324 @@
+"""Kalman filters of a pose: wheels predict; landmarks, satellites, a compass and a gyro correct.
+
+What the extended and the unscented filter have in common: all but the transform of a Gaussian.
+"""
+
+from __future__ import annotations
+
+import abc
+import functools
+import math
+import statistics
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Beliefs,
+    Context,
+    Draws,
+    Estimate,
+    Estimator,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.core.errors import ComponentError
+from amorsim.estimators.ages import refuse_late
+from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
+from amorsim.estimators.starts import covariance_at_start, refuse_lost
+from amorsim.estimators.wheels import angles_of, check_encoder, reckon
+from amorsim.kernels.filters import compatible, ekf
+
+__all__ = ["KalmanFilter"]
+
+Array = npt.NDArray[np.float64]
+
+_FAR = 1e12  # [m, rad, rad/s]: no robot gets so far; larger numbers are exploding
+_WAYS = {"identity": ekf.BY_IDENTITY, "nearest": ekf.NEAREST_FIRST, "joint": ekf.JOINTLY}
+
+
+@functools.cache
+def _thresholds(probability: float) -> tuple[float, float]:
+    """Quantiles of the chi-squared distributions with one and with two degrees of freedom."""
+    if probability >= 1.0:
+        return np.inf, np.inf
+    one = statistics.NormalDist().inv_cdf(0.5 + 0.5 * probability)
+    return one * one, float(-2.0 * np.log1p(-probability))
+
+
+@functools.cache
+def _joint_thresholds(probability: float, pairs: int) -> tuple[float, ...]:
+    """Quantiles of the chi-squared distributions with 0, 2, 4 ... degrees of freedom, for up to so many pairs."""
+    return (np.inf, *(_even_quantile(probability, count) for count in range(1, pairs + 1)))
+
+
+def _even_quantile(probability: float, pairs: int) -> float:
+    """The quantile with an even number of degrees of freedom: beyond 2 y are exp(-y) times y**i / i! summed up."""
+    if probability >= 1.0:
+        return np.inf
+    low, high = 0.0, 1.0
+
+    def beyond(y: float) -> float:
+        return math.fsum(math.exp(i * math.log(y) - y - math.lgamma(i + 1)) for i in range(pairs))
+
+    while beyond(high) > 1.0 - probability:
+        high *= 2.0
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if beyond(middle) > 1.0 - probability else (low, middle)
+    return low + high
+
+
+@attrs.frozen(kw_only=True)
+class KalmanFilter(Estimator):
+    """Predicts with the nominal drive and corrects with what other sensors measure; for subclasses to say how.
+
+    They say by `transform` how what is expected depends on the state: by slopes or by points.
+    """
+
+    prediction: str = parameter(
+        "encoder", choices=("encoder", "command"), static=True, help="what moves the pose: encoder or command"
+    )
+    encoder: str = parameter("encoder", help="name of the sensor that counts the joints")
+    wheel_variance: float = parameter(
+        unit="m", ge=0, help="variance of a rolling joint's travel [m^2] per metre of it, as the robot believes"
+    )
+    landmarks: str = parameter("", help="name of the sensor of landmarks; empty for none")
+    range_std: float | None = parameter(None, unit="m", gt=0, help="standard deviation of a landmark's range")
+    bearing_std: float | None = parameter(None, unit="rad", gt=0, help="standard deviation of a landmark's bearing")
+    association: str = parameter("identity", choices=tuple(_WAYS), static=True, help="which landmark a sighting is of")
+    gps: str = parameter("", help="name of the sensor of places; empty for none")
+    gps_std: float | None = parameter(None, unit="m", gt=0, help="standard deviation of each coordinate")
+    gps_correlation: float = parameter(0.0, gt=-1, lt=1, help="correlation of the errors of the two coordinates")
+    compass: str = parameter("", help="name of the sensor of the heading; empty for none")
+    compass_std: float | None = parameter(None, unit="rad", gt=0, help="standard deviation of the measured heading")
+    gyro: str = parameter("", help="name of the sensor of the rate of turn; empty for none")
+    gyro_std: float | None = parameter(None, unit="rad/s", gt=0, help="standard deviation of the rate of turn")
+    gyro_bias_std: float | None = parameter(None, unit="rad/s", ge=0, help="standard deviation of its bias at first")
+    gyro_bias_walk: float = parameter(0.0, unit="rad/s", ge=0, help="standard deviation of its bias's change in 1 s")
+    start_std: float = parameter(0.0, unit="m", ge=0, help="standard deviation of each coordinate of the start")
+    start_heading_std: float = parameter(0.0, unit="rad", ge=0, help="standard deviation of the heading at the start")
+    gate: float = parameter(0.999, gt=0, le=1, static=True, help="probability with which a good correction passes")
+    age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a reading still counts as taken now")
+
+    on_failure: str = parameter(
+        "continue", choices=("continue", "end"), static=True, help="what it does when its numbers explode"
+    )
+
+    @property
+    def who(self) -> str:
+        """Its name in messages."""
+        return type(self).__name__.lower()
+
+    @abc.abstractmethod
+    def transform(self) -> ekf.Transform:
+        """How what is expected depends on the state."""
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What predicts and what corrects which part of the state, with the noise that is assumed."""
+        by = "commands" if self.prediction == "command" else f"sensor {self.encoder!r}"
+        told = [(by, "predicts x, y, heading", f"{self.wheel_variance:g} m² of travel per m")]
+        for source in SOURCES:
+            if name := getattr(self, source.field):
+                told.append((f"sensor {name!r}", f"corrects {source.corrects}", noise_in_words(self, source)))
+        if len(told) == 1:
+            told.append(("no sensor", "corrects", "name one: " + ", ".join(source.field for source in SOURCES)))
+        else:
+            passes = f"{100.0 * self.gate:g} % of good readings" if self.gate < 1.0 else "everything"
+            told.append(("gates", "pass", passes))
+        return told
+
+    def start(self, context: Context) -> State:
+        """Mean and covariance of x, y, heading and bias, the joints, and room for what the updates compare.
+
+        Raises
+        ------
+        ComponentError
+            If a sensor is missing or of another kind, its noise is not stated, or the robot knows no landmarks, or
+            nothing of its start.
+        """
+        robot, rows = context.robot, context.rows
+        if self.prediction == "encoder":
+            check_encoder(self.who, robot, self.encoder)
+            rate = robot.sensors[self.encoder].rate
+            if rate is not None and rate * context.dt < 1.0 - 1e-9:
+                raise ComponentError(
+                    f"{self.who} predicts with the sensor {self.encoder!r} in every step of {context.dt:g} s, but it "
+                    f"reads at {rate:g} Hz; give it no rate, or set prediction = 'command'"
+                )
+        slots = check_sources(self, robot)
+        refuse_lost(self.who, context)
+        covariance = np.zeros((rows, 4, 4))
+        covariance[:, :3, :3] = covariance_at_start(context)
+        spread: Any = self.start_std, self.start_std, self.start_heading_std, self.gyro_bias_std
+        for i, std in enumerate(spread):
+            covariance[:, i, i] += 0.0 if std is None else np.broadcast_to(std, (rows, 1))[:, 0] ** 2
+        joints = len(robot.drive.joints)
+        state = {
+            "mean": np.concatenate((context.pose, np.zeros((rows, 1))), axis=1),
+            "covariance": covariance,
+            "joints": np.full((rows, joints), np.nan),
+            "failed": np.zeros(rows, dtype=bool),
+        }
+        state |= {f"{field}_updates": np.full((rows, size, ekf.RECORD), np.nan) for field, size in slots.items()}
+        if self.prediction == "command":
+            state["joints"] = np.zeros((rows, joints))
+            state["rates"] = np.zeros((rows, joints))
+            state |= {f"drive {name}": array for name, array in robot.drive.start(context).items()}
+        return state
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        """The estimate after predicting this step's motion and correcting by all readings that arrived in it."""
+        belief = ekf.Gaussians(state["mean"], state["covariance"])
+        before, after = self._joints(robot, readings, command, elapsed, state, draws)
+        none = np.zeros((robot.rows, 3, 3))
+        pose = np.ascontiguousarray(state["mean"][:, :3])
+        moved = reckon(robot.drive, pose, none, before, after, self.wheel_variance)
+        if self.prediction == "command":
+            after = robot.drive.follow(after, robot.drive.displacement(before, after, np.ones((robot.rows, 1))))
+        state["joints"] = after
+        kept = state["mean"].copy(), state["covariance"].copy()
+        growth = np.ascontiguousarray(self.gyro_bias_walk**2 * elapsed)
+        ekf.predict(belief, moved.pose, moved.covariance, growth, self.transform(), ekf.work())
+        self._correct(belief, robot, readings, np.ascontiguousarray(moved.turn), moved.covariance, elapsed, state)
+        self._keep_valid(state, *kept)
+        return Estimate(state["mean"][:, :3].copy(), state["covariance"][:, :3, :3].copy())
+
+    def _joints(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> tuple[Array, Array]:
+        """The joints before and after the step, as measured or as the nominal drive would have moved them."""
+        if self.prediction == "encoder":
+            return angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
+        drive, before = robot.drive, state["joints"]
+        if not elapsed.any():  # the start
+            return before, before
+        own = {name.removeprefix("drive "): array for name, array in state.items() if name.startswith("drive ")}
+        wanted = np.ascontiguousarray(command[:, : len(drive.channels)])
+        after, state["rates"] = drive.advance(before, state["rates"], wanted, robot.dt, own, draws)
+        state.update({f"drive {name}": array for name, array in own.items()})
+        return before, after
+
+    def _keep_valid(self, state: State, mean: Array, covariance: Array) -> None:
+        """Put the rows whose numbers are none any more back to what they were before the update."""
+        now = state["covariance"]
+        # nan compares as false.
+        fine: npt.NDArray[np.bool_] = (np.abs(state["mean"]) < _FAR).all(axis=1)
+        fine &= (np.abs(now) < _FAR**2).all(axis=(1, 2))
+        fine &= (np.diagonal(now, axis1=1, axis2=2) >= 0.0).all(axis=1)
+        if self.on_failure == "end":
+            fine &= ~state["failed"]
+        if not fine.all():
+            state["mean"][~fine], state["covariance"][~fine] = mean[~fine], covariance[~fine]
+        state["failed"] = ~fine
+
+    def failed(self, state: State) -> npt.NDArray[np.bool_]:
+        """Rows whose numbers exploded in the last update: a mean or covariance that is not finite or not positive."""
+        return state["failed"]
+
+    def _correct(
+        self,
+        belief: ekf.Gaussians,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        turn: Array,
+        noise: Array,
+        elapsed: Array,
+        state: State,
+    ) -> None:
+        """Correct by each sensor; the gyro first, because its error is correlated with that of the prediction."""
+        one, two = _thresholds(self.gate)
+        room, transform = ekf.work(), self.transform()
+        if self.gyro:
+            values, fresh, _, records = self._reading("gyro", robot, readings, state)
+            variance = _squared(self.gyro_std)
+            ekf.fuse_turns(belief, values, fresh, turn, noise, elapsed, variance, one, room, records)
+        if self.compass:
+            values, fresh, mounts, records = self._reading("compass", robot, readings, state)
+            ekf.fuse_headings(belief, values, fresh, mounts, _squared(self.compass_std), one, room, records)
+        if self.gps:
+            values, fresh, mounts, records = self._reading("gps", robot, readings, state)
+            variance, correlation = _squared(self.gps_std), np.asarray(self.gps_correlation)
+            ekf.fuse_places(belief, values, fresh, mounts, variance, correlation, two, transform, room, records)
+        if self.landmarks:
+            values, fresh, mounts, records = self._reading("landmarks", robot, readings, state)
+            places, ids = robot.landmarks, robot.landmark_ids
+            assert places is not None
+            assert ids is not None
+            both = np.concatenate((_squared(self.range_std), _squared(self.bearing_std)), axis=1)
+            slots = records.shape[1]
+            gates = (
+                np.array(_joint_thresholds(self.gate, slots)) if self.association == "joint" else np.zeros(slots + 1)
+            )
+            search = compatible.search(slots, len(places), gates)
+            marks, way = ekf.Marks(places, ids), _WAYS[self.association]
+            ekf.fuse_landmarks(belief, values, fresh, mounts, marks, both, two, way, transform, room, search, records)
+
+    def _reading(
+        self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
+    ) -> tuple[Array, npt.NDArray[np.bool_], Array, Array]:
+        """A sensor's values, whether they are new, its mounts `(N, 3)`, and room for what is compared, emptied."""
+        name = getattr(self, field)
+        reading, mount = readings[name], robot.sensors[name].mount
+        refuse_late(self.who, robot, name, reading, self.age_max)
+        sides: Any = mount.x, mount.y, mount.heading
+        mounts = np.concatenate([np.broadcast_to(side, (robot.rows, 1)) for side in sides], axis=1)
+        records = state[f"{field}_updates"]
+        records[:] = np.nan
+        return np.ascontiguousarray(reading.measured), reading.fresh, mounts, records
+
+    def beliefs(self, state: State) -> Beliefs:
+        """Of each sensor, by its field: ``innovation``, its covariance, ``nis``, and ``used``, 1 or 0; nan if none.
+
+        Landmarks have them for each slot of the reading, and ``landmarks_match``, the landmark's place among those that
+        the robot knows. With a gyro, ``gyro_bias`` [rad/s] and ``gyro_bias_variance``.
+        """
+        found: dict[str, npt.NDArray[Any]] = {}
+        for source in SOURCES:
+            if not getattr(self, source.field):
+                continue
+            records, field = state[f"{source.field}_updates"], source.field
+            if source.numbers == 2:
+                innovation, covariance = records[..., :2], records[..., [2, 3, 3, 4]]
+                covariance = covariance.reshape(*covariance.shape[:-1], 2, 2)
+            else:
+                innovation, covariance = records[..., :1], records[..., 2:3, None]
+            parts = {
+                "innovation": innovation,
+                "innovation_covariance": covariance,
+                "nis": records[..., ekf.NIS],
+                "used": records[..., ekf.USED],
+            }
+            if field == "landmarks":
+                parts["match"] = records[..., ekf.MATCH]
+            else:
+                parts = {name: array[:, 0] for name, array in parts.items()}
+            found |= {f"{field}_{name}": array.copy() for name, array in parts.items()}
+        if self.gyro:
+            found["gyro_bias"] = state["mean"][:, 3].copy()
+            found["gyro_bias_variance"] = state["covariance"][:, 3, 3].copy()
+        return found
+
+
+def _squared(std: Any) -> Array:
+    """Variances `(N, 1)` of standard deviations that were stated."""
+    return np.asarray(std) ** 2

@@ -1,0 +1,181 @@
+"""How probable a scan is from a pose: the likelihood field, and the beam model.
+
+Both take the beams of a scan as independent. Source: S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics" (2005),
+6.3 (beams) and 6.4 (likelihood field).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.grid.grid import Grid
+from amorsim.kernels.raycast.rays import cast_ray, direction, to_frame
+
+__all__ = ["Field", "Mixture", "Place", "Scan", "beam_probability", "weigh_by_beams", "weigh_by_field"]
+
+Floats = npt.NDArray[np.float64]
+
+_FLAT = 1.0 / math.sqrt(2.0 * math.pi)
+_SMALL = 1e-200  # products below this are turned into logarithms, before they vanish
+
+
+class Place(NamedTuple):
+    """Where a map lies: its lower left corner in the world [m], and the cosine and sine of its yaw."""
+
+    x: float
+    y: float
+    cos_yaw: float
+    sin_yaw: float
+
+
+class Field(NamedTuple):
+    """The density of a return [1/m] at each cell of a grid: a Gaussian of its distance to the nearest wall."""
+
+    density: Floats  # (rows, cols)
+    resolution: float  # [m]
+    margin: float  # [m] by which the field reaches beyond the map
+
+
+class Scan(NamedTuple):
+    """The beams of N rows, and where their sensors sit. A beam that is not used has the range nan."""
+
+    ranges: Floats  # (N, B) [m], inf for no return
+    bearings: Floats  # (N, B) [rad] from the robot's heading
+    mounts: Floats  # (N, 2) [m]
+    range_max: Floats  # (N, 1) [m]
+
+
+class Mixture(NamedTuple):
+    """The shares of what a range can be, and the numbers of each, (N, 1)."""
+
+    hit: Floats  # the wall, with Gaussian noise
+    short: Floats  # something unexpected before it
+    most: Floats  # no return
+    random: Floats  # anything
+    hit_std: Floats  # [m]
+    short_rate: Floats  # [1/m]
+
+
+@kernel
+def weigh_by_field(
+    row: int, particles: Floats, scan: Scan, mixture: Mixture, field: Field, place: Place, cubed: bool, out: Floats
+) -> int:
+    """Log-likelihoods of a row's scan from poses `particles` (n, 3), into `out`; returns how many beams counted.
+
+    Beams without a return say nothing. With `cubed` the weight is ``1 + sum of p**3`` over the beams, as in Nav2.
+    """
+    ends = np.empty((scan.ranges.shape[1], 2))
+    count = 0
+    for b in range(scan.ranges.shape[1]):
+        r = scan.ranges[row, b]
+        if 0.0 <= r < scan.range_max[row, 0]:  # neither nan, nor too near, nor without a return
+            ends[count, 0] = scan.mounts[row, 0] + r * math.cos(scan.bearings[row, b])
+            ends[count, 1] = scan.mounts[row, 1] + r * math.sin(scan.bearings[row, b])
+            count += 1
+    hit = mixture.hit[row, 0]
+    rest = mixture.random[row, 0] / scan.range_max[row, 0]
+    rows, cols = field.density.shape
+    per_cell = 1.0 / field.resolution
+    for p in range(particles.shape[0]):
+        x, y = to_frame(particles[p, 0], particles[p, 1], place.x, place.y, place.cos_yaw, place.sin_yaw)
+        c = math.cos(particles[p, 2])
+        s = math.sin(particles[p, 2])
+        cos_h = (c * place.cos_yaw + s * place.sin_yaw) * per_cell
+        sin_h = (s * place.cos_yaw - c * place.sin_yaw) * per_cell
+        x = (x + field.margin) * per_cell
+        y = (y + field.margin) * per_cell
+        total = 0.0
+        product = 1.0
+        for k in range(count):
+            at_x = x + (cos_h * ends[k, 0] - sin_h * ends[k, 1])
+            at_y = y + (sin_h * ends[k, 0] + cos_h * ends[k, 1])
+            probability = rest
+            if 0.0 <= at_x < cols and 0.0 <= at_y < rows:
+                probability += hit * field.density[int(at_y), int(at_x)]
+            if cubed:
+                product += probability * probability * probability
+            else:
+                product *= probability
+                if product < _SMALL:
+                    total += math.log(product) if product > 0.0 else -math.inf
+                    product = 1.0
+        out[p] = total + math.log(product)
+    return count
+
+
+@part
+def beam_probability(
+    r: float,
+    expected: float,
+    range_max: float,
+    hit: float,
+    short: float,
+    most: float,
+    random: float,
+    hit_std: float,
+    short_rate: float,
+) -> float:
+    """The density [1/m] of a range where a wall is `expected`; of no return (inf) the probability."""
+    if not r < range_max:
+        # A wall out of range gives no return, and so does noise that carries a return out of range.
+        beyond = 1.0 if not expected < range_max else 0.5 * math.erfc((range_max - expected) / hit_std * math.sqrt(0.5))
+        return most + hit * beyond
+    probability = random / range_max
+    if expected < range_max:
+        away = (r - expected) / hit_std
+        probability += hit * _FLAT / hit_std * math.exp(-0.5 * away * away)
+    nearest = min(expected, range_max)
+    if short > 0.0 and r < nearest:
+        probability += short * short_rate * math.exp(-short_rate * r) / (1.0 - math.exp(-short_rate * nearest))
+    return probability
+
+
+@kernel
+def weigh_by_beams(
+    row: int, particles: Floats, scan: Scan, mixture: Mixture, grid: Grid, place: Place, cubed: bool, out: Floats
+) -> int:
+    """Log-likelihoods of a row's scan from poses `particles` (n, 3) by the beam model, as `weigh_by_field` gives."""
+    range_max = scan.range_max[row, 0]
+    hit, short = mixture.hit[row, 0], mixture.short[row, 0]
+    most, random = mixture.most[row, 0], mixture.random[row, 0]
+    hit_std, short_rate = mixture.hit_std[row, 0], mixture.short_rate[row, 0]
+    reach = range_max + 6.0 * hit_std
+    used = np.empty((scan.ranges.shape[1], 3))
+    count = 0
+    for b in range(scan.ranges.shape[1]):
+        r = scan.ranges[row, b]
+        if r >= 0.0:  # neither nan nor nearer than the sensor measures
+            used[count, 0] = r
+            used[count, 1] = math.cos(scan.bearings[row, b])
+            used[count, 2] = math.sin(scan.bearings[row, b])
+            count += 1
+    for p in range(particles.shape[0]):
+        c = math.cos(particles[p, 2])
+        s = math.sin(particles[p, 2])
+        world_x = particles[p, 0] + (c * scan.mounts[row, 0] - s * scan.mounts[row, 1])
+        world_y = particles[p, 1] + (s * scan.mounts[row, 0] + c * scan.mounts[row, 1])
+        x, y = to_frame(world_x, world_y, place.x, place.y, place.cos_yaw, place.sin_yaw)
+        cos_h = c * place.cos_yaw + s * place.sin_yaw
+        sin_h = s * place.cos_yaw - c * place.sin_yaw
+        total = 0.0
+        product = 1.0
+        for k in range(count):
+            dx, dy = direction(cos_h, sin_h, used[k, 1], used[k, 2])
+            expected = cast_ray(grid, x, y, dx, dy, reach)
+            probability = beam_probability(
+                used[k, 0], expected, range_max, hit, short, most, random, hit_std, short_rate
+            )
+            if cubed:
+                product += probability * probability * probability
+            else:
+                product *= probability
+                if product < _SMALL:
+                    total += math.log(product) if product > 0.0 else -math.inf
+                    product = 1.0
+        out[p] = total + math.log(product)
+    return count

@@ -1,0 +1,399 @@
+"""A particle filter of poses over rows: Monte Carlo localization.
+
+Sources: S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics" (2005), 4.3 (low-variance resampling) and 8.3 (augmented
+recovery); D. Fox, "Adapting the sample size in particle filters through KLD-sampling", IJRR 22 (2003); J. S. Liu,
+R. Chen, "Blind deconvolution via sequential imputations", JASA 90 (1995), for the effective sample size.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+from amorsim.kernels.filters.beams import Field, Mixture, Place, Scan, weigh_by_beams, weigh_by_field
+from amorsim.kernels.filters.gaussians import root
+from amorsim.kernels.filters.modes import Bins, Modes, bin_of, find_modes, put
+from amorsim.kernels.grid.grid import Grid
+from amorsim.kernels.kinematics.poses import wrap
+from amorsim.kernels.random.normals import normals
+from amorsim.kernels.random.philox import pairs
+
+__all__ = [
+    "NUMBERS",
+    "Cloud",
+    "Free",
+    "Motion",
+    "Numbers",
+    "Sensing",
+    "Sizes",
+    "Work",
+    "average",
+    "effective_size",
+    "kld_size",
+    "recovery_probability",
+    "resample",
+    "update",
+    "work",
+]
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
+
+NUMBERS = 7  # random ones that a particle needs in an update: 3 of its motion, 4 of a place at random
+
+
+class Cloud(NamedTuple):
+    """The particles of N rows."""
+
+    particles: Floats  # (N, P, 3) x, y [m], heading [rad]; only the first `counts` of a row
+    weights: Floats  # (N, P), which add up to 1
+    counts: Ints  # (N,)
+    averages: Floats  # (N, 2) of the mean weight: slow and fast; nan at first
+    # (N, 3): effective sample size, probability of a particle at random, and 1 if no particle was possible.
+    figures: Floats
+
+
+class Motion(NamedTuple):
+    """What moves the particles: a displacement in each one's own frame, and the doubt in it; or where they start."""
+
+    begins: Bools  # (N,) whether particles are drawn about poses in the world, or moved
+    lost: Bools  # (N,) whether they begin anywhere
+    mean: Floats  # (N, 3)
+    covariance: Floats  # (N, 3, 3)
+
+
+class Free(NamedTuple):
+    """Where a robot may be: squares of a map."""
+
+    middles: Floats  # (M, 2) [m] in the world
+    side: float  # [m]
+
+
+class Sizes(NamedTuple):
+    """How many particles there are, and of what size the bins are that decide it."""
+
+    least: int
+    error: float  # of Kullback and Leibler's distance
+    quantile: float  # of the normal distribution
+    side: float  # [m]
+    turns: int  # bins of heading in a full turn
+    share: float  # resample at an effective sample size below this share of the particles
+
+
+class Sensing(NamedTuple):
+    """What weighs the particles."""
+
+    scan: Scan
+    mixture: Mixture
+    tempering: Floats  # (N, 1) exponent of the likelihood
+    by_beams: bool
+    cubed: bool
+    field: Field
+    grid: Grid
+    place: Place
+
+
+class Numbers(NamedTuple):
+    """Where random numbers come from, and the gains of the averages (N, 1) that recovery needs."""
+
+    keys: npt.NDArray[np.uint64]
+    counter: npt.NDArray[np.uint32]
+    block: int
+    slow: Floats
+    fast: Floats
+
+
+class Work(NamedTuple):
+    """Room for one row."""
+
+    first: Floats
+    second: Floats
+    power: Floats
+    logarithms: Floats  # (P,)
+    spare: Floats  # (P, 3)
+    table: Bins
+
+
+def work(particles: int, table: Bins) -> Work:
+    """Room for so many particles."""
+    pairs_ = (4 * particles + 3) // 2
+    first, second, power = np.empty(pairs_), np.empty(pairs_), np.empty(pairs_)
+    return Work(first, second, power, np.empty(particles), np.empty((particles, 3)), table)
+
+
+@kernel
+def kld_size(bins: int, error: float, quantile: float) -> float:
+    """Particles that keep the distance of Kullback and Leibler to a distribution over `bins` bins below `error`.
+
+    By Fox (2003), equation 7; `quantile` is that of the normal distribution at the probability wanted. 1 for one bin.
+    """
+    if bins < 2:
+        return 1.0
+    b = 2.0 / (9.0 * (bins - 1))
+    root_ = 1.0 - b + math.sqrt(b) * quantile
+    return float(math.ceil((bins - 1) / (2.0 * error) * root_ * root_ * root_))
+
+
+@kernel
+def effective_size(weights: Floats) -> float:
+    """The effective sample size of weights, which need not add up to 1."""
+    total = 0.0
+    squares = 0.0
+    for i in range(weights.shape[0]):
+        total += weights[i]
+        squares += weights[i] * weights[i]
+    return total * total / squares if squares > 0.0 else 0.0
+
+
+@kernel
+def average(mean: float, averages: Floats, slow: float, fast: float) -> None:
+    """Take a mean weight into the slow and the fast average (2,), with these gains; the first one is both."""
+    if averages[0] != averages[0]:
+        averages[0] = mean
+        averages[1] = mean
+        return
+    averages[0] += slow * (mean - averages[0])
+    averages[1] += fast * (mean - averages[1])
+
+
+@kernel
+def recovery_probability(averages: Floats) -> float:
+    """The probability with which a particle is drawn at random: the more, the worse the fast average is."""
+    if not averages[0] > 0.0:
+        return 0.0
+    return max(0.0, 1.0 - averages[1] / averages[0])
+
+
+@kernel
+def resample(weights: Floats, offset: float, picks: Ints) -> None:
+    """Write which particles are kept (n,), by low-variance sampling with an `offset` in (0, 1)."""
+    last = 0  # the last particle with any weight: rounding must not go beyond it
+    total = 0.0
+    for i in range(weights.shape[0]):
+        total += weights[i]
+        if weights[i] > 0.0:
+            last = i
+    n = picks.shape[0]
+    i = 0
+    up_to = weights[0]
+    for m in range(n):
+        at = (m + offset) / n * total
+        while up_to < at and i < last:
+            i += 1
+            up_to += weights[i]
+        picks[m] = i
+
+
+@kernel
+def _somewhere(free: Free, place: Place, first: Floats, second: Floats, k: int, out: Floats) -> None:
+    """A pose anywhere free, from four uniform numbers: the k-th of them and those after it."""
+    m = min(int(first[k] * free.middles.shape[0]), free.middles.shape[0] - 1)
+    across = (second[k] - 0.5) * free.side
+    up = (first[k + 1] - 0.5) * free.side
+    out[0] = free.middles[m, 0] + place.cos_yaw * across - place.sin_yaw * up
+    out[1] = free.middles[m, 1] + place.sin_yaw * across + place.cos_yaw * up
+    out[2] = (2.0 * second[k + 1] - 1.0) * math.pi
+
+
+@kernel
+def _uniforms(numbers: Numbers, row: int, block: int, count: int, at: Work) -> None:
+    """The next `count` pairs of uniform numbers."""
+    pairs(numbers.keys[row], numbers.counter, row, block, at.first[:count], at.second[:count])
+
+
+@kernel
+def _normals(numbers: Numbers, row: int, block: int, count: int, at: Work) -> None:
+    """The next `count` pairs of standard normal numbers."""
+    first = at.first[:count]
+    second = at.second[:count]
+    pairs(numbers.keys[row], numbers.counter, row, block, first, second)
+    normals(first, second, first.view(np.int64), at.power[:count])
+
+
+@kernel
+def _number(at: Work, k: int) -> float:
+    return float(at.first[k // 2] if k % 2 == 0 else at.second[k // 2])
+
+
+@kernel
+def _begin(
+    row: int, cloud: Cloud, motion: Motion, sizes: Sizes, free: Free, place: Place, numbers: Numbers, at: Work
+) -> None:
+    """Draw the first particles: about a pose, as many as the bins that they fall in ask for; or anywhere."""
+    particles = cloud.particles[row]
+    capacity = particles.shape[0]
+    if motion.lost[row]:
+        _uniforms(numbers, row, numbers.block, 2 * capacity, at)
+        for p in range(capacity):
+            _somewhere(free, place, at.first, at.second, 2 * p, particles[p])
+        cloud.counts[row] = capacity
+    else:
+        lower = np.empty((3, 3))
+        root(motion.covariance[row], lower)
+        _normals(numbers, row, numbers.block, (3 * capacity + 1) // 2, at)
+        at.table.keys[:] = -1
+        found = 0
+        n = 0
+        while n < capacity and (n < sizes.least or n < kld_size(found, sizes.error, sizes.quantile)):
+            e0 = _number(at, 3 * n)
+            e1 = _number(at, 3 * n + 1)
+            e2 = _number(at, 3 * n + 2)
+            x = motion.mean[row, 0] + lower[0, 0] * e0
+            y = motion.mean[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
+            h = wrap(motion.mean[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2)
+            particles[n, 0] = x
+            particles[n, 1] = y
+            particles[n, 2] = h
+            _, found = put(at.table, bin_of(x, y, h, sizes.side, sizes.turns), found)
+            n += 1
+        cloud.counts[row] = n
+    n = cloud.counts[row]
+    cloud.weights[row, :n] = 1.0 / n
+    cloud.weights[row, n:] = 0.0
+    particles[n:] = 0.0
+
+
+@kernel
+def _move(row: int, cloud: Cloud, motion: Motion, numbers: Numbers, at: Work) -> None:
+    """Move the particles, each by a draw of its own."""
+    n = cloud.counts[row]
+    particles = cloud.particles[row]
+    lower = np.empty((3, 3))
+    root(motion.covariance[row], lower)
+    _normals(numbers, row, numbers.block, (3 * n + 1) // 2, at)
+    for p in range(n):
+        e0 = _number(at, 3 * p)
+        e1 = _number(at, 3 * p + 1)
+        e2 = _number(at, 3 * p + 2)
+        ahead = motion.mean[row, 0] + lower[0, 0] * e0
+        left = motion.mean[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
+        turn = motion.mean[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2
+        c = math.cos(particles[p, 2])
+        s = math.sin(particles[p, 2])
+        particles[p, 0] += c * ahead - s * left
+        particles[p, 1] += s * ahead + c * left
+        particles[p, 2] = wrap(particles[p, 2] + turn)
+
+
+@kernel
+def _weigh(row: int, cloud: Cloud, sensing: Sensing, numbers: Numbers, at: Work) -> None:
+    """Multiply the weights by the likelihoods, and take the mean weight into the averages."""
+    n = cloud.counts[row]
+    particles = cloud.particles[row, :n]
+    weights = cloud.weights[row, :n]
+    logs = at.logarithms[:n]
+    if sensing.by_beams:
+        beams = weigh_by_beams(
+            row, particles, sensing.scan, sensing.mixture, sensing.grid, sensing.place, sensing.cubed, logs
+        )
+    else:
+        beams = weigh_by_field(
+            row, particles, sensing.scan, sensing.mixture, sensing.field, sensing.place, sensing.cubed, logs
+        )
+    if beams == 0:
+        return
+    # The mean weight: of a whole scan's likelihood nearly nothing but the best particle would count, so a beam's.
+    share = 1.0 if sensing.cubed else 1.0 / beams
+    mean = 0.0
+    highest = -math.inf
+    for p in range(n):
+        mean += weights[p] * math.exp(share * logs[p])
+        logs[p] = math.log(weights[p]) + sensing.tempering[row, 0] * logs[p] if weights[p] > 0.0 else -math.inf
+        highest = max(highest, logs[p])
+    average(mean, cloud.averages[row], numbers.slow[row, 0], numbers.fast[row, 0])
+    if not (-math.inf < highest < math.inf):
+        # From no particle could this be seen: all stay, as likely as each other.
+        cloud.figures[row, 2] = 1.0
+        weights[:] = 1.0 / n
+        return
+    total = 0.0
+    for p in range(n):
+        weights[p] = math.exp(logs[p] - highest)
+        total += weights[p]
+    for p in range(n):
+        weights[p] /= total
+
+
+@kernel
+def _choose(
+    row: int, cloud: Cloud, sizes: Sizes, free: Free, place: Place, numbers: Numbers, block: int, found: int, at: Work
+) -> None:
+    """Resample where the weights are too uneven, or some particles are to be drawn at random."""
+    n = cloud.counts[row]
+    weights = cloud.weights[row, :n]
+    particles = cloud.particles[row]
+    chance = cloud.figures[row, 1]
+    effective = effective_size(weights)
+    cloud.figures[row, 0] = effective
+    if effective >= sizes.share * n and chance == 0.0:
+        return
+    capacity = particles.shape[0]
+    _uniforms(numbers, row, block, 1, at)
+    offset, rounding = at.first[0], at.second[0]
+    # Which bins as many particles as there is room for would be in: that says how many are needed.
+    picks = np.empty(capacity, dtype=np.int64)
+    resample(weights, offset, picks)
+    table = at.table
+    bins = 0
+    for b in range(found):
+        table.mark[b] = 0
+    for m in range(capacity):
+        b = table.of[picks[m]]
+        if table.mark[b] == 0:
+            table.mark[b] = 1
+            bins += 1
+    wanted = max(float(sizes.least), kld_size(bins, sizes.error, sizes.quantile))
+    count = capacity if wanted > capacity else int(wanted)
+    strays = int(chance * count + rounding)
+    kept = count - min(strays, count)
+    resample(weights, offset, picks[:kept])
+    for m in range(kept):
+        at.spare[m] = particles[picks[m]]
+    if strays > 0:
+        _uniforms(numbers, row, block + 1, 2 * (count - kept), at)
+        for m in range(count - kept):
+            _somewhere(free, place, at.first, at.second, 2 * m, at.spare[kept + m])
+    particles[:count] = at.spare[:count]
+    particles[count:] = 0.0
+    cloud.counts[row] = count
+    cloud.weights[row, :count] = 1.0 / count
+    cloud.weights[row, count:] = 0.0
+
+
+@kernel
+def update(
+    rows: Ints,
+    cloud: Cloud,
+    motion: Motion,
+    is_seen: Bools,
+    sensing: Sensing,
+    sizes: Sizes,
+    free: Free,
+    numbers: Numbers,
+    at: Work,
+    modes: Modes,
+) -> None:
+    """Move the particles of some rows, weigh them by what is seen, find their modes, and resample them.
+
+    A row needs nothing of another one, so they may be in any number and order. `is_seen` (N,) says whose scan is new.
+    """
+    capacity = cloud.particles.shape[1]
+    for r in range(rows.shape[0]):
+        row = rows[r]
+        cloud.figures[row, 2] = 0.0
+        if motion.begins[row]:
+            _begin(row, cloud, motion, sizes, free, sensing.place, numbers, at)
+        else:
+            _move(row, cloud, motion, numbers, at)
+        if is_seen[row]:
+            _weigh(row, cloud, sensing, numbers, at)
+        n = cloud.counts[row]
+        particles = cloud.particles[row, :n]
+        found = find_modes(particles, cloud.weights[row, :n], sizes.side, sizes.turns, at.table, row, modes)
+        cloud.figures[row, 1] = recovery_probability(cloud.averages[row]) if numbers.fast[row, 0] > 0.0 else 0.0
+        _choose(row, cloud, sizes, free, sensing.place, numbers, numbers.block + 2 * capacity, found, at)

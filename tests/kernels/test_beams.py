@@ -1,0 +1,99 @@
+"""Likelihoods of scans, against sums written out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from amorsim.core.map import Map
+from amorsim.estimators.known_map import field_of, place_of
+from amorsim.kernels.filters.beams import Mixture, Scan, beam_probability, weigh_by_beams, weigh_by_field
+
+STD = 0.2
+
+
+def mixture(hit=0.5, short=0.0, most=0.0, random=0.5, hit_std=STD, short_rate=0.1):
+    return Mixture(*(np.array([[value]]) for value in (hit, short, most, random, hit_std, short_rate)))
+
+
+def scan(ranges, bearings, mount=(0.0, 0.0), range_max=20.0):
+    return Scan(np.array([ranges]), np.array([bearings]), np.array([mount]), np.array([[range_max]]))
+
+
+def beluga():
+    """The grid of Beluga's tests: 5 x 5 cells of 0.5 m, the middle one occupied."""
+    cells = np.zeros((5, 5), dtype=np.uint8)
+    cells[2, 2] = 1
+    return Map.from_array(cells, resolution=0.5)
+
+
+def weigh(world, poses, seen, mix, cubed=False, resolution=0.5, distance_max=2.0):
+    out = np.empty(len(poses))
+    field = field_of(world, resolution, STD, distance_max)
+    count = weigh_by_field(0, np.array(poses), seen, mix, field, place_of(world), cubed, out)
+    return count, out
+
+
+def test_the_cubed_weight_is_that_of_beluga():
+    diagonal = scan([math.hypot(1.25, 1.25)], [math.pi / 4])
+    count, out = weigh(beluga(), [(0.0, 0.0, 0.0)], diagonal, mixture(), cubed=True)
+    assert count == 1
+    assert math.exp(out[0]) == pytest.approx(2.068577607986223, abs=1e-9)
+    _, out = weigh(beluga(), [(0.0, 0.0, math.pi)], diagonal, mixture(), cubed=True)
+    assert math.exp(out[0]) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_the_log_likelihood_is_the_sum_over_beams():
+    rng = np.random.default_rng(4)
+    cells = (rng.random((40, 60)) < 0.05).astype(np.uint8)
+    world = Map.from_array(cells, resolution=0.1, origin=(1.0, -2.0, 0.7))
+    ranges = np.concatenate((rng.uniform(0.1, 5.0, 70), [np.inf, np.nan, -np.inf]))
+    bearings = rng.uniform(-3.0, 3.0, 73)
+    mount = (0.2, -0.1)
+    poses = np.column_stack((rng.uniform(0.0, 4.0, 50), rng.uniform(-2.0, 4.0, 50), rng.uniform(-3.0, 3.0, 50)))
+    count, found = weigh(world, poses, scan(ranges, bearings, mount), mixture(), resolution=0.1)
+    assert count == 70
+    rows, cols = np.nonzero(cells)
+    for pose, value in zip(poses, found, strict=True):
+        c, s = math.cos(pose[2]), math.sin(pose[2])
+        total = 0.0
+        for r, b in zip(ranges[:70], bearings[:70], strict=True):
+            along, aside = mount[0] + r * math.cos(b), mount[1] + r * math.sin(b)
+            x, y = pose[0] + c * along - s * aside - 1.0, pose[1] + s * along + c * aside + 2.0
+            x, y = math.cos(0.7) * x + math.sin(0.7) * y, math.cos(0.7) * y - math.sin(0.7) * x
+            col, row = math.floor(x / 0.1), math.floor(y / 0.1)
+            away = min(0.1 * np.hypot(rows - row, cols - col).min(), 2.0)
+            inside = -20 <= row < 60 and -20 <= col < 80
+            total += math.log(0.5 * norm.pdf(away, scale=STD) * inside + 0.5 / 20.0)
+        assert value == pytest.approx(total, abs=1e-8)
+
+
+@pytest.mark.parametrize("expected", [3.0, 7.9, math.inf])
+def test_the_densities_of_the_beam_model_add_up_to_one(expected):
+    shares = (0.6, 0.1, 0.05, 0.25, STD, 0.4)
+
+    def density(r):
+        return beam_probability(r, expected, 8.0, *shares)
+
+    whole = quad(density, 0.0, 8.0, points=[min(expected, 8.0)], limit=200)[0] + density(math.inf)
+    lost = 0.6 * norm.cdf(0.0, loc=expected, scale=STD) if expected < 8.0 else 0.0
+    assert whole == pytest.approx(1.0 - lost, abs=1e-3)
+
+
+def test_the_beam_model_expects_what_a_laser_would_read():
+    world = Map.from_segments([(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (2, 0, 2, 1.5)], resolution=0.01)
+    pose = np.array([[1.2, 2.1, 0.4]])
+    bearings = np.linspace(-3.0, 3.0, 24)
+    ranges = world.cast_rays(pose, bearings, 8.0)[0]
+    rest = mixture(hit=0.7, short=0.1, most=0.1, random=0.1)
+    out, off = np.empty(1), np.empty(1)
+    seen = scan(ranges, bearings, range_max=8.0)
+    assert weigh_by_beams(0, pose, seen, rest, world.grid, place_of(world), False, out) == 24
+    each = 0.7 * norm.pdf(0.0, scale=STD) + 0.1 / 8.0
+    assert out[0] == pytest.approx(24 * math.log(each), rel=1e-12)  # nothing is nearer than expected
+    weigh_by_beams(0, np.add(pose, (0.2, 0.1, 0.05)), seen, rest, world.grid, place_of(world), False, off)
+    assert off[0] < out[0] - 5.0

@@ -1,0 +1,73 @@
+"""Robots that are carried away in the middle of a run."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.scenario.read import loads
+from amorsim.scenario.resolved import resolved_table
+from amorsim.scenario.write import table_text
+
+
+def read(text):
+    return loads(tomllib.loads(text), Path(am.__file__).parent / "scenarios")
+
+
+def scenario(*kidnappings):
+    given = am.load("landmarks")
+    robot = attrs.evolve(given.robots[0], kidnappings=kidnappings)
+    return attrs.evolve(given, robots=[robot], resolved=None)
+
+
+def test_it_is_carried_away_at_its_time_and_that_is_an_event():
+    sim = am.Simulation(scenario(am.Kidnapping(time=0.25, x=12.0, y=7.0, heading=1.0)), replicas=2)
+    sim.run(0.3)
+    assert not sim.events
+    sim.step()
+    assert [(event.kind, event.tick, event.replica) for event in sim.events] == [
+        ("kidnapped", 3, 0),
+        ("kidnapped", 3, 1),
+    ]
+    assert sim.events[0].value == (12.0, 7.0, 1.0)
+    assert str(sim.events[0]) == "0.300 s: rover was kidnapped"
+    assert np.hypot(*(sim.true_pose[0, :2] - (12.0, 7.0))) < 0.1
+    assert np.hypot(*(sim.estimated_pose[0, :2] - (12.0, 7.0))) > 5.0
+
+
+def test_restored_it_is_carried_away_again():
+    sim = am.Simulation(scenario(am.Kidnapping(time=0.3, x=12.0, y=7.0)))
+    sim.step()
+    kept = sim.snapshot()
+    sim.run(1.0)
+    first = sim.digest()
+    sim.restore(kept)
+    sim.run(1.0)
+    assert sim.digest() == first
+    assert [event.kind for event in sim.events] == ["kidnapped"]
+
+
+def test_a_run_with_one_is_reproduced(tmp_path):
+    am.run(scenario(am.Kidnapping(time=0.3, x=12.0, y=7.0)), tmp_path / "run", duration=1.0)
+    assert "kidnapped" in (tmp_path / "run" / "events.csv").read_text()
+    assert am.reproduce(tmp_path / "run").is_exact
+
+
+def test_where_a_wall_is_nobody_can_be_put():
+    sim = am.Simulation(scenario(am.Kidnapping(time=0.0, x=-5.0, y=7.0)))
+    with pytest.raises(am.AmorsimError, match="cannot stand at"):
+        sim.step()
+
+
+def test_a_file_says_so_and_is_written_so():
+    given = scenario(am.Kidnapping(time=0.3, x=12.0, y=7.0, heading=0.5), am.Kidnapping(time=3.0, x=2.0, y=7.0))
+    again = read(table_text(resolved_table(given)))
+    assert again.robots[0].kidnappings == given.robots[0].kidnappings
+    text = table_text(resolved_table(given)).replace("time = 3.0", "time = -3.0")
+    with pytest.raises(am.ScenarioError, match=r"kidnappings\.1\.time: expected a number \[s\] >= 0"):
+        read(text)
