@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
+    from amorsim import algorithms, controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
     from amorsim.contracts import (
         Aim,
         Beliefs,
@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         ControllerError,
         DocumentError,
         Fault,
+        GraphError,
         MapError,
         PlanError,
         PluginError,
@@ -117,7 +118,7 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PlanError "
+        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault GraphError MapError PlanError "
         "PluginError RunError ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
@@ -150,7 +151,18 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing", "worlds")
+_PACKAGES = (
+    "algorithms",
+    "controllers",
+    "drives",
+    "estimators",
+    "motions",
+    "noise",
+    "planners",
+    "sensors",
+    "testing",
+    "worlds",
+)
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
@@ -180,6 +192,7 @@ __all__ = [
     "Floor",
     "FloorPoints",
     "Frame",
+    "GraphError",
     "Joint",
     "KeptStages",
     "Knowledge",
@@ -236,6 +249,7 @@ __all__ = [
     "WheelSpeeds",
     "WorldGenerator",
     "Zone",
+    "algorithms",
     "check_code",
     "compose",
     "controllers",
