@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         ControllerError,
         DocumentError,
         Fault,
+        GraphError,
         MapError,
         PlanError,
         PluginError,
@@ -119,7 +120,7 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PlanError "
+        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault GraphError MapError PlanError "
         "PluginError RunError ScenarioError SnapshotError"
     ),
     "amorsim.core.map": "Map",
@@ -193,6 +194,7 @@ __all__ = [
     "Floor",
     "FloorPoints",
     "Frame",
+    "GraphError",
     "InitialBelief",
     "Joint",
     "KeptStages",

@@ -19,6 +19,7 @@ __all__ = [
     "ControllerError",
     "DocumentError",
     "Fault",
+    "GraphError",
     "MapError",
     "PluginError",
     "RunError",
@@ -34,6 +35,10 @@ class AmorsimError(Exception):
 
 class MapError(AmorsimError):
     """A map that cannot be read, or a query that a map cannot answer."""
+
+
+class GraphError(AmorsimError):
+    """A graph of poses that cannot be read, or whose edges do not determine its poses."""
 
 
 class PluginError(AmorsimError):
