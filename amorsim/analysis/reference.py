@@ -90,6 +90,8 @@ def _default(parameter: Parameter) -> str:
     value = parameter.default
     if value is None:
         return "none"
+    if parameter.component:
+        return f"a {type(value).__name__} with its defaults"
     if parameter.is_angle and isinstance(value, (int, float)):
         return f"{math.degrees(value):g}"
     if attrs.has(type(value)):

@@ -6,7 +6,7 @@ import abc
 from collections.abc import Mapping, Sequence
 
 from amorsim.contracts.robot import Component, RobotModel
-from amorsim.contracts.values import Array, Clock, Estimate, Measurement, State
+from amorsim.contracts.values import Array, Beliefs, Clock, Estimate, Measurement, State
 from amorsim.core.draws import Draws
 
 __all__ = ["Controller"]
@@ -33,3 +33,17 @@ class Controller(Component, abc.ABC):
         Called on the controller as specified, before stacking; ``amorsim check`` reports goals that are out of reach.
         """
         return ()
+
+    def reports(self, state: State) -> Sequence[tuple[int, str, object]]:
+        """What happened in the last `command`: the row, a word such as ``"goal_reached"``, and a number or text.
+
+        Each becomes an event of the kind ``"report"``. Called after each `command`; do not change `state`.
+        """
+        return ()
+
+    def beliefs(self, state: State) -> Beliefs:
+        """What it intends or compared in the last `command`: a path, arcs ...; nothing by default.
+
+        The same rules hold as for `Estimator.beliefs`. Frames have them under the name ``"controller"``.
+        """
+        return {}

@@ -18,6 +18,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import in_words
 
 __all__ = [
+    "COMPONENTS",
     "FRAMES",
     "LARGEST",
     "REFERS",
@@ -37,6 +38,8 @@ _LARGEST_WHOLE = 2**53  # for those without bounds of their own
 
 FRAMES = ("world", "body")
 """What a parameter's `frame` may be."""
+COMPONENTS = ("planner", "controller")
+"""The kinds of component that a parameter may be."""
 REFERS = ("sensors", "estimators", "joints")
 """What a parameter may refer to by name."""
 
@@ -62,7 +65,8 @@ class Parameter:
     `live` parameters may change between steps. A `file` is a path: in a scenario, relative to the scenario's folder;
     a run's folder gets a copy of the file. `frame` says where points are: ``"world"``, ``"body"`` (the frame of the
     robot or of what it is part of), or ``""`` for what is no point. `refers` says what a text is the name of: one of
-    the robot's ``"sensors"``, ``"estimators"`` or ``"joints"``.
+    the robot's ``"sensors"``, ``"estimators"`` or ``"joints"``. `component` is the kind of a value that is a component
+    itself: ``"planner"`` or ``"controller"``; files give it as a table with ``use = NAME``.
     """
 
     name: str
@@ -80,6 +84,7 @@ class Parameter:
     file: bool = False
     frame: str = ""
     refers: str = ""
+    component: str = ""
 
     @property
     def is_required(self) -> bool:
@@ -99,6 +104,8 @@ class Parameter:
     @property
     def file_type_name(self) -> str:
         """The same, with the keys of tables in files."""
+        if self.component:
+            return f"a table with use = the name of a {self.component}"
         return _type_name(self.type, in_file=True)
 
     @property
@@ -138,13 +145,15 @@ def parameter(
     file: bool = False,
     frame: str = "",
     refers: str = "",
+    component: str = "",
 ) -> Any:
     """A field of a component class: a default (or none, then it must be given), its unit, help and bounds.
 
     Values are checked when a component is made: the type as annotated (nothing is coerced, an int may stand for a
     float), finite, within bounds or among `choices`. Whatever the bounds, no number is larger than `LARGEST`, and none
     that must be above 0 smaller than `SMALLEST`. Annotations may be `float`, `int`, `bool`, `str`, any of these
-    ``| None``, a tuple of them, another attrs class with such fields, or a tuple of those (the elements of a ring).
+    ``| None``, a tuple of them, another attrs class with such fields, or a tuple of those (the elements of a ring). A
+    field that is a component itself names its kind in `component` and is annotated with a contract, as `am.Planner`.
     """
     metadata = {
         "unit": unit,
@@ -159,6 +168,7 @@ def parameter(
         "file": file,
         "frame": frame,
         "refers": refers,
+        "component": component,
     }
     return attrs.field(default=default, validator=_validate, metadata={_KEY: metadata})
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Drive, Joint, Part
+from amorsim.contracts import Controller, Drive, Joint, Part, Planner
 from amorsim.core.errors import did_you_mean
 from amorsim.core.parameters import FRAMES, REFERS, Parameter, describe
 from amorsim.core.trouble import in_words
@@ -156,7 +156,9 @@ def _check_parts(contract: type, cls: type) -> Iterator[str]:
 
 
 def _check_field(parameter: Parameter) -> Iterator[str]:
-    if not _is_supported(parameter.type):
+    if parameter.component:
+        yield from _check_component(parameter)
+    elif not _is_supported(parameter.type):
         yield (
             f"field {parameter.name!r}: expected float, int, bool, str, | None of them, an attrs class with "
             f"such fields, or a tuple of those, found {parameter.type}"
@@ -165,6 +167,16 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
         if given and given not in known:
             words = " or ".join(map(repr, known))
             yield f"field {parameter.name!r}: {fact}: expected {words}, found {given!r}.{did_you_mean(given, known)}"
+
+
+def _check_component(parameter: Parameter) -> Iterator[str]:
+    """A field that is a component: of a known kind, and annotated with its contract or a class of it."""
+    contracts = {"planner": Planner, "controller": Controller}
+    contract = contracts.get(parameter.component)
+    if contract is None:
+        yield f"field {parameter.name!r}: component: expected {' or '.join(contracts)}, found {parameter.component!r}"
+    elif not (isinstance(parameter.type, type) and issubclass(parameter.type, contract)):
+        yield f"field {parameter.name!r}: expected {contract.__name__} or a class of it, found {parameter.type}"
 
 
 def _is_frozen(cls: type) -> bool:

@@ -15,8 +15,10 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.errors import PluginError
 from amorsim.core.parameters import Parameter, ParameterError, check_value, describe
 from amorsim.core.trouble import in_words
+from amorsim.plugins.manager import default_registry
 from amorsim.scenario.angles import to_degrees, to_radians
 from amorsim.scenario.faults import Node, shown
 
@@ -94,6 +96,8 @@ def in_file(key: str, parameter: Parameter) -> Parameter:
 
 
 def _read(node: Node, key: str, parameter: Parameter) -> Any:
+    if parameter.component:
+        return _read_component_of(node, parameter)
     expected = in_file(key, parameter)
     before = node.book.count
     value = _native(node, parameter.type)
@@ -114,6 +118,27 @@ def _read(node: Node, key: str, parameter: Parameter) -> Any:
         node.fault(problem if len(problem) < 500 else f"{problem[:500]}...")
         return _BAD
     return value
+
+
+def _read_component_of(node: Node, parameter: Parameter) -> Any:
+    """The component that a table with ``use = NAME`` means, for a field that is one."""
+    kind, registry = parameter.component, default_registry()
+    if not node.expect_table(f"a table with use = one of: {', '.join(registry.names(kind))}"):
+        return _BAD
+    name = node.child("use").text(f"the name of a {kind}")
+    if name is None:
+        return _BAD
+    try:
+        cls = registry.get(kind, name)
+    except PluginError as error:
+        node.child("use").fault(str(error))
+        return _BAD
+    if not issubclass(cls, parameter.type):
+        fitting = [other for other in registry.names(kind) if issubclass(registry.get(kind, other), parameter.type)]
+        node.child("use").fault(f"the {kind} {name!r} cannot be used here; expected one of: {', '.join(fitting)}")
+        return _BAD
+    found = read_component(cls, node, beside=("use",))
+    return _BAD if found is None else found
 
 
 def _native(node: Node, kind: Any) -> Any:
@@ -186,8 +211,19 @@ def write_fields(component: Any, sensor_unit: str = "", names: Iterable[str] | N
             if parameter.default is not None:
                 written[key] = NONE
             continue
-        written[key] = _written(value, parameter.type, parameter.is_angle)
+        written[key] = _write_value(value, parameter)
     return written
+
+
+def _write_value(value: Any, parameter: Parameter) -> Any:
+    if parameter.component and value is not None:
+        name = default_registry().name_of(parameter.component, type(value))
+        if name is None:
+            what = f"{type(value).__module__}.{type(value).__qualname__}"
+            problem = f"{what} is no {parameter.component} that is registered, so a file cannot name it"
+            raise ParameterError(parameter.name, f"{problem}; register it in a plugin")
+        return {"use": name, **write_fields(value)}
+    return _written(value, parameter.type, parameter.is_angle)
 
 
 def default_in_file(parameter: Parameter) -> Any:
@@ -196,7 +232,7 @@ def default_in_file(parameter: Parameter) -> Any:
         return None
     if parameter.default is None:
         return NONE if types.NoneType in typing.get_args(parameter.type) else None
-    return _written(parameter.default, parameter.type, parameter.is_angle)
+    return _write_value(parameter.default, parameter)
 
 
 def _written(value: Any, kind: Any, is_angle: bool) -> Any:

@@ -12,6 +12,7 @@ import attrs
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import Fault, PluginError, ScenarioError
 from amorsim.core.map import Map
+from amorsim.core.parameters import ParameterError
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -161,7 +162,11 @@ class _Writer:
                 f"{what} is no {kind} that is registered, so a file cannot name it; register it in a plugin",
             )
             return {}
-        return {"use": name, **write_fields(component, unit)}
+        try:
+            return {"use": name, **write_fields(component, unit)}
+        except ParameterError as error:  # of a component within it
+            self._fault(f"{path}.{error.name}", error.problem)
+            return {}
 
     def _map(self, found: Map, path: str) -> dict[str, Any]:
         file = found.source

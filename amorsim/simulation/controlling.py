@@ -9,10 +9,11 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State
+from amorsim.contracts import Beliefs, Clock, Context, Controller, Draws, Estimate, Measurement, RobotModel, State
 from amorsim.core.rows import stack, take
 from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Robot
+from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.blame import Whose, is_finite
 
 __all__ = ["Driver"]
@@ -138,6 +139,49 @@ class Driver:
             raise self._whose.not_finite("controller", controller, channels, whole)
         return command
 
+    def reports(self) -> list[tuple[int, str, Any]]:
+        """What the controller says happened in the last command: row, word and value, of the rows that it drives.
+
+        Raises
+        ------
+        ComponentError
+            If the controller raises, or returns no reports.
+        """
+        controller = self.controller
+        if controller is None or type(controller).reports is Controller.reports:
+            return []
+        try:
+            found = list(controller.reports(self.state))
+        except RAISED as error:
+            self._whose.blame("controller", controller, error)
+        for report in found:
+            if problem := _report_problem(report, len(self.active)):
+                raise self._whose.wrong("controller", controller, problem)
+        return [report for report in found if self.active[report[0], 0] and not self.by_hand[report[0], 0]]
+
+    @property
+    def believes(self) -> bool:
+        """Whether the controller has beliefs."""
+        return self.controller is not None and type(self.controller).beliefs is not Controller.beliefs
+
+    def beliefs(self) -> Beliefs:
+        """The beliefs of the controller, as its state is now.
+
+        Raises
+        ------
+        ComponentError
+            If it raises, or returns what are no beliefs.
+        """
+        controller = self.controller
+        assert controller is not None
+        try:
+            found = controller.beliefs(self.state)
+        except RAISED as error:
+            self._whose.blame("controller", controller, error)
+        if problem := beliefs_problem(found, len(self.active)):
+            raise self._whose.wrong("controller", controller, problem)
+        return found
+
     # ------------------------------------------------------------------------------------ for snapshots and resets
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
@@ -148,6 +192,20 @@ class Driver:
         """Restore what `arrays` returned."""
         for name in self._ARRAYS:
             setattr(self, name, arrays[name])
+
+
+def _report_problem(report: Any, rows: int) -> str:
+    """The fault of one of the things that `Controller.reports` returned; empty if there is none."""
+    if not isinstance(report, tuple) or len(report) != 3:
+        return f"expected reports() to return triples (row, word, value), got {report!r}"
+    row, word, value = report
+    if not isinstance(row, int) or not 0 <= row < rows:
+        return f"expected a report of a row from 0 to {rows - 1}, got {row!r}"
+    if not isinstance(word, str) or not word.isidentifier():
+        return f"expected a report to be a word such as 'goal_reached', got {word!r}"
+    if not isinstance(value, (str, int, float)):
+        return f"expected a number or a text as the value of a report, got {value!r}"
+    return ""
 
 
 def _ask_some(

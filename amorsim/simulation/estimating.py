@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import re
-import types
-from collections.abc import Iterator, Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
-from amorsim.core.errors import AmorsimError
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Robot
+from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.blame import Whose, array_problem, is_finite
 
-__all__ = ["Estimators", "beliefs_problem"]
+__all__ = ["Estimators"]
 
 Array = npt.NDArray[np.float64]
-
-_BELIEF = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z][A-Za-z0-9]*)*")  # numbers at the end are indices in files
-_NOTHING: Mapping[str, Beliefs] = types.MappingProxyType({})
 
 
 class Estimators:
@@ -102,9 +98,9 @@ class Estimators:
                 for row in np.flatnonzero(failed).tolist():
                     yield name, row, ends
 
-    def beliefs(self) -> Mapping[str, Beliefs]:
-        """The beliefs of the estimators that have any, by name; each is asked when it is first looked up."""
-        return _StepBeliefs(self, self._believers) if self._believers else _NOTHING
+    def believers(self) -> dict[str, Callable[[], Beliefs]]:
+        """What gives the beliefs of each estimator that has any, by name."""
+        return {name: functools.partial(self.beliefs_of, name) for name in self._believers}
 
     def beliefs_of(self, name: str) -> Beliefs:
         """The beliefs of one estimator, as its state is now.
@@ -127,54 +123,6 @@ class Estimators:
     def updates(self) -> int:
         """How many updates there were; beliefs are of one of them."""
         return self._updates
-
-
-class _StepBeliefs(Mapping[str, Beliefs]):
-    """The beliefs of a step, by estimator: computed when looked up, and kept."""
-
-    def __init__(self, estimators: Estimators, names: Sequence[str]) -> None:
-        self._estimators = estimators
-        self._names = names
-        self._update = estimators.updates
-        self._kept: dict[str, Beliefs] = {}
-
-    def __getitem__(self, name: str) -> Beliefs:
-        if name not in self._names:
-            raise KeyError(name)
-        if name not in self._kept:
-            if self._estimators.updates != self._update:
-                raise AmorsimError(
-                    f"the beliefs of estimator {name!r} were looked up after their step; look them up in the step, "
-                    "or take a new frame"
-                )
-            self._kept[name] = self._estimators.beliefs_of(name)
-        return self._kept[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._names  # asks nobody
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-
-def beliefs_problem(found: Any, rows: int) -> str:
-    """The fault of what `Estimator.beliefs` returned; empty if they are beliefs of `rows` rows."""
-    if not isinstance(found, Mapping):
-        return f"expected beliefs() to return arrays by name, got a {type(found).__name__}"
-    for name, array in found.items():
-        if not isinstance(name, str) or not _BELIEF.fullmatch(name):
-            return f"expected names of beliefs such as 'gyro_bias', words of letters joined by _, got {name!r}"
-        if not isinstance(array, np.ndarray) or array.dtype not in (np.float64, np.int64, np.bool_):
-            kind = getattr(array, "dtype", type(array).__name__)
-            return f"expected the belief {name!r} to be an array of float64, int64 or bool, got {kind}"
-        if array.shape[:1] != (rows,):
-            return f"expected the belief {name!r} to have {rows} rows as its first axis, got the shape {array.shape}"
-        if np.isinf(array).any():
-            return f"expected finite numbers in the belief {name!r}, or nan where there is nothing, got inf"
-    return ""
 
 
 def _problem(found: Any, rows: int) -> str:

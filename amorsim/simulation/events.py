@@ -14,6 +14,7 @@ class Event:
     `kind` is ``"collision"`` (with `other`, the wall or a body's name; `point` in the world; `speed` [m/s] of the
     robot's or obstacle's base point just before, or of a part's point of contact; and `part` and `other_part` if
     parts of robots met: `amorsim.Part`, empty for the bodies themselves), ``"controller_ended"``,
+    ``"report"`` (of its controller: `path` is the word, as ``"goal_reached"``, `value` a number or text),
     ``"pose_set"`` (by `Simulation.set_pose`, to the pose `value`), ``"kidnapped"`` (by its scenario, likewise),
     ``"estimator_failed"`` (`path` says which), ``"handed_over"`` (to `value`), or ``"parameter_set"`` (with `path` and
     `value`).
@@ -42,6 +43,9 @@ class Event:
             return f"{head} met {_of(self.other, self.other_part)} at ({x:.3f}, {y:.3f}) m, going {self.speed:.3f} m/s"
         if self.kind == "controller_ended":
             return f"{head}: its controller ended"
+        if self.kind == "report":
+            said = self.path.replace("_", " ")
+            return f"{head} reports: {said}" + ("" if self.value == "" else f", {self.value}")
         if self.kind == "pose_set":
             return f"{head} was put elsewhere"
         if self.kind == "estimator_failed":

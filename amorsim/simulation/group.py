@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import (
+    Beliefs,
     Context,
     Drive,
     Estimate,
@@ -25,6 +26,7 @@ from amorsim.kernels.kinematics.poses import mean_twists
 from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
+from amorsim.simulation.beliefs import beliefs_of_step
 from amorsim.simulation.blame import Whose, is_finite, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
@@ -350,8 +352,18 @@ class Group:
             robot=self.robot,
             parts=tuple(part.name for part in parts),
             part_pose=np.empty((self.rows, 0, 3)) if self.parts is None else self.parts.per_robot,
-            beliefs=self.estimators.beliefs(),
+            beliefs=self.beliefs(),
         )
+
+    def beliefs(self) -> Mapping[str, Beliefs]:
+        """The beliefs of the estimators, by name, and of the controller, as ``"controller"``, where they have any.
+
+        Of an estimator with the name ``"controller"`` and the controller, the estimator's are there.
+        """
+        believers = self.estimators.believers()
+        if self.driver.believes:
+            believers.setdefault("controller", self.driver.beliefs)
+        return beliefs_of_step(believers, lambda: self.estimators.updates)
 
     def states(self) -> Mapping[str, State]:
         """The states of all components, by their place; the dicts themselves, not copies."""

@@ -51,6 +51,25 @@ def first_look(fleet: Fleet) -> None:
 def _control(fleet: Fleet) -> None:
     for group in fleet.groups:
         group.control()
+        for row, word, value in group.driver.reports():
+            _log_report(fleet, group, row, word, value)
+
+
+def _log_report(fleet: Fleet, group: Group, row: int, word: str, value: object) -> None:
+    """Log what a controller reports of a robot."""
+    index = int(fleet.world.replica_index[group.bodies[row]])
+    tick = int(fleet.ticks[index])
+    fleet.events.append(
+        Event(
+            tick=tick,
+            time=tick * fleet.dt,
+            replica=fleet.replicas[index],
+            kind="report",
+            name=group.names[row],
+            path=word,
+            value=value,
+        )
+    )
 
 
 def _actuate(fleet: Fleet) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
-from amorsim.simulation.estimating import beliefs_problem
+from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session

@@ -13,6 +13,7 @@ import numpy as np
 from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import Parameter, describe
 from amorsim.core.rows import signature
+from amorsim.planners import AStar
 
 __all__ = ["example", "variants"]
 
@@ -29,7 +30,7 @@ def example(cls: type[T], **given: Any) -> T:
     """
     for name, parameter in describe(cls).items():
         if parameter.is_required and name not in given:
-            given[name] = _value(cls, parameter, parameter.type)
+            given[name] = AStar() if parameter.component == "planner" else _value(cls, parameter, parameter.type)
     try:
         return cls(**given)
     except ValueError as error:

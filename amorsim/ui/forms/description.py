@@ -239,6 +239,8 @@ class _Maker:
         said = self._said(values)
         found = []
         for key, parameter in self._parameters(cls).items():
+            if parameter.component:  # there is no form for these; the text has them
+                continue
             default = self._default(key, parameter)
             value = said.get(key, default)
             field: FieldForm = {

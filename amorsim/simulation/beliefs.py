@@ -1,0 +1,71 @@
+"""The beliefs of a step: those of the estimators and of the controller, asked for when they are looked up."""
+
+from __future__ import annotations
+
+import re
+import types
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from amorsim.contracts import Beliefs
+from amorsim.core.errors import AmorsimError
+
+__all__ = ["StepBeliefs", "beliefs_of_step", "beliefs_problem"]
+
+_BELIEF = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z][A-Za-z0-9]*)*")  # numbers at the end are indices in files
+_NOTHING: Mapping[str, Beliefs] = types.MappingProxyType({})
+
+
+def beliefs_of_step(believers: Mapping[str, Callable[[], Beliefs]], moment: Callable[[], int]) -> Mapping[str, Beliefs]:
+    """The beliefs of those that have any, by name; `moment` tells the number of the step."""
+    return StepBeliefs(believers, moment) if believers else _NOTHING
+
+
+class StepBeliefs(Mapping[str, Beliefs]):
+    """The beliefs of a step, by name: computed when looked up, and kept."""
+
+    def __init__(self, believers: Mapping[str, Callable[[], Beliefs]], moment: Callable[[], int]) -> None:
+        self._believers = believers
+        self._moment = moment
+        self._made = moment()
+        self._kept: dict[str, Beliefs] = {}
+
+    def __getitem__(self, name: str) -> Beliefs:
+        if name not in self._believers:
+            raise KeyError(name)
+        if name not in self._kept:
+            if self._moment() != self._made:
+                raise AmorsimError(
+                    f"the beliefs of {name!r} were looked up after their step; look them up in the step, "
+                    "or take a new frame"
+                )
+            self._kept[name] = self._believers[name]()
+        return self._kept[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._believers  # asks nobody
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._believers)
+
+    def __len__(self) -> int:
+        return len(self._believers)
+
+
+def beliefs_problem(found: Any, rows: int) -> str:
+    """The fault of what a `beliefs` method returned; empty if they are beliefs of `rows` rows."""
+    if not isinstance(found, Mapping):
+        return f"expected beliefs() to return arrays by name, got a {type(found).__name__}"
+    for name, array in found.items():
+        if not isinstance(name, str) or not _BELIEF.fullmatch(name):
+            return f"expected names of beliefs such as 'gyro_bias', words of letters joined by _, got {name!r}"
+        if not isinstance(array, np.ndarray) or array.dtype not in (np.float64, np.int64, np.bool_):
+            kind = getattr(array, "dtype", type(array).__name__)
+            return f"expected the belief {name!r} to be an array of float64, int64 or bool, got {kind}"
+        if array.shape[:1] != (rows,):
+            return f"expected the belief {name!r} to have {rows} rows as its first axis, got the shape {array.shape}"
+        if np.isinf(array).any():
+            return f"expected finite numbers in the belief {name!r}, or nan where there is nothing, got inf"
+    return ""
