@@ -10,7 +10,19 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
+    from amorsim import (
+        analysis,
+        controllers,
+        drives,
+        estimators,
+        metrics,
+        motions,
+        noise,
+        planners,
+        sensors,
+        testing,
+        worlds,
+    )
     from amorsim.contracts import (
         Aim,
         Beliefs,
@@ -20,6 +32,7 @@ if TYPE_CHECKING:
         Draws,
         Drive,
         Emission,
+        Episode,
         Estimate,
         Estimator,
         FloorPoints,
@@ -28,6 +41,7 @@ if TYPE_CHECKING:
         Lights,
         MapLoader,
         Measurement,
+        Metric,
         Motion,
         Mount,
         Noise,
@@ -52,6 +66,7 @@ if TYPE_CHECKING:
     from amorsim.controllers.user import Twist, WheelSpeeds
     from amorsim.core.errors import (
         AmorsimError,
+        AnalysisError,
         ComponentError,
         ContactError,
         ControllerError,
@@ -63,6 +78,7 @@ if TYPE_CHECKING:
         RunError,
         ScenarioError,
         SnapshotError,
+        StudyError,
     )
     from amorsim.core.map import Map
     from amorsim.core.parameters import ParameterError
@@ -111,14 +127,15 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel "
-        "RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator parameter"
+        "Aim Beliefs Clock Context Controller Drive Draws Emission Episode Estimate Estimator FloorPoints Frame Joint "
+        "Lights MapLoader Measurement Metric Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder "
+        "RobotModel RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator "
+        "parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault MapError PlanError "
-        "PluginError RunError ScenarioError SnapshotError"
+        "AmorsimError AnalysisError ComponentError ContactError ControllerError DocumentError Fault MapError PlanError "
+        "PluginError RunError ScenarioError SnapshotError StudyError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -150,13 +167,17 @@ _MODULES = {
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
     "amorsim.ui.view": "view",
 }
-_PACKAGES = ("controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "testing", "worlds")
+_PACKAGES = (
+    *("analysis", "controllers", "drives", "estimators", "metrics", "motions", "noise", "planners", "sensors"),
+    *("testing", "worlds"),
+)
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
     "PHASES",
     "Aim",
     "AmorsimError",
+    "AnalysisError",
     "Beliefs",
     "Clock",
     "ComponentError",
@@ -172,6 +193,7 @@ __all__ = [
     "Drive",
     "Drop",
     "Emission",
+    "Episode",
     "Estimate",
     "Estimator",
     "EstimatorRunner",
@@ -191,6 +213,7 @@ __all__ = [
     "MapLoader",
     "Marking",
     "Measurement",
+    "Metric",
     "Motion",
     "Mount",
     "MountedSensor",
@@ -231,11 +254,13 @@ __all__ = [
     "SnapshotError",
     "Stage",
     "State",
+    "StudyError",
     "Twist",
     "View",
     "WheelSpeeds",
     "WorldGenerator",
     "Zone",
+    "analysis",
     "check_code",
     "compose",
     "controllers",
@@ -249,6 +274,7 @@ __all__ = [
     "load_map",
     "load_robot",
     "logarithm",
+    "metrics",
     "motions",
     "noise",
     "open_document",
