@@ -10,7 +10,20 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from amorsim import algorithms, controllers, drives, estimators, motions, noise, planners, sensors, testing, worlds
+    from amorsim import (
+        algorithms,
+        analysis,
+        controllers,
+        drives,
+        estimators,
+        metrics,
+        motions,
+        noise,
+        planners,
+        sensors,
+        testing,
+        worlds,
+    )
     from amorsim.contracts import (
         Aim,
         Beliefs,
@@ -20,6 +33,7 @@ if TYPE_CHECKING:
         Draws,
         Drive,
         Emission,
+        Episode,
         Estimate,
         Estimator,
         FloorPoints,
@@ -28,6 +42,7 @@ if TYPE_CHECKING:
         Lights,
         MapLoader,
         Measurement,
+        Metric,
         Motion,
         Mount,
         Noise,
@@ -52,6 +67,7 @@ if TYPE_CHECKING:
     from amorsim.controllers.user import Twist, WheelSpeeds
     from amorsim.core.errors import (
         AmorsimError,
+        AnalysisError,
         ComponentError,
         ContactError,
         ControllerError,
@@ -64,6 +80,7 @@ if TYPE_CHECKING:
         RunError,
         ScenarioError,
         SnapshotError,
+        StudyError,
     )
     from amorsim.core.map import Map
     from amorsim.core.parameters import ParameterError
@@ -114,14 +131,15 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.contracts": (
-        "Aim Beliefs Clock Context Controller Drive Draws Emission Estimate Estimator FloorPoints Frame Joint Lights "
-        "MapLoader Measurement Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder RobotModel "
-        "RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator parameter"
+        "Aim Beliefs Clock Context Controller Drive Draws Emission Episode Estimate Estimator FloorPoints Frame Joint "
+        "Lights MapLoader Measurement Metric Motion Mount Noise NoiseStep ObstacleFrame Part Plan Planner Recorder "
+        "RobotModel RunInfo ScenarioDocument ScenarioLoader Sensor SensorModel Sightings State View WorldGenerator "
+        "parameter"
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError ComponentError ContactError ControllerError DocumentError Fault GraphError MapError PlanError "
-        "PluginError RunError ScenarioError SnapshotError"
+        "AmorsimError AnalysisError ComponentError ContactError ControllerError DocumentError Fault GraphError MapError "
+        "PlanError PluginError RunError ScenarioError SnapshotError StudyError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
@@ -154,16 +172,8 @@ _MODULES = {
     "amorsim.ui.view": "view",
 }
 _PACKAGES = (
-    "algorithms",
-    "controllers",
-    "drives",
-    "estimators",
-    "motions",
-    "noise",
-    "planners",
-    "sensors",
-    "testing",
-    "worlds",
+    *("algorithms", "analysis", "controllers", "drives", "estimators", "metrics", "motions", "noise", "planners"),
+    *("sensors", "testing", "worlds"),
 )
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
@@ -171,6 +181,7 @@ __all__ = [
     "PHASES",
     "Aim",
     "AmorsimError",
+    "AnalysisError",
     "Beliefs",
     "Clock",
     "ComponentError",
@@ -186,6 +197,7 @@ __all__ = [
     "Drive",
     "Drop",
     "Emission",
+    "Episode",
     "Estimate",
     "Estimator",
     "EstimatorRunner",
@@ -208,6 +220,7 @@ __all__ = [
     "MapLoader",
     "Marking",
     "Measurement",
+    "Metric",
     "Motion",
     "Mount",
     "MountedSensor",
@@ -248,12 +261,14 @@ __all__ = [
     "SnapshotError",
     "Stage",
     "State",
+    "StudyError",
     "Twist",
     "View",
     "WheelSpeeds",
     "WorldGenerator",
     "Zone",
     "algorithms",
+    "analysis",
     "check_code",
     "compose",
     "controllers",
@@ -267,6 +282,7 @@ __all__ = [
     "load_map",
     "load_robot",
     "logarithm",
+    "metrics",
     "motions",
     "noise",
     "open_document",

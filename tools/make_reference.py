@@ -53,6 +53,11 @@ _KINDS = {
     "estimator": ("Estimators", "In `[robots.estimators.NAME]`."),
     "controller": ("Controllers", "In `controller` of a robot."),
     "planner": ("Planners", "In Python: `am.planners`. A scenario does not choose one."),
+    "metric": (
+        "Metrics",
+        "In `[metrics]` of a study, as `NAME = { use = ..., ... }`; `robot` stands beside the fields where there are "
+        "several. In Python: `am.metrics`.",
+    ),
     "recorder": ("Recorders", "What writes the files of a run; a scenario does not choose one."),
 }
 

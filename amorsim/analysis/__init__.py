@@ -1,1 +1,87 @@
-"""What to make of a run: its files as arrays, plots of them, and the reference pages of components."""
+"""Analysis of runs, studies and trajectories: how wrong estimates are, whether they know it, and what may be claimed.
+
+The names are looked up when first used; only what draws needs matplotlib.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from amorsim.algorithms.consistency import Consistency, nees, nis, verdict
+    from amorsim.algorithms.map_scores import MapScores, map_scores
+    from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
+    from amorsim.algorithms.trajectories import Transform, umeyama
+    from amorsim.analysis.consistency import run_nees, run_nis
+    from amorsim.analysis.files import RunFiles
+    from amorsim.analysis.measuring import measure
+    from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, rpe
+    from amorsim.analysis.trajectory import (
+        Trajectory,
+        read_csv,
+        read_kitti,
+        read_tum,
+        run_trajectories,
+        write_csv,
+        write_kitti,
+        write_tum,
+    )
+
+_MODULES = {
+    "amorsim.algorithms.consistency": "Consistency nees nis verdict",
+    "amorsim.algorithms.map_scores": "MapScores map_scores",
+    "amorsim.algorithms.resampling": "bootstrap_interval holm paired_effect permutation_p",
+    "amorsim.algorithms.trajectories": "Transform umeyama",
+    "amorsim.analysis.consistency": "run_nees run_nis",
+    "amorsim.analysis.files": "RunFiles",
+    "amorsim.analysis.measuring": "measure",
+    "amorsim.analysis.pose_errors": "PoseErrors Statistics ape rpe",
+    "amorsim.analysis.trajectory": (
+        "Trajectory read_csv read_kitti read_tum run_trajectories write_csv write_kitti write_tum"
+    ),
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
+
+__all__ = [
+    "Consistency",
+    "MapScores",
+    "PoseErrors",
+    "RunFiles",
+    "Statistics",
+    "Trajectory",
+    "Transform",
+    "ape",
+    "bootstrap_interval",
+    "holm",
+    "map_scores",
+    "measure",
+    "nees",
+    "nis",
+    "paired_effect",
+    "permutation_p",
+    "read_csv",
+    "read_kitti",
+    "read_tum",
+    "rpe",
+    "run_nees",
+    "run_nis",
+    "run_trajectories",
+    "umeyama",
+    "verdict",
+    "write_csv",
+    "write_kitti",
+    "write_tum",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'amorsim.analysis' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

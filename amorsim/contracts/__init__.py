@@ -18,6 +18,7 @@ from __future__ import annotations
 from amorsim.contracts.controller import Controller
 from amorsim.contracts.estimator import Estimator
 from amorsim.contracts.map_loader import MapLoader
+from amorsim.contracts.metric import Episode, Metric
 from amorsim.contracts.motion import Motion
 from amorsim.contracts.noise import Noise
 from amorsim.contracts.planner import Plan, Planner
@@ -43,6 +44,7 @@ __all__ = [
     "Drive",
     "Emission",
     "Emissions",
+    "Episode",
     "Estimate",
     "Estimator",
     "FloorPoints",
@@ -51,6 +53,7 @@ __all__ = [
     "Lights",
     "MapLoader",
     "Measurement",
+    "Metric",
     "Motion",
     "Mount",
     "Neighbours",

@@ -14,6 +14,7 @@ import attrs
 
 __all__ = [
     "AmorsimError",
+    "AnalysisError",
     "ComponentError",
     "ContactError",
     "ControllerError",
@@ -25,6 +26,7 @@ __all__ = [
     "RunError",
     "ScenarioError",
     "SnapshotError",
+    "StudyError",
     "did_you_mean",
 ]
 
@@ -86,6 +88,14 @@ class SnapshotError(AmorsimError):
 
 class RunError(AmorsimError):
     """A run's folder that cannot be written or read."""
+
+
+class StudyError(AmorsimError):
+    """A study's file or folder that cannot be used, or a study that cannot go on; what was done stays."""
+
+
+class AnalysisError(AmorsimError):
+    """A trajectory, a run or a study that cannot be analysed as asked."""
 
 
 @attrs.frozen(kw_only=True)

@@ -132,6 +132,19 @@ def amorsim_register(registry: Registry) -> None:
     registry.recorder("text", "amorsim.recorders.text:Text")
     registry.recorder("arrays", "amorsim.recorders.arrays:Arrays")
 
+    registry.metric("position_error", "amorsim.metrics.errors:PositionError")
+    registry.metric("heading_error", "amorsim.metrics.errors:HeadingError")
+    registry.metric("recovery_time", "amorsim.metrics.errors:RecoveryTime")
+    registry.metric("nees", "amorsim.metrics.consistency:Nees")
+    registry.metric("nis", "amorsim.metrics.consistency:Nis")
+    registry.metric("path_length", "amorsim.metrics.driving:PathLength")
+    registry.metric("turning", "amorsim.metrics.driving:Turning")
+    registry.metric("arrival_time", "amorsim.metrics.driving:ArrivalTime")
+    registry.metric("collisions", "amorsim.metrics.driving:Collisions")
+    registry.metric("success", "amorsim.metrics.driving:Success")
+    registry.metric("clearance", "amorsim.metrics.space:Clearance")
+    registry.metric("coverage", "amorsim.metrics.space:Coverage")
+
     for name in ("sick-lms200", "polaroid-600", "tcm2", "adxrs300"):
         registry.device(name, _PACKAGE / "devices" / f"{name}.toml")
     for robot in (

@@ -33,6 +33,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "controller": ("use",),
     "planner": ("use",),
     "recorder": ("use",),
+    "metric": ("use", "robot"),
 }
 """Keys that stand beside a component's fields in a scenario, and that no field may be called by."""
 

@@ -15,6 +15,7 @@ from amorsim.contracts import (
     Drive,
     Estimator,
     MapLoader,
+    Metric,
     Motion,
     Noise,
     Planner,
@@ -40,6 +41,7 @@ KINDS: Mapping[str, type] = {
     "controller": Controller,
     "planner": Planner,
     "recorder": Recorder,
+    "metric": Metric,
 }
 """The kinds of component, and the contract of each."""
 
@@ -146,6 +148,10 @@ class Registry:
     def recorder(self, name: str, cls: type[Recorder] | str) -> None:
         """Register a recorder."""
         self._add("recorder", name, cls)
+
+    def metric(self, name: str, cls: type[Metric] | str) -> None:
+        """Register a metric."""
+        self._add("metric", name, cls)
 
     def robot(self, name: str, path: str | Path) -> None:
         """Register a robot: the path of its model, a TOML file."""

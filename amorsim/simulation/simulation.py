@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import operator
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,7 @@ from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
 from amorsim.simulation.group import Group
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
+from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.regroup import chains_of, frames_as, other_chains, regrouped
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
 from amorsim.simulation.world.occupancy import occupancy
@@ -131,13 +132,36 @@ class Simulation:
             for name, pose in self._fleet.kidnappings.get(tick, ()):
                 self._put(self.robot(name, self.replicas[index]), pose, "kidnapped")
 
-    def run(self, duration: float | None = None) -> None:
+    @overload
+    def run(self, duration: float | None = None) -> None: ...
+
+    @overload
+    def run(self, duration: float | None = None, *, keep: Iterable[str]) -> dict[str, npt.NDArray[Any]]: ...
+
+    def run(
+        self, duration: float | None = None, *, keep: Iterable[str] | None = None
+    ) -> dict[str, npt.NDArray[Any]] | None:
         """Step for `duration` [s]; without it, for the scenario's duration.
+
+        ::
+
+            kept = simulation.run(60, keep=("true_pose", "estimated_pose", "readings.laser"))
+            kept["readings.laser"]  # (steps, N, beams) as measured, after each step
+
+        Parameters
+        ----------
+        keep
+            Quantities to return, by name: arrays ``(steps, N, ...)`` of the values after each step, with rows as those
+            of `true_pose`. Names are ``true_pose``, ``estimated_pose``, ``covariance``, ``true_twist``,
+            ``joint_rates``, ``command``, ``active``, ``by_hand``, ``touching``; ``readings.NAME``, which is what was
+            measured, or ``readings.NAME.true``, ``.stamp``, ``.age``, ``.fresh``; ``estimates.NAME.pose`` and
+            ``.covariance``; ``beliefs.NAME.BELIEF``. What a robot does not have, and another has, is nan.
 
         Raises
         ------
         AmorsimError
-            If the duration is not a number, below 0, or longer than 2^32 - 1 steps.
+            If the duration is not a number, below 0, or longer than 2^32 - 1 steps; if a name in `keep` is unknown, or
+            the arrays would not fit into memory, before any step is made.
         """
         duration = self.scenario.duration if duration is None else duration
         most = MOST_STEPS * self.dt
@@ -147,8 +171,16 @@ class Simulation:
                 f"duration: expected a number of seconds >= 0 and <= {most:g} "
                 f"(2^32 - 1 steps of {self.dt:g} s), got {in_words(duration)}"
             )
-        for _ in range(self.steps_of(duration)):
+        steps = self.steps_of(duration)
+        if keep is None:
+            for _ in range(steps):
+                self.step()
+            return None
+        keeper = Keeper(self, keep, steps)
+        for _ in range(steps):
             self.step()
+            keeper.keep()
+        return keeper.arrays
 
     def steps_of(self, duration: float) -> int:
         """The number of steps in a duration [s], rounded up."""

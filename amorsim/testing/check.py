@@ -17,6 +17,7 @@ from amorsim.contracts import (
     Drive,
     Estimator,
     MapLoader,
+    Metric,
     Motion,
     Noise,
     Planner,
@@ -34,6 +35,7 @@ from amorsim.testing.drive import DriveTrial
 from amorsim.testing.failure import Who
 from amorsim.testing.kinds import ControllerTrial, EstimatorTrial, MotionTrial, NoiseTrial, SensorTrial
 from amorsim.testing.maps import check_map_loader
+from amorsim.testing.metrics import check_metric
 from amorsim.testing.planners import check_planner
 from amorsim.testing.recorders import check_recorder
 from amorsim.testing.rig import ROWS, Rig
@@ -56,6 +58,7 @@ _KINDS: dict[str, type] = {
     "scenario_loader": ScenarioLoader,
     "world_generator": WorldGenerator,
     "recorder": Recorder,
+    "metric": Metric,
 }
 
 # Units that are not the International System's, or that files alone spell.
@@ -84,8 +87,8 @@ def check_component(
     ----------
     component
         A drive, sensor, noise element, estimator, controller, planner, motion, map loader, scenario loader, world
-        generator or recorder; or its class, of which one is made with its defaults, and with some value where it has
-        none.
+        generator, recorder or metric; or its class, of which one is made with its defaults, and with some value where
+        it has none.
     drive
         Drive on which a sensor, estimator or controller is tried; a differential drive by default.
     sensors
@@ -132,6 +135,9 @@ def check_component(
         return
     if isinstance(component, Planner):
         check_planner(who, component)
+        return
+    if isinstance(component, Metric):
+        check_metric(who, component)
         return
     if isinstance(component, WorldGenerator):
         check_world_generator(who, component)

@@ -13,8 +13,15 @@ MAZE = Path(example.__file__).parent / "scenarios" / "two_rooms.maze"
 
 @pytest.mark.parametrize(
     "component",
-    [tricycle(), tricycle(steering_max=0.8), example.Beacon(x=3.0, y=4.0), example.Drift(std=0.1), example.Tally()],
-    ids=["tricycle", "tricycle, narrow", "beacon", "drift", "tally"],
+    [
+        tricycle(),
+        tricycle(steering_max=0.8),
+        example.Beacon(x=3.0, y=4.0),
+        example.Drift(std=0.1),
+        example.Tally(),
+        example.Detour(),
+    ],
+    ids=["tricycle", "tricycle, narrow", "beacon", "drift", "tally", "detour"],
 )
 def test_component(component: object) -> None:
     check_component(component)

@@ -14,6 +14,7 @@ NAMES = {
     "noise": ("drift", example.Drift),
     "map_loader": ("maze", example.Maze),
     "recorder": ("tally", example.Tally),
+    "metric": ("detour", example.Detour),
     "estimator": ("compass_odometry", example.CompassOdometry),
 }
 

@@ -23,7 +23,7 @@ from tests import building
 REGISTRY = make_registry(entry_points=[])
 KINDS = (
     *("drive", "sensor", "noise", "map_loader", "scenario_loader", "world_generator", "motion", "estimator"),
-    *("controller", "planner", "recorder"),
+    *("controller", "planner", "recorder", "metric"),
 )
 CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 

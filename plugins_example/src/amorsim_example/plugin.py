@@ -28,5 +28,6 @@ def amorsim_register(registry: Registry) -> None:
     registry.map_loader("maze", "amorsim_example.maze:Maze")
     registry.estimator("compass_odometry", "amorsim_example.compass_odometry:CompassOdometry")
     registry.recorder("tally", "amorsim_example.tally:Tally")
+    registry.metric("detour", "amorsim_example.detour:Detour")
     registry.robot("example-tricycle", _HERE / "robots" / "tricycle.toml")
     registry.scenario("example-maze", _HERE / "scenarios" / "maze.toml")

@@ -1,0 +1,116 @@
+"""Metrics of a run, from the files in its folder."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.analysis.files import RunFiles
+from amorsim.contracts import Episode, Metric
+from amorsim.core.errors import AnalysisError
+from amorsim.simulation.events import Event
+
+__all__ = ["episode_of", "measure"]
+
+Array = npt.NDArray[np.float64]
+
+_OF_POSES = ("true_pose", "estimated_pose")
+
+
+def measure(run: str | os.PathLike[str] | RunFiles, metric: Metric, *, robot: str | None = None) -> Array:
+    """A metric's value in each replica of a run `(R,)`, from its files, which are rounded to a micrometre.
+
+    ::
+
+        am.analysis.measure("amorsim-runs/demo-001", am.metrics.PositionError(at="max"))
+
+    Parameters
+    ----------
+    robot
+        Its name; without it, the first's.
+
+    Raises
+    ------
+    RunError
+        If the folder is none of a run, or a file in it is damaged.
+    AnalysisError
+        If the run's files do not hold what the metric needs.
+    """
+    files = run if isinstance(run, RunFiles) else RunFiles(Path(run))
+    return metric.measure(episode_of(files, metric.needs(), robot=robot))
+
+
+def episode_of(files: RunFiles, needs: Sequence[str], *, robot: str | None = None) -> Episode:
+    """What metrics see of a run; errors as of `measure`."""
+    robot = files.robots[0] if robot is None else robot
+    poses = files.arrays("poses", robot=robot)
+    kept: dict[str, npt.NDArray[Any]] = {}
+    for name in needs:
+        kept[name] = np.array(poses[name] if name in _OF_POSES else _read(files, name, robot))
+    steps = min([len(poses["time"]), *(len(array) for array in kept.values())])
+    return Episode(
+        robot=robot,
+        replicas=list(files.replicas),
+        time=np.asarray(poses["time"][:steps], dtype=np.float64),
+        kept={name: array[:steps] for name, array in kept.items()},
+        events=_events(files, robot),
+        map=files.scenario.map,
+        shape=next(each.shape for each in files.scenario.robots if each.name == robot),
+    )
+
+
+def _read(files: RunFiles, name: str, robot: str) -> npt.NDArray[Any]:
+    kind, _, rest = name.partition(".")
+    whose, _, what = rest.partition(".")
+    if name == "covariance":
+        first = next(iter(next(each.estimators for each in files.scenario.robots if each.name == robot)))
+        return files.arrays(f"estimates/{first}", robot=robot)["covariance"]
+    if kind == "estimates" and what in ("pose", "covariance") and whose in files.estimators:
+        return files.arrays(f"estimates/{whose}", robot=robot)[what]
+    if kind == "beliefs" and whose in files.believers:
+        beliefs = files.arrays(f"beliefs/{whose}", robot=robot)
+        if what in beliefs:
+            return beliefs[what]
+    if name == "true_twist":
+        return files.arrays("velocities", robot=robot)["true_twist"]
+    if name == "command":
+        return files.arrays("commands", robot=robot)["command"]
+    raise AnalysisError(f"{files.folder}: the files of this run do not hold {name!r}, which the metric needs")
+
+
+def _events(files: RunFiles, robot: str) -> list[Event]:
+    table = files.table("events", robot=robot, replica="all")
+    count = len(table["time"])
+    replicas = table["replica"].tolist() if "replica" in table else [files.replicas[0]] * count
+    found = []
+    for i in range(count):
+        x, y, speed = (float(table[key][i]) for key in ("x", "y", "speed"))
+        found.append(
+            Event(
+                tick=int(table["tick"][i]),
+                time=float(table["time"][i]),
+                replica=int(replicas[i]),
+                kind=str(table["kind"][i]),
+                name=robot,
+                other=str(table["other"][i]),
+                point=None if math.isnan(x) else (x, y),
+                speed=None if math.isnan(speed) else speed,
+                path=str(table["path"][i]),
+                value=_value(str(table["value"][i])),
+            )
+        )
+    return found
+
+
+def _value(text: str) -> Any:
+    try:
+        return json.loads(text) if text else None
+    except ValueError:
+        return text

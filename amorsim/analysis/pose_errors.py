@@ -1,0 +1,274 @@
+"""Absolute and relative pose errors (APE, RPE) of estimated trajectories in the plane."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.algorithms.trajectories import (
+    Transform,
+    absolute_errors,
+    associate,
+    first_pose_transform,
+    interpolated,
+    pairs_by_distance,
+    pairs_by_steps,
+    path_lengths,
+    relative_errors,
+    umeyama,
+)
+from amorsim.analysis.trajectory import Trajectory
+from amorsim.core.errors import AnalysisError
+from amorsim.core.trouble import in_words
+
+__all__ = ["PoseErrors", "Statistics", "ape", "rpe"]
+
+Array = npt.NDArray[np.float64]
+
+_ALIGN = ("none", "first", "umeyama", "umeyama_scale")
+_UNITS = ("m", "steps", "s")
+
+
+@attrs.frozen(kw_only=True)
+class Statistics:
+    """Figures of a series of errors; `std` is over all of them, as evo's."""
+
+    rmse: float
+    mean: float
+    median: float
+    std: float
+    min: float
+    max: float
+    count: int
+
+    @classmethod
+    def of(cls, errors: Array) -> Statistics:
+        """Those of errors `(n,)`; nan if there are none."""
+        if not len(errors):
+            return cls(**dict.fromkeys(("rmse", "mean", "median", "std", "min", "max"), math.nan), count=0)
+        return cls(
+            rmse=math.sqrt(float(np.mean(errors**2))),
+            mean=float(np.mean(errors)),
+            median=float(np.median(errors)),
+            std=float(np.std(errors)),
+            min=float(np.min(errors)),
+            max=float(np.max(errors)),
+            count=len(errors),
+        )
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class PoseErrors:
+    """The errors of an estimated trajectory, pose by pose or pair by pair.
+
+    Attributes
+    ----------
+    what
+        Which errors these are, in words.
+    time
+        When, `(n,)` [s]: of the pose, or of the later one of a pair.
+    travelled
+        Distance [m] along the reference up to then, `(n,)`.
+    position
+        `(n,)` [m], >= 0.
+    heading
+        `(n,)` [rad], in [0, pi].
+    transform
+        What was done to the estimate before; the identity without alignment.
+    dropped
+        How many poses of the shorter trajectory have no partner in the other.
+    """
+
+    what: str
+    time: Array
+    travelled: Array
+    position: Array
+    heading: Array
+    transform: Transform
+    dropped: int
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __str__(self) -> str:
+        position, heading = self.statistics, self.heading_statistics
+        return (
+            f"{self.what}: position rmse {position.rmse:.6f} m, mean {position.mean:.6f}, "
+            f"median {position.median:.6f}, max {position.max:.6f}; heading rmse {math.degrees(heading.rmse):.4f} "
+            f"degrees; {position.count} values, {self.dropped} poses without a partner; alignment: {self._aligned()}"
+        )
+
+    def _aligned(self) -> str:
+        return "none" if self.transform == Transform() else str(self.transform)
+
+    @property
+    def statistics(self) -> Statistics:
+        """Figures of `position` [m]."""
+        return Statistics.of(self.position)
+
+    @property
+    def heading_statistics(self) -> Statistics:
+        """Figures of `heading` [rad]."""
+        return Statistics.of(self.heading)
+
+    def by_time(self, width: float) -> list[tuple[float, Statistics]]:
+        """Figures of `position` in each `width` [s] of time since the first: when each begins, and its figures."""
+        return self._by(self.time - self.time[:1], width)
+
+    def by_distance(self, width: float) -> list[tuple[float, Statistics]]:
+        """The same for each `width` [m] of the way travelled."""
+        return self._by(self.travelled, width)
+
+    def _by(self, values: Array, width: float) -> list[tuple[float, Statistics]]:
+        if not width > 0.0:
+            raise AnalysisError(f"width: expected a number > 0, got {in_words(width)}")
+        bins = np.floor(values / width).astype(np.int64)
+        return [(number * width, Statistics.of(self.position[bins == number])) for number in np.unique(bins).tolist()]
+
+
+def ape(
+    reference: Trajectory,
+    estimate: Trajectory,
+    *,
+    align: str = "none",
+    most_apart: float | None = None,
+    interpolate: bool = False,
+) -> PoseErrors:
+    """The absolute pose error: how far each estimated pose is from the one of the reference at the same time.
+
+    Parameters
+    ----------
+    align
+        How the estimate is moved as a whole before: ``"none"``, because a simulated estimate begins where the robot
+        does; ``"first"``, its first pose onto that of the reference; ``"umeyama"``, the best fit of all positions;
+        ``"umeyama_scale"``, with a scale too.
+    most_apart
+        How far apart in time two poses may be that are compared [s]; without it, half the reference's median step.
+    interpolate
+        Compare with the reference between its poses at the estimate's times, instead of with the nearest pose.
+
+    Raises
+    ------
+    AnalysisError
+        If no two poses are close enough in time, or an alignment is asked for that these poses do not determine.
+    """
+    true, believed, time, travelled, dropped = _together(reference, estimate, most_apart, interpolate)
+    transform = _alignment(true, believed, align, estimate)
+    position, heading = absolute_errors(true, transform.apply(believed) if align != "none" else believed)
+    return PoseErrors(
+        what="absolute pose error",
+        time=time,
+        travelled=travelled,
+        position=position,
+        heading=heading,
+        transform=transform,
+        dropped=dropped,
+    )
+
+
+def rpe(
+    reference: Trajectory,
+    estimate: Trajectory,
+    *,
+    delta: float = 1.0,
+    unit: str = "m",
+    every: bool = True,
+    align: str = "none",
+    most_apart: float | None = None,
+    interpolate: bool = False,
+) -> PoseErrors:
+    """The relative pose error: how far estimated motions over a stretch end from the true ones.
+
+    Parameters
+    ----------
+    delta, unit
+        The stretch: ``"m"`` of estimated path, ``"steps"`` from pose to pose, or ``"s"``.
+    every
+        From every pose, or else one stretch after another.
+    align, most_apart, interpolate
+        As for `ape`. Of these alignments only a scale changes a relative error.
+
+    Raises
+    ------
+    AnalysisError
+        As for `ape`, and if there is no such stretch.
+    """
+    if unit not in _UNITS:
+        raise AnalysisError(f"unit: expected one of {', '.join(_UNITS)}, got {unit!r}")
+    if not delta > 0.0 or (unit == "steps" and delta != int(delta)):
+        what = "a whole number > 0" if unit == "steps" else f"a number > 0 [{unit}]"
+        raise AnalysisError(f"delta: expected {what}, got {in_words(delta)}")
+    true, believed, time, travelled, dropped = _together(reference, estimate, most_apart, interpolate)
+    transform = _alignment(true, believed, align, estimate)
+    if align != "none":
+        believed = transform.apply(believed)
+    if unit == "m":
+        pairs = pairs_by_distance(believed, delta, every=every)
+    elif unit == "steps":
+        pairs = pairs_by_steps(len(time), int(delta), every=every)
+    else:
+        step = float(np.median(np.diff(time))) if len(time) > 1 else math.inf
+        pairs = pairs_by_steps(len(time), max(1, round(delta / step)) if step < math.inf else 1, every=every)
+    if not len(pairs[0]):
+        raise AnalysisError(
+            f"{estimate.name}: there is no stretch of {delta:g} {unit} in it; it has {len(time)} poses over "
+            f"{path_lengths(believed)[-1]:.3g} m; take a smaller delta"
+        )
+    position, heading = relative_errors(true, believed, pairs)
+    return PoseErrors(
+        what=f"relative pose error over {delta:g} {unit}",
+        time=time[pairs[1]],
+        travelled=travelled[pairs[1]],
+        position=position,
+        heading=heading,
+        transform=transform,
+        dropped=dropped,
+    )
+
+
+def _together(
+    reference: Trajectory, estimate: Trajectory, most_apart: float | None, interpolate: bool
+) -> tuple[Array, Array, Array, Array, int]:
+    """True and estimated poses of the same times, these times, the way travelled, and how many have no partner."""
+    if most_apart is None:
+        most_apart = 0.5 * float(np.median(np.diff(reference.time))) if len(reference) > 1 else 0.0
+    if not most_apart >= 0.0:
+        raise AnalysisError(f"most_apart: expected a number >= 0 [s], got {in_words(most_apart)}")
+    # Times that were written with fewer digits are still those of the same step.
+    first, second = associate(reference.time, estimate.time, most_apart + 1e-9)
+    if not len(first):
+        raise AnalysisError(
+            f"{reference!r} and {estimate!r} have no poses less than {most_apart:g} s apart; give most_apart, or bring "
+            "their clocks together"
+        )
+    time, believed = estimate.time[second], estimate.poses[second]
+    lengths = path_lengths(reference.poses)
+    if not interpolate:
+        return (
+            reference.poses[first],
+            believed,
+            time,
+            lengths[first],
+            min(len(reference), len(estimate)) - len(first),
+        )
+    inside = (time >= reference.time[0]) & (time <= reference.time[-1])
+    time, believed = time[inside], believed[inside]
+    true = interpolated(reference.time, reference.poses, time)
+    dropped = min(len(reference), len(estimate)) - len(time)
+    return true, believed, time, np.interp(time, reference.time, lengths), dropped
+
+
+def _alignment(true: Array, believed: Array, align: str, estimate: Trajectory) -> Transform:
+    if align not in _ALIGN:
+        raise AnalysisError(f"align: expected one of {', '.join(_ALIGN)}, got {align!r}")
+    try:
+        if align == "first":
+            return first_pose_transform(believed, true)
+        if align.startswith("umeyama"):
+            return umeyama(believed[:, :2], true[:, :2], with_scale=align == "umeyama_scale")
+    except ValueError as error:
+        raise AnalysisError(f"{estimate.name}: cannot be aligned: {error}") from None
+    return Transform()

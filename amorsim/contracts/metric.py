@@ -1,0 +1,63 @@
+"""The contract of metrics, and what they are shown."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts.values import Array
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape
+
+__all__ = ["Episode", "Metric"]
+
+
+@attrs.frozen(kw_only=True, eq=False)
+class Episode:
+    """What happened to one robot, in all replicas, from the start to the end. Do not change the arrays."""
+
+    robot: str
+    """Its name."""
+    replicas: Sequence[int]
+    """The replicas' numbers, in the order of the rows."""
+    time: Array
+    """(S,) [s], of the start and of each step."""
+    kept: Mapping[str, npt.NDArray[Any]]
+    """What the metric asked for in `needs`, by name: (S, R, ...), a row for each replica."""
+    events: Sequence[Any]
+    """Events (`am.Event`) of the robot, of all these replicas, in order."""
+    map: Map
+    """The true world."""
+    shape: Shape
+    """The robot's footprint."""
+
+    @property
+    def dt(self) -> float:
+        """The time between two steps [s]; nan if no step was made."""
+        return float(self.time[1] - self.time[0]) if len(self.time) > 1 else np.nan
+
+
+class Metric(abc.ABC):
+    """A number for each replica of a run: its fields are the parameters that stand beside ``use`` in a study's file.
+
+    It must not depend on how many replicas there are, to the bit: sum over steps one after another
+    (``np.cumsum(..., axis=0)[-1]``), and never over rows.
+    """
+
+    unit: ClassVar[str]
+    """The unit of its values; empty for a pure number."""
+    better: ClassVar[str]
+    """``"lower"`` or ``"higher"``, whichever is better; ``"neither"`` if that cannot be said."""
+
+    def needs(self) -> Sequence[str]:
+        """The quantities that it reads, by the names of `Simulation.run`'s `keep`, such as ``"true_pose"``."""
+        return ("true_pose", "estimated_pose")
+
+    @abc.abstractmethod
+    def measure(self, episode: Episode) -> Array:
+        """Its value in each replica `(R,)`; nan where it has none."""

@@ -1,0 +1,23 @@
+"""Metrics: a number for each replica of a run, for studies and comparisons."""
+
+from __future__ import annotations
+
+from amorsim.metrics.consistency import Nees, Nis
+from amorsim.metrics.driving import ArrivalTime, Collisions, PathLength, Success, Turning
+from amorsim.metrics.errors import HeadingError, PositionError, RecoveryTime
+from amorsim.metrics.space import Clearance, Coverage
+
+__all__ = [
+    "ArrivalTime",
+    "Clearance",
+    "Collisions",
+    "Coverage",
+    "HeadingError",
+    "Nees",
+    "Nis",
+    "PathLength",
+    "PositionError",
+    "RecoveryTime",
+    "Success",
+    "Turning",
+]

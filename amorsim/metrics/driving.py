@@ -1,0 +1,139 @@
+"""How the robot drove: how far, how smoothly, into what, and whether and when it arrived."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Episode, Metric, parameter
+from amorsim.core.poses import wrap_angle
+from amorsim.metrics.series import total
+
+__all__ = ["ArrivalTime", "Collisions", "PathLength", "Success", "Turning"]
+
+Array = npt.NDArray[np.float64]
+
+
+def _lengths(episode: Episode) -> Array:
+    """The true path's length in each replica [m]."""
+    steps = np.diff(episode.kept["true_pose"][..., :2], axis=0)
+    return total(np.sqrt(steps[..., 0] ** 2 + steps[..., 1] ** 2))
+
+
+def _counts(episode: Episode, kind: str) -> Array:
+    """How many events of a kind each replica has."""
+    places = {replica: row for row, replica in enumerate(episode.replicas)}
+    found = np.zeros(len(episode.replicas))
+    for event in episode.events:
+        if event.kind == kind:
+            found[places[event.replica]] += 1.0
+    return found
+
+
+@attrs.frozen(kw_only=True)
+class PathLength(Metric):
+    """Length of the true path."""
+
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose",)
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        return _lengths(episode)
+
+
+@attrs.frozen(kw_only=True)
+class Turning(Metric):
+    """Turning per path travelled, to either side: the lower, the smoother. nan for a robot that did not move."""
+
+    unit: ClassVar[str] = "rad/m"
+    better: ClassVar[str] = "lower"
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose",)
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        turned = total(np.abs(wrap_angle(np.diff(episode.kept["true_pose"][..., 2], axis=0))))
+        lengths = _lengths(episode)
+        return np.where(lengths > 0.0, turned / np.where(lengths > 0.0, lengths, 1.0), np.nan)
+
+
+@attrs.frozen(kw_only=True)
+class ArrivalTime(Metric):
+    """Time until the robot is first truly near the goal; nan if it never is."""
+
+    unit: ClassVar[str] = "s"
+    better: ClassVar[str] = "lower"
+
+    goal: tuple[float, float] = parameter(unit="m", frame="world", help="where it is to go")
+    within: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose",)
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        near = _near(episode, self.goal, self.within)
+        first = episode.time[np.argmax(near, axis=0)] - episode.time[0]
+        return np.where(near.any(axis=0), first, np.nan)
+
+
+@attrs.frozen(kw_only=True)
+class Collisions(Metric):
+    """How often the robot ran into something, or something into it."""
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "lower"
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ()
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        return _counts(episode, "collision")
+
+
+@attrs.frozen(kw_only=True)
+class Success(Metric):
+    """1 if the robot was truly near the goal at some time and did not collide, else 0.
+
+    Without a goal, it need not be anywhere.
+    """
+
+    unit: ClassVar[str] = ""
+    better: ClassVar[str] = "higher"
+
+    goal: tuple[float, float] | None = parameter(
+        None, unit="m", frame="world", help="where it is to go; none: anywhere"
+    )
+    within: float = parameter(0.5, unit="m", gt=0, help="how near the goal counts as arrived")
+    collisions: int = parameter(0, ge=0, help="how many collisions are forgiven")
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose",)
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        is_safe = _counts(episode, "collision") <= self.collisions
+        if self.goal is None:
+            return np.where(is_safe, 1.0, 0.0)
+        return np.where(is_safe & _near(episode, self.goal, self.within).any(axis=0), 1.0, 0.0)
+
+
+def _near(episode: Episode, goal: tuple[float, float], within: float) -> npt.NDArray[np.bool_]:
+    """Whether the robot is truly near a place, at every time `(S, R)`."""
+    apart = episode.kept["true_pose"][..., :2] - np.array(goal)
+    return np.asarray(np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2) <= within)

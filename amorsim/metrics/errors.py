@@ -1,0 +1,116 @@
+"""How far the estimated pose is from the true one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Episode, Metric, parameter
+from amorsim.core.poses import wrap_angle
+from amorsim.metrics.series import AT, at
+
+__all__ = ["HeadingError", "PositionError", "RecoveryTime"]
+
+Array = npt.NDArray[np.float64]
+
+_HELP = "of all times: the last, the mean, the root mean square, the largest, the median"
+
+
+_WHOSE = "whose estimate; empty: the one that the controller receives"
+
+
+def _estimate_of(estimator: str) -> str:
+    """The quantity that an estimator's poses are."""
+    return f"estimates.{estimator}.pose" if estimator else "estimated_pose"
+
+
+def _distances(episode: Episode, estimator: str) -> Array:
+    """Between estimated and true position at every time, `(S, R)` [m]."""
+    apart = episode.kept[_estimate_of(estimator)][..., :2] - episode.kept["true_pose"][..., :2]
+    return np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2)
+
+
+@attrs.frozen(kw_only=True)
+class PositionError(Metric):
+    """Distance between the estimated and the true position."""
+
+    unit: ClassVar[str] = "m"
+    better: ClassVar[str] = "lower"
+
+    at: str = parameter("end", choices=AT, help=_HELP)
+    estimator: str = parameter("", refers="estimators", help=_WHOSE)
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose", _estimate_of(self.estimator))
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        return at(_distances(episode, self.estimator), self.at)
+
+
+@attrs.frozen(kw_only=True)
+class HeadingError(Metric):
+    """Difference between the estimated and the true heading, without its sign."""
+
+    unit: ClassVar[str] = "rad"
+    better: ClassVar[str] = "lower"
+
+    at: str = parameter("end", choices=AT, help=_HELP)
+    estimator: str = parameter("", refers="estimators", help=_WHOSE)
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose", _estimate_of(self.estimator))
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        apart = episode.kept[_estimate_of(self.estimator)][..., 2] - episode.kept["true_pose"][..., 2]
+        return at(np.abs(wrap_angle(apart)), self.at)
+
+
+@attrs.frozen(kw_only=True)
+class RecoveryTime(Metric):
+    """Time until the estimated position is near the true one, and stays so for a while.
+
+    It counts from the last time that the robot was put elsewhere (`Simulation.set_pose`), or else from the start. A
+    replica that never recovers has none: nan.
+    """
+
+    unit: ClassVar[str] = "s"
+    better: ClassVar[str] = "lower"
+
+    within: float = parameter(0.5, unit="m", gt=0, help="how near counts as recovered")
+    hold: float = parameter(0.0, unit="s", ge=0, help="how long it must stay so")
+    estimator: str = parameter("", refers="estimators", help=_WHOSE)
+
+    def needs(self) -> Sequence[str]:
+        """See `Metric`."""
+        return ("true_pose", _estimate_of(self.estimator))
+
+    def measure(self, episode: Episode) -> Array:
+        """See `Metric`."""
+        near = _distances(episode, self.estimator) <= self.within
+        found = np.full(near.shape[1], np.nan)
+        moved = dict.fromkeys(episode.replicas, episode.time[0])
+        for event in episode.events:
+            if event.kind == "pose_set":
+                moved[event.replica] = event.time
+        # Times are sums of steps; a hold of three of them is three.
+        hold = self.hold * (1.0 - 1e-9)
+        for row, replica in enumerate(episode.replicas):
+            after = np.flatnonzero(episode.time >= moved[replica])
+            begun = None
+            for step in after.tolist():
+                if not near[step, row]:
+                    begun = None
+                    continue
+                begun = step if begun is None else begun
+                if episode.time[step] - episode.time[begun] >= hold:
+                    found[row] = episode.time[begun] - moved[replica]
+                    break
+        return found

@@ -1,0 +1,31 @@
+"""One number of a series over time; the same bits for any number of rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["AT", "at", "total"]
+
+Array = npt.NDArray[np.float64]
+
+AT = ("end", "mean", "rms", "max", "median")
+"""What a metric may take of a series over time."""
+
+
+def total(values: Array) -> Array:
+    """The sum over the first axis, one step after another; zero over none."""
+    if not len(values):
+        return np.zeros(values.shape[1:])
+    return np.asarray(np.add.accumulate(values, axis=0)[-1])
+
+
+def at(values: Array, what: str) -> Array:
+    """The ``end``, ``mean``, ``rms``, ``max`` or ``median`` of values `(S, R)` over time, `(R,)`."""
+    if what == "end":
+        return values[-1].copy()
+    if what == "mean":
+        return total(values) / len(values)
+    if what == "rms":
+        return np.sqrt(total(values * values) / len(values))
+    return np.asarray(np.max(values, axis=0) if what == "max" else np.median(values, axis=0))

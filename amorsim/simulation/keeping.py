@@ -1,0 +1,173 @@
+"""Quantities of every step of a simulation, kept as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Frame
+from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.memory import too_large
+from amorsim.core.trouble import in_words
+
+__all__ = ["Keeper"]
+
+Array = npt.NDArray[Any]
+Pick = Callable[[Frame], Array | None]
+
+_OWN = ("true_pose", "estimated_pose", "covariance", "active", "by_hand", "touching")
+_OF_FRAME = ("true_twist", "joint_rates", "command")
+_OF_READING = ("measured", "true", "stamp", "age", "fresh")
+_OF_ESTIMATE = ("pose", "covariance")
+
+
+class Simulated(Protocol):
+    """What is needed of a simulation; quantities such as ``true_pose`` are its attributes."""
+
+    replicas: tuple[int, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The robots' names."""
+
+    def frames(self) -> list[Frame]:
+        """The present step."""
+
+
+class Keeper:
+    """Keeps named quantities of a simulation, a row for each robot of each replica, step by step.
+
+    ==========================  =========================================================================
+    ``true_pose``               (S, N, 3) [m, m, rad]; ``estimated_pose`` too, and ``covariance`` (S, N, 3, 3)
+    ``true_twist``              (S, N, 3) mean over the step, [m/s, m/s, rad/s]
+    ``joint_rates``             (S, N, joints) [rad/s]
+    ``command``                 (S, N, channels)
+    ``active``                  (S, N), whether the controller has not ended; ``by_hand``, ``touching`` too
+    ``readings.NAME``           (S, N, values) as measured; ``readings.NAME.true``, ``.stamp``, ``.age``, ``.fresh``
+    ``estimates.NAME.pose``     (S, N, 3); ``estimates.NAME.covariance`` (S, N, 3, 3)
+    ``beliefs.NAME.BELIEF``     (S, N, ...)
+    ==========================  =========================================================================
+
+    What a robot does not have, and another has, is nan.
+
+    Parameters
+    ----------
+    steps
+        How many times `keep` will be called at the most.
+
+    Raises
+    ------
+    AmorsimError
+        If a name is unknown, or the arrays would not fit into memory.
+    """
+
+    def __init__(self, simulation: Simulated, names: Iterable[str], steps: int) -> None:
+        if isinstance(names, str):
+            raise AmorsimError(f"keep: expected a list of names, as [{names!r}], got a text")
+        self._simulation = simulation
+        self._count = 0
+        self._names = tuple(dict.fromkeys(names))
+        self._picks = {name: _pick(simulation, name) for name in self._names if name not in _OWN}
+        first = self._look()
+        each = sum(array.nbytes for array in first.values())
+        if problem := too_large(steps, each):
+            raise AmorsimError(
+                f"keep: {steps} steps of {', '.join(self._names)} in {len(simulation.replicas)} replicas {problem}; "
+                "keep less, simulate fewer replicas at once, or run in parts"
+            )
+        self._arrays = {name: np.empty((steps, *array.shape), array.dtype) for name, array in first.items()}
+
+    def keep(self) -> None:
+        """Keep the simulation's present step."""
+        for name, array in self._look().items():
+            self._arrays[name][self._count] = array
+        self._count += 1
+
+    @property
+    def arrays(self) -> dict[str, Array]:
+        """What was kept so far, by name: arrays whose first axis is the step."""
+        return {name: array[: self._count] for name, array in self._arrays.items()}
+
+    def _look(self) -> dict[str, Array]:
+        simulation = self._simulation
+        frames = simulation.frames() if self._picks else []
+        return {
+            name: _whole(simulation, frames, self._picks[name]) if name in self._picks else getattr(simulation, name)
+            for name in self._names
+        }
+
+
+def _whole(simulation: Simulated, frames: Sequence[Frame], pick: Pick) -> Array:
+    """A quantity of all rows, from the frames of the groups of robots that are alike."""
+    if len(frames) == 1:
+        found = pick(frames[0])
+        assert found is not None  # `_pick` has looked
+        return found
+    parts = [pick(frame) for frame in frames]
+    there = [part for part in parts if part is not None]
+    sizes = tuple(max(sizes) for sizes in zip(*(part.shape[1:] for part in there), strict=True))
+    is_whole = len(there) == len(parts) and all(part.shape[1:] == sizes for part in there)
+    rows = len(simulation.replicas) * len(simulation.names)
+    whole = np.empty((rows, *sizes), there[0].dtype) if is_whole else np.full((rows, *sizes), np.nan)
+    replicas = {number: i for i, number in enumerate(simulation.replicas)}
+    robots = {name: i for i, name in enumerate(simulation.names)}
+    for frame, part in zip(frames, parts, strict=True):
+        if part is None:
+            continue
+        row = [
+            replicas[number] * len(robots) + robots[name]
+            for number, name in zip(frame.replica.tolist(), frame.names, strict=True)
+        ]
+        whole[(row, *(slice(size) for size in part.shape[1:]))] = part
+    return whole
+
+
+def _pick(simulation: Simulated, name: str) -> Pick:
+    """What gives the quantity of that name from a frame; None where the frame's robots lack it."""
+    if not isinstance(name, str):
+        raise AmorsimError(f"keep: expected names of quantities, got {in_words(name)}")
+    kind, _, rest = name.partition(".")
+    whose, _, what = rest.partition(".")
+    if name in _OF_FRAME:
+        return lambda frame: getattr(frame, name)  # type: ignore[no-any-return]
+    frames = simulation.frames()
+    if kind == "readings" and whose:
+        _expect(name, whose, {sensor for frame in frames for sensor in frame.readings}, "sensor")
+        _expect(name, what or "measured", _OF_READING, "quantity")
+        return lambda frame: _reading(frame, whose, what or "measured")
+    if kind == "estimates" and whose:
+        _expect(name, whose, {each for frame in frames for each in frame.estimates}, "estimator")
+        _expect(name, what, _OF_ESTIMATE, "quantity")
+        return lambda frame: getattr(frame.estimates[whose], what) if whose in frame.estimates else None
+    if kind == "beliefs" and whose:
+        _expect(name, whose, {each for frame in frames for each in frame.beliefs}, "estimator with beliefs")
+        known = {belief for frame in frames for belief in frame.beliefs.get(whose, {})}
+        _expect(name, what, known, "belief")
+        return lambda frame: _belief(frame.beliefs, whose, what)
+    known = {*_OWN, *_OF_FRAME, "readings.NAME", "estimates.NAME.pose", "beliefs.NAME.BELIEF"}
+    raise AmorsimError(
+        f"keep: there is no quantity {name!r}, but: {', '.join(sorted(known))}.{did_you_mean(name, known)}"
+    )
+
+
+def _expect(name: str, part: str, known: Iterable[str], what: str) -> None:
+    known = sorted(known)
+    if part not in known:
+        raise AmorsimError(
+            f"keep: {name!r}: there is no {what} {part!r}, but: {', '.join(known) or 'none'}."
+            f"{did_you_mean(part, known)}"
+        )
+
+
+def _reading(frame: Frame, sensor: str, what: str) -> Array | None:
+    if sensor not in frame.readings:
+        return None
+    true, reading = frame.readings[sensor]
+    return true if what == "true" else getattr(reading, what)  # type: ignore[no-any-return]
+
+
+def _belief(beliefs: Mapping[str, Mapping[str, Array]], estimator: str, what: str) -> Array | None:
+    return beliefs[estimator].get(what) if estimator in beliefs else None

@@ -1,0 +1,162 @@
+"""Metrics give what a plain computation gives."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.analysis import measure, run_nees, run_nis
+from amorsim.metrics import (
+    ArrivalTime,
+    Clearance,
+    Collisions,
+    Coverage,
+    HeadingError,
+    Nees,
+    Nis,
+    PathLength,
+    PositionError,
+    RecoveryTime,
+    Success,
+    Turning,
+)
+from tests import building
+
+DT = 0.1
+
+
+def episode(true: Any, estimated: Any = None, events: Any = (), **kept: Any) -> am.Episode:
+    """Of poses `(S, R, 3)`."""
+    true = np.asarray(true, float)
+    return am.Episode(
+        robot="rover",
+        replicas=tuple(range(true.shape[1])),
+        time=DT * np.arange(len(true)),
+        kept={"true_pose": true, "estimated_pose": true if estimated is None else np.asarray(estimated, float), **kept},
+        events=list(events),
+        map=building.room(),
+        shape=am.Shape.circle(0.2),
+    )
+
+
+def event(kind: str, time: float, replica: int = 0) -> am.Event:
+    return am.Event(tick=int(time / DT), time=time, replica=replica, kind=kind, name="rover")
+
+
+def straight(steps: int = 11, speed: float = 1.0) -> np.ndarray:
+    """Two replicas that go along x from (1, 2), the second one twice as fast."""
+    way = speed * DT * np.arange(steps)
+    poses = np.zeros((steps, 2, 3))
+    poses[:, 0, 0], poses[:, 1, 0], poses[..., 1] = 1.0 + way, 1.0 + 2.0 * way, 2.0
+    return poses
+
+
+@pytest.mark.parametrize(
+    ("at", "wanted"), [("end", 1.0), ("mean", 0.5), ("rms", math.sqrt(0.35)), ("max", 1.0), ("median", 0.5)]
+)
+def test_errors_of_the_position(at: str, wanted: float) -> None:
+    true = straight()
+    estimated = true.copy()
+    estimated[:, 0, 1] += np.linspace(0.0, 1.0, 11)
+    assert PositionError(at=at).measure(episode(true, estimated)) == pytest.approx([wanted, 0.0])
+
+
+def test_errors_of_the_heading_go_the_short_way() -> None:
+    true, estimated = straight(), straight()
+    true[..., 2], estimated[..., 2] = 3.1, -3.1
+    assert HeadingError().measure(episode(true, estimated)) == pytest.approx([2.0 * math.pi - 6.2] * 2)
+
+
+def test_the_path_has_the_length_and_the_turns_that_it_has() -> None:
+    poses = straight()
+    poses[:, 1, 2] = np.linspace(3.0, 3.5, 11)
+    assert PathLength().measure(episode(poses)) == pytest.approx([1.0, 2.0])
+    assert Turning().measure(episode(poses)) == pytest.approx([0.0, 0.25])
+    assert np.isnan(Turning().measure(episode(straight(speed=0.0)))).all()
+
+
+def test_events_are_counted_for_their_replica() -> None:
+    events = [event("collision", 0.3, 1), event("collision", 0.5, 1), event("controller_ended", 0.5, 1)]
+    seen = episode(straight(), events=events)
+    assert Collisions().measure(seen).tolist() == [0.0, 2.0]
+
+
+def test_arrival_is_the_first_time_near_the_goal() -> None:
+    found = ArrivalTime(goal=(2.5, 2.0), within=0.3001).measure(episode(straight()))
+    assert found == pytest.approx([math.nan, 0.6], nan_ok=True)
+
+
+def test_success_is_to_arrive_without_a_collision() -> None:
+    seen = episode(straight(), events=[event("collision", 0.2, 1)])
+    assert Success().measure(seen).tolist() == [1.0, 0.0]
+    assert Success(goal=(2.0, 2.0), within=0.05).measure(seen).tolist() == [1.0, 0.0]
+    assert Success(goal=(3.0, 2.0), within=0.05, collisions=1).measure(seen).tolist() == [0.0, 1.0]
+
+
+def test_clearance_is_the_least_gap_to_a_wall() -> None:
+    # The room is 6 m x 5 m, its walls a millimetre thick.
+    found = Clearance().measure(episode(straight(21)))
+    assert found == pytest.approx([0.8, 0.8], abs=2e-3)
+    assert Clearance(most=0.1).measure(episode(straight())) == pytest.approx([0.1, 0.1])
+    assert Clearance().measure(episode(straight() - [0.9, 0.0, 0.0])).tolist() == [0.0, 0.0]
+
+
+def test_coverage_is_the_area_that_a_disc_sweeps() -> None:
+    found = Coverage(reach=0.5, cell=0.02).measure(episode(straight()))
+    wanted = [math.pi * 0.25 + 1.0 * 1.0, math.pi * 0.25 + 2.0 * 1.0]
+    assert found == pytest.approx(wanted, rel=0.01)
+
+
+def test_recovery_counts_from_the_last_kidnap() -> None:
+    true, estimated = straight(41), straight(41)
+    estimated[10:18, 0, 1] += 5.0
+    estimated[:, 1, 1] += 5.0
+    seen = episode(true, estimated, [event("pose_set", 1.0)])
+    assert RecoveryTime().measure(seen) == pytest.approx([0.8, math.nan], nan_ok=True)
+    estimated[20, 0, 1] += 5.0
+    again = episode(true, estimated, [event("pose_set", 1.0)])
+    assert RecoveryTime(hold=1.0).measure(again)[0] == pytest.approx(1.1)
+
+
+def test_nees_and_nis_of_known_covariances() -> None:
+    true, estimated = straight(), straight()
+    estimated[:, 0] += [0.1, 0.2, 0.3]
+    covariance = np.broadcast_to(np.diag([0.01, 0.04, 0.09]), (11, 2, 3, 3)).copy()
+    covariance[:5] = 0.0
+    seen = episode(true, estimated, covariance=covariance)
+    assert Nees().measure(seen) == pytest.approx([3.0, 0.0])
+    assert Nees(at="mean").measure(seen) == pytest.approx([3.0, 0.0])
+    values = np.full((11, 2, 4), np.nan)
+    values[3, 0, :2] = [1.0, 4.0]
+    values[7, 0, 1] = 1.0
+    nis = episode(true, **{"beliefs.ekf.gps_nis": values})
+    assert Nis(source="gps").measure(nis) == pytest.approx([2.0, math.nan], nan_ok=True)
+
+
+def test_metrics_of_files_are_those_of_the_simulation(tmp_path: Path) -> None:
+    scenario = am.load("landmarks")
+    am.run(scenario, tmp_path / "run", duration=5.0, replicas=3)
+    simulation = am.Simulation(scenario, replicas=3)
+    kept = simulation.run(5.0, keep=("true_pose", "estimated_pose"))
+    apart = kept["estimated_pose"][-1, :, :2] - kept["true_pose"][-1, :, :2]
+    assert measure(tmp_path / "run", PositionError()) == pytest.approx(np.hypot(*apart.T), abs=5e-6)
+    steps = np.hypot(*np.moveaxis(np.diff(kept["true_pose"][..., :2], axis=0), 2, 0)).sum(axis=0)
+    assert measure(tmp_path / "run", PathLength()) == pytest.approx(steps, abs=0.02)
+    assert measure(tmp_path / "run", Collisions()).tolist() == [0.0, 0.0, 0.0]
+    ekf = next(name for name, one in scenario.robots[0].estimators.items() if type(one).__name__ == "Ekf")
+    nees = run_nees(tmp_path / "run", estimator=ekf)
+    assert nees.values.shape == (len(nees.time), 3)
+    assert nees.verdict.degrees == 3
+    nis = run_nis(tmp_path / "run", estimator=ekf)
+    assert nis.degrees == 2
+    assert nis.verdict.count > 20
+    mean = measure(tmp_path / "run", Nis(estimator=ekf))
+    assert np.nanmean(nis.values[:, 0]) == pytest.approx(mean[0])
+    assert nis.at(5.0).count <= 3 * nis.values.shape[2]
+    with pytest.raises(am.AnalysisError, match=r"do not hold 'beliefs.nobody.gps_nis'"):
+        measure(tmp_path / "run", Nis(estimator="nobody", source="gps"))
