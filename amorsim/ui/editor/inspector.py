@@ -8,6 +8,7 @@ from typing import Any, TypedDict
 
 from amorsim.contracts import Mount
 from amorsim.core.errors import AmorsimError, DocumentError, PluginError
+from amorsim.core.numbers import is_number
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
 from amorsim.scenario.field_at import component_at
@@ -208,7 +209,28 @@ class _Inspector:
         else:
             yield self._section("Place", ("pose",), self._form(Pose, ("pose",)))
 
+    def _generated(self, made: dict[str, Any]) -> Iterator[Section]:
+        cls = self._class(("map",))
+        name = made.get("generate")
+        section = self._section("World", ("map",), [])
+        section["use"] = {
+            "kind": "world_generator",
+            "value": name if isinstance(name, str) else "",
+            "choices": list(self.registry.names("world_generator")),
+            "is_optional": False,
+        }
+        seed = self._number(("map", "seed"), "seed", "", made.get("seed", 0))
+        seed["help"] = "another number is another world"
+        seed["widget"] |= {"is_whole": True, "is_open": [False, True]}
+        section["fields"] = [seed, *([] if cls is None else self._form(cls, ("map",)))]
+        section["toml"] = toml_of(made) if cls is None else None
+        yield section
+
     def _world(self) -> Iterator[Section]:
+        made = self.table.get("map")
+        if isinstance(made, dict):
+            yield from self._generated(made)
+            return
         cls = self._class(())
         map_ = self._text("map", "map", "the file of the map, from the scenario's folder", "file")
         fields = [map_] if cls is None else [map_, *self._form(cls, ())]
@@ -368,7 +390,7 @@ class _Inspector:
         field["widget"] = {"kind": "choice", "is_optional": True, "choices": list(choices)}
         return field
 
-    def _number(self, at: tuple[str, ...], label: str, unit: str, value: float) -> FieldForm:
+    def _number(self, at: tuple[str, ...], label: str, unit: str, value: Any) -> FieldForm:
         field = self._text(at, label, "", "number")
         field["widget"] = {
             "kind": "number",
@@ -379,7 +401,7 @@ class _Inspector:
             "is_open": [True, True],
             "is_whole": False,
         }
-        field["value"] = value
+        field["value"] = value if is_number(value) else None
         return field
 
     # ----------------------------------------------------------------------------------------------------------- lookup

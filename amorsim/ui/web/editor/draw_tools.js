@@ -6,7 +6,7 @@ import { round } from "./geometry.js";
 const FREE = { altKey: false, shiftKey: false };
 
 /** What all drawing tools do: show where the pointer snaps to. */
-class DrawTool extends Tool {
+export class DrawTool extends Tool {
   /** @param {import("./editor.js").EditorPage} page */
   constructor(page) {
     super();
@@ -211,11 +211,13 @@ export class MeasureTool extends DrawTool {
 export class PlaceTool extends DrawTool {
   /**
    * @param {import("./editor.js").EditorPage} page
-   * @param {{label: string, path: string, footprint: any, make: (pose: number[]) => any}} what
+   * @param {{label: string, footprint: any}} what
+   * @param {(pose: number[]) => void} done gets x, y [m] and heading [°]
    */
-  constructor(page, what) {
+  constructor(page, what, done) {
     super(page);
     this.what = what;
+    this.done = done;
   }
 
   get says() {
@@ -247,7 +249,7 @@ export class PlaceTool extends DrawTool {
     const isTurned = Math.hypot(mark.x - x, mark.y - y) * this.stage.camera.scale > 12;
     const heading = isTurned ? Math.round((Math.atan2(mark.y - y, mark.x - x) * 36) / Math.PI) * 5 : 0;
     this.cancel();
-    this.page.add(this.what, [x, y, heading]);
+    this.done([x, y, heading]);
   }
 
   key(event, middle) {
