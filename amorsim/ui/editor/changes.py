@@ -30,6 +30,7 @@ def apply(work: Work, changes: Sequence[Change]) -> list[str]:
     - ``{op: "set", path, value}``: say a value; null is ``"none"``.
     - ``{op: "remove", path}``: say it no more; a sensor or estimator of the model is left out.
     - ``{op: "add", path, value}``: an item more in a list.
+    - ``{op: "move", path, index}``: an item of a list to another place in it.
     - ``{op: "pose", path, value}``: where a thing stands, x, y [m] and heading [deg]; null is what stays.
     - ``{op: "point", path, number, value}``: one of the points of a place, x, y [m]; ``insert`` makes it one more.
     - ``{op: "mount", path, value}``: where a sensor sits on its robot, x, y [m] and heading [deg]; null is what stays.
@@ -101,6 +102,22 @@ def _add(work: Work, change: Change) -> str:
         work.document.set(path, [*there, value])
         return f"{path}.{len(there)}"
     return work.document.add(path, value)
+
+
+def _move(work: Work, change: Change) -> None:
+    path, index = _path(change), change.get("index")
+    whole, _, last = path.rpartition(".")
+    items = _said(work, whole) if whole else MISSING
+    if not isinstance(index, int) or isinstance(index, bool) or not isinstance(items, list) or not last.isdigit():
+        raise AmorsimError(f"index: expected a place in a list, got {shown(index)}")
+    if not (0 <= index < len(items) and int(last) < len(items)):
+        raise AmorsimError(f"index: expected 0 to {len(items) - 1}, got {index}")
+    if _own(work, whole) is MISSING:  # the model's list, in another order
+        items = list(items)
+        items.insert(index, items.pop(int(last)))
+        work.document.set(whole, items)
+    else:
+        work.document.move(path, index)
 
 
 def _pose(work: Work, change: Change) -> None:
@@ -284,6 +301,7 @@ _OPS: Mapping[str, Callable[[Work, Change], str | None]] = {
     "set": _set,
     "remove": _remove,
     "add": _add,
+    "move": _move,
     "pose": _pose,
     "point": _point,
     "mount": _mount,

@@ -57,7 +57,7 @@ class Projects:
             case {"do": "others"}:
                 return {"ok": True, **await asyncio.to_thread(self._others)}
             case {"do": "open", "name": str(name)}:
-                return {"ok": True, "path": await self._session.open_other(name)}
+                return {"ok": True, "path": await self._session.open_other(self._openable(name))}
             case {"do": "zip"}:
                 return {"ok": True, "zip": await asyncio.to_thread(self._zip)}
             case {"do": "picture", "kind": "png" | "svg" as kind}:
@@ -131,6 +131,15 @@ class Projects:
             "files": [path.name for path in files if _is_scenario(path)],
             "bundled": list(default_registry().names("scenario")),
         }
+
+    def _openable(self, name: str) -> str:
+        """A scenario that a window may open: an empty page, a bundled one, one of before, or one of the project."""
+        work = self._session.work
+        if not name or name in default_registry().names("scenario"):
+            return name
+        if work.state is not None and name in recent_files(work.state):
+            return name
+        return str(place_for(work.folder, name, ".toml"))
 
     def _maps(self) -> list[str]:
         """Files of the project that a loader may know."""

@@ -85,6 +85,22 @@ def test_a_sensor_is_mounted_elsewhere_and_says_only_what_differs(tmp_path: Path
     talk("demo", tmp_path, say)
 
 
+def test_noise_is_reordered_the_model_s_too(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        chain = "robots.0.sensors.laser.noise"
+        before = [one["use"] for one in session.work.document.get(chain)]
+        for start, index in ((0, 1), (1, 0), (0, 1)):  # the model's at first, then the file's own
+            change = {"op": "move", "path": f"{chain}.{start}", "index": index}
+            await do(session, do="edit", label="reorder", changes=[change])
+        assert [one["use"] for one in session.work.document.get(chain)] == before[::-1]
+        assert (await drawn(session))["faults"] == []
+        for index in (-1, 2, "x"):
+            change = {"op": "move", "path": f"{chain}.0", "index": index}
+            assert not (await session.request({"do": "edit", "label": "x", "changes": [change]}))["ok"]
+
+    talk("demo", tmp_path, say)
+
+
 def test_a_robot_and_a_sensor_are_saved_with_what_differs_alone(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         changes = [
@@ -199,6 +215,30 @@ def test_the_files_of_before_are_remembered(tmp_path: Path) -> None:
     (state / "recent.json").write_text(json.dumps([3, str(one), str(other)]))
     talk(str(other), tmp_path, say, state=state)
     assert said[-1]["recent"] == [str(other)]
+
+
+def test_only_the_project_the_bundled_and_what_was_open_before_can_be_opened(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    file = own_copy("demo", elsewhere)
+    project = tmp_path / "project"
+    project.mkdir()
+    opened: list[str] = []
+
+    async def open_other(name: str) -> str:
+        opened.append(name)
+        return "/edit/x"
+
+    async def say(session: EditSession) -> None:
+        session.open_other = open_other
+        for name in (str(file), "../elsewhere/demo.toml", "/etc/hosts.toml"):
+            assert not (await session.request({"do": "open", "name": name}))["ok"]
+        await do(session, do="open", name="")
+        await do(session, do="open", name="demo")
+        await do(session, do="open", name="mine.toml")
+
+    talk("demo", project, say, state=tmp_path / ".state")
+    assert opened == ["", "demo", str(project / "mine.toml")]
 
 
 def write_controller(session: EditSession, body: str) -> Any:

@@ -191,12 +191,13 @@ export class CircleTool extends DrawTool {
 
 export class MeasureTool extends DrawTool {
   get says() {
-    return "Click two points: their distance and the angle. Nothing is changed.";
+    return "Click two points: their distance and the angle. Next to the pointer: how far the nearest wall is.";
   }
 
   about(mark) {
     const [from, to] = this.points;
-    if (!from) return {};
+    const clear = this.stage.walls.clearance(mark.x, mark.y);
+    if (!from) return Number.isFinite(clear) ? { words: `nearest wall ${clear.toFixed(3)} m`, at: [mark.x, mark.y] } : {};
     const end = to ?? [mark.x, mark.y];
     const wall = [from[0], from[1], end[0], end[1]];
     return { walls: [wall], words: this.page.lengthOf(wall), at: end };

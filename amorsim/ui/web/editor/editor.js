@@ -6,14 +6,14 @@ import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { showMenu } from "./adding.js";
-import { copyOf, pasted } from "./clipboard.js";
+import { copyOf, lastCopy, pasted } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
 import { Inspector } from "./inspector.js";
 import { listen } from "./keys.js";
 import { DOINGS, build } from "./layout.js";
 import { ObjectList, counts, faultButtons } from "./list.js";
-import { showOutside, showPen } from "./outside.js";
+import { showOutside, showPen, showTools } from "./outside.js";
 import { showMounts } from "./mounting.js";
 import { BrushTool, FillTool, cropTool } from "./paint_tools.js";
 import { SelectTool } from "./select_tool.js";
@@ -21,8 +21,6 @@ import { EditStage } from "./stage.js";
 import { takeUp } from "./underlay.js";
 import { DoorTool, RoomTool, TrimTool } from "./wall_tools.js";
 
-const WALL_TOOLS = ["line", "polyline", "rectangle", "circle", "room", "door", "trim"];
-const PAINT_TOOLS = ["brush", "eraser", "cells", "fill", "crop"];
 const LOST = "The connection to amorsim is lost; trying again. What was changed is kept by the server.";
 
 export class EditorPage {
@@ -112,14 +110,7 @@ export class EditorPage {
     this.root.classList.toggle("watching", this.watching);
     showPen(this);
     showOutside(this);
-    for (const name of WALL_TOOLS) {
-      parts.tools.get(name).disabled = this.watching || Boolean(said.walls_fixed);
-      parts.tools.get(name).hidden = Boolean(said.cells);
-    }
-    for (const name of PAINT_TOOLS) {
-      parts.tools.get(name).disabled = this.watching;
-      parts.tools.get(name).hidden = !said.cells;
-    }
+    showTools(this);
     if (!before) takeUp(this);
     if (said.drawn) this.draw(said.drawn);
     else if (before && wasWatching !== this.watching) this.inspector.refresh();
@@ -217,6 +208,7 @@ export class EditorPage {
 
   /** Put copies of what was copied, shifted by so much [m]. */
   async paste(shift = [2 * (this.grid || 0.1), -2 * (this.grid || 0.1)]) {
+    this.clip = lastCopy() ?? this.clip;
     if (!this.clip) return;
     const said = await this.edit("paste", pasted([...this.stage.things], this.clip, shift));
     if (said.ok && said.added.length) this.choose(said.added);

@@ -2,11 +2,8 @@
 
 import { h, say } from "../shared/dom.js";
 import { makeField } from "../shared/fields.js";
-import { newController, programOf, showCode } from "./code.js";
 import { holdSensor } from "./mounting.js";
-import { PathTool } from "./path_tool.js";
-import { histogram, previewErrors } from "./previews.js";
-import { askModel } from "./project.js";
+import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";
 
 /**
@@ -164,15 +161,15 @@ export class Inspector {
       }
       this.fields.set(parameter.path, field);
       parts.push(field.element);
-      if (parameter.widget?.kind === "table" && parameter.widget.frame === "world" && !page.watching) parts.push(this.drawing(parameter));
+      if (parameter.widget?.kind === "table" && parameter.widget.frame === "world" && !page.watching) parts.push(drawing(page, parameter));
     }
     if (section.toml !== null) parts.push(this.toml(section));
     for (const adding of section.adding) parts.push(this.adding(adding));
-    parts.push(...this.more(section));
+    parts.push(...more(page, section));
     parts.push(h("p", { class: "fault-text", role: "alert", "data-faults": section.path }));
     if (section.can_go && !page.watching) {
       const drop = () => page.edit(`remove ${section.title}`, [{ op: "remove", path: section.path }]);
-      parts.push(h("div", { class: "row" }, h("button", { class: "tool", onclick: drop }, `remove ${section.title}`)));
+      parts.push(h("div", { class: "row" }, h("button", { class: "tool", onclick: drop }, `remove ${section.title}`), reordering(page, section, this.sections)));
     }
     const isOpen = this.opened.get(section.path + section.title) ?? (n < 2 || FIRST.includes(section.title));
     const depth = ["", " deep", " deeper"][section.depth] ?? " deeper";
@@ -188,40 +185,6 @@ export class Inspector {
       if (sensor && details.open) holdSensor(page, sensor);
     });
     return details;
-  }
-
-  /** The button that draws the points of a list on the canvas. */
-  drawing({ path, label }) {
-    const { page } = this;
-    const start = () => {
-      page.hold(new PathTool(page, label, (points) => page.edit(`draw the ${label}`, [{ op: "set", path, value: points }])), "path");
-      page.stage.pane.canvas.focus();
-    };
-    return h("div", { class: "row" }, h("button", { class: "tool", onclick: start }, `draw the ${label}`));
-  }
-
-  /** What else can be done with a table: saved as a model, written as a program, tried. @param {Section} section */
-  more({ path, use, title }) {
-    const { page } = this;
-    const robot = page.stage.things.find((thing) => thing.kind === "robot" && (path === thing.path || path.startsWith(`${thing.path}.`)));
-    if (!robot) return [];
-    const button = (label, does) => h("button", { class: "tool", onclick: does }, label);
-    const row = (...buttons) => h("div", { class: "row" }, buttons);
-    const rest = path.slice(robot.path.length + 1);
-    const [, sensor, noise] = rest.match(/^sensors\.([^.]+)(\.noise)?$/) ?? [];
-    const found = [];
-    if (!rest && title === "Robot" && !page.watching) found.push(row(button("save as a model…", () => askModel(page, robot.path))));
-    if (rest === "errors") found.push(row(button("try on a square of 10 m", () => previewErrors(page, robot.name))));
-    if (sensor && noise) {
-      const holder = h("div", { class: "toml" });
-      found.push(row(button("histogram", () => histogram(page, robot.name, sensor, holder))), holder);
-    } else if (sensor && !page.watching) found.push(row(button("save as a device…", () => askModel(page, robot.path, sensor))));
-    if (rest === "controller") {
-      const program = programOf(use?.value ?? "");
-      if (program) found.push(row(button(`edit ${program.file}`, () => showCode(page, program.file))));
-      if (!page.watching) found.push(row(button("write one in Python…", () => newController(page, path))));
-    }
-    return found;
   }
 
   /** Which component or shape it is. */

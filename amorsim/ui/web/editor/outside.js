@@ -1,7 +1,23 @@
-// What the page says of the pen, and of files that something else has changed.
+// What the page says of the pen and of files that something else has changed, and which tools there are.
 
 import { tell } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
+
+const WALL_TOOLS = ["line", "polyline", "rectangle", "circle", "room", "door", "trim"];
+const PAINT_TOOLS = ["brush", "eraser", "cells", "fill", "crop"];
+
+/** The tools for the world as it is: of lines, or a bitmap.
+ * @param {import("./editor.js").EditorPage} page */
+export function showTools({ parts, state, watching }) {
+  for (const name of WALL_TOOLS) {
+    parts.tools.get(name).disabled = watching || Boolean(state.walls_fixed);
+    parts.tools.get(name).hidden = Boolean(state.cells);
+  }
+  for (const name of PAINT_TOOLS) {
+    parts.tools.get(name).disabled = watching;
+    parts.tools.get(name).hidden = !state.cells;
+  }
+}
 
 /** Who holds the pen, and the button that asks for it.
  * @param {import("./editor.js").EditorPage} page */

@@ -21,6 +21,7 @@ export function reshaping(page) {
     buttons.push(button("offset…", "copies to one side", askOffset));
     parts.push(h("div", { class: "row", role: "group", "aria-label": "walls" }, buttons));
   }
+  if (stage.selection.things.length > 1 || count) parts.push(h("div", { class: "row" }, button("turn…", "about the middle of all, by an angle", askTurn)));
   if (stage.selection.things.length > 1) {
     const places = [["left", 0, 0], ["middle", 0, 1], ["right", 0, 2], ["bottom", 1, 0], ["centre", 1, 1], ["top", 1, 2]];
     parts.push(h("div", { class: "row wraps", role: "group", "aria-label": "align" }, h("span", { class: "note" }, "align"),
@@ -75,6 +76,42 @@ function askOffset(page) {
   };
   const row = h("label", { class: "asked" }, h("span", {}, "distance, to the left of where they lead"), input, h("span", { class: "unit" }, "m"));
   const dialog = open("Copies to one side", h("div", {}, row, problem), [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: make }, "make")]);
+}
+
+function askTurn(page) {
+  const problem = h("p", { class: "error", role: "alert" });
+  const input = h("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: "90" });
+  const make = async () => {
+    const degrees = numberIn(input.value);
+    if (!Number.isFinite(degrees)) {
+      say(problem, "Expected an angle in degrees.");
+      return;
+    }
+    const said = await turn(page, (degrees * Math.PI) / 180);
+    if (!said || said.ok) dialog.close();
+    else say(problem, said.error);
+  };
+  const row = h("label", { class: "asked" }, h("span", {}, "angle, anticlockwise"), input, h("span", { class: "unit" }, "°"));
+  const dialog = open("Turn what is selected", h("div", {}, row, problem), [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: make }, "turn")]);
+  input.select();
+}
+
+/** Turn what is selected about its middle by an angle [rad].
+ * @param {import("./editor.js").EditorPage} page */
+function turn(page, angle) {
+  const { stage } = page;
+  const all = boxes(page).map(({ box }) => box);
+  if (!all.length) return null;
+  const middle = [0, 1].map((k) => (Math.min(...all.map((box) => box[k])) + Math.max(...all.map((box) => box[k + 2]))) / 2);
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const turned = (x, y) => [round(middle[0] + (x - middle[0]) * c - (y - middle[1]) * s), round(middle[1] + (x - middle[0]) * s + (y - middle[1]) * c)];
+  const things = stage.chosenThings.filter(({ pose, moves }) => pose && moves);
+  const changes = things.map((thing) => poseChange(thing, [...turned(thing.pose[0], thing.pose[1]), thing.pose[2] + (thing.turns ? angle : 0)]));
+  const walls = page.wallsFixed ? [] : stage.chosenWalls.map((n) => {
+    const [a, b, e, f] = stage.walls.walls[n];
+    return { op: "walls", change: [[n, [...turned(a, b), ...turned(e, f)]]] };
+  });
+  return edit(page, "turn what was selected", [...changes, ...walls]);
 }
 
 /** What is selected as boxes that can be moved: x0, y0, x1, y1, and how. */
