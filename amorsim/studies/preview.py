@@ -9,9 +9,8 @@ import numpy.typing as npt
 from amorsim.controllers.square import Square
 from amorsim.core.errors import AmorsimError
 from amorsim.core.poses import wrap_angle
-from amorsim.scenario.spec import Robot, Scenario
+from amorsim.scenario.spec import Deviation, Robot, Scenario
 from amorsim.simulation.simulation import Simulation
-from amorsim.simulation.truth import true_robot
 from amorsim.studies.bench import alone, empty_world, only_odometry
 
 __all__ = ["SquarePreview", "preview_noise", "preview_square"]
@@ -82,11 +81,11 @@ def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 
     if robot is None or sensor not in robot.sensors:
         raise AmorsimError(f"there is no sensor {sensor!r} of a robot {name!r}")
     standing = attrs.evolve(
-        robot, controller=None, sensors={sensor: robot.sensors[sensor]}, estimators={}, errors=_without(robot, sensor)
+        robot, controller=None, sensors={sensor: robot.sensors[sensor]}, estimators={}, errors=_errors_of(robot, sensor)
     )
     simulation = Simulation(attrs.evolve(alone(scenario, standing), obstacles=[]), replicas=replicas)
     group = simulation._fleet.groups[0]
-    is_angle = true_robot(robot, scenario.seed, 0).sensors[sensor].sensor.unit == "rad"
+    is_angle = robot.sensors[sensor].sensor.unit == "rad"
     found: list[Array] = []
     count = 0
     last = -1.0
@@ -107,6 +106,6 @@ def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 
     return np.concatenate(found)[:samples] if found else np.empty(0)
 
 
-def _without(robot: Robot, sensor: str) -> dict[str, object]:
+def _errors_of(robot: Robot, sensor: str) -> dict[str, Deviation]:
     """The errors of the sensor alone."""
     return {path: error for path, error in robot.errors.items() if path.split(".")[:2] == ["sensors", sensor]}

@@ -129,8 +129,13 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
     for fault in am.open_document(file).faults():
         assert fault.message in shown
     page.click("text=text")
-    area = page.locator("dialog textarea")
-    area.fill(area.input_value().replace("[simulation\n", "[simulation]\n").replace("wonder", "wander"))
+    page.wait_for_selector("dialog .CodeMirror")
+    page.evaluate(
+        """() => {
+            const { CodeMirror: code } = document.querySelector("dialog .CodeMirror");
+            code.setValue(code.getValue().replace("[simulation\\n", "[simulation]\\n").replace("wonder", "wander"));
+        }"""
+    )
     editor.step(lambda: page.click("dialog .main"))
     assert page.inner_text(".status").startswith("no faults")
     page.keyboard.press("Control+s")

@@ -119,6 +119,17 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     page.click("text=← edit")
     editor.until("state && !state.is_behind && stage.still && isHolder")
     assert editor.see("state.steps") == steps
+    # It is played in place; nothing can be changed meanwhile, and all stands where it was afterwards.
+    there = editor.see("stage.still.robots")
+    page.click("[aria-label='play here']")
+    editor.until("playing?.tick > 5", seconds=120.0)
+    assert editor.see("watching")
+    assert not page.is_visible("[aria-label='add a thing']")
+    assert editor.see("[...stage.frame.truePoses.slice(0, 2)]") != there[0][:2]
+    page.click("[aria-label='stop']")
+    editor.until("!playing && isHolder")
+    assert editor.see("[...stage.frame.truePoses.slice(0, 3)]") == there[0]
+    assert editor.see("state.steps") == steps
     # Back to nothing, and all of it again.
     full = text_of(editor)
     page.evaluate("document.activeElement?.blur()")

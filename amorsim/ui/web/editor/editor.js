@@ -1,7 +1,6 @@
 // The Editor's page: a document that the server keeps, drawn and listed; every gesture is a step that can be undone.
 
 import { h, say } from "../shared/dom.js";
-import { numberIn } from "../shared/field.js";
 import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
@@ -44,6 +43,10 @@ export class EditorPage {
     this.window = "";
     /** Shows the faults of a program that is open. @type {(() => void) | null} */
     this.showCodeFaults = null;
+    /** The simulation that is shown on the canvas. @type {any} */
+    this.playing = null;
+    /** What was read last. @type {any} */
+    this.drawn = null;
     this.fitsNext = false; // whether all of the next world is to be seen
     this.outside = ""; // what is said of files that were changed by something else
     /** What can be added. @type {any[]} */
@@ -68,7 +71,7 @@ export class EditorPage {
 
   /** Whether this window holds the pen. */
   get isHolder() {
-    return Boolean(this.window) && this.state?.holder === this.window;
+    return Boolean(this.window) && this.state?.holder === this.window && !this.playing;
   }
 
   get watching() {
@@ -107,16 +110,24 @@ export class EditorPage {
     parts.redo.disabled = !said.redo;
     parts.undo.title = said.undo ? `undo: ${said.undo} (Ctrl + Z)` : "undo (Ctrl + Z)";
     parts.redo.title = said.redo ? `redo: ${said.redo} (Ctrl + Y)` : "redo (Ctrl + Y)";
-    this.root.classList.toggle("watching", this.watching);
-    showPen(this);
-    showOutside(this);
-    showTools(this);
+    this.showState();
     if (!before) takeUp(this);
     if (said.drawn) this.draw(said.drawn);
     else if (before && wasWatching !== this.watching) this.inspector.refresh();
   }
 
-  draw({ faults, things, still }) {
+  /** Show who may change it, and which tools there are. */
+  showState() {
+    this.root.classList.toggle("watching", this.watching);
+    showPen(this);
+    showOutside(this);
+    showTools(this);
+  }
+
+  draw(drawn) {
+    this.drawn = drawn;
+    if (this.playing) return; // it is shown when that has ended
+    const { faults, things, still } = drawn;
     const { parts, stage } = this;
     this.faults = faults;
     if (this.toolName === "select") stage.preview = null;
@@ -256,15 +267,6 @@ export class EditorPage {
   /** How what is drawn snaps now. */
   snapping(event, from) {
     return { scale: this.stage.camera.scale, grid: this.grid, from, isTurned: event.shiftKey, isFree: event.altKey };
-  }
-
-  /** The end of the line that is being drawn, as typed. */
-  typedLength() {
-    const { length, angle } = this.parts;
-    const tool = this.tools[this.toolName];
-    if (!tool?.typed) return;
-    if (tool.typed(numberIn(length.value), numberIn(angle.value))) length.value = angle.value = "";
-    else this.hint("click where the wall begins first, then type a length");
   }
 
   /** @param {number[]} wall */

@@ -7,6 +7,7 @@ import { startPlacing } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
 import { run, save, saveAs, showText } from "./files.js";
 import { KEYS } from "./layout.js";
+import { play } from "./play.js";
 import { MENU } from "./project.js";
 import { holdSensor } from "./mounting.js";
 
@@ -16,7 +17,7 @@ export function listen(page) {
   const { camera } = stage;
   for (const [name, button] of parts.tools) button.addEventListener("click", () => page.take(name));
   const clicks = {
-    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => save(page), saveAs: () => saveAs(page), run: () => run(page),
+    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => save(page), saveAs: () => saveAs(page), run: () => run(page), play: () => play(page),
     text: () => showText(page), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
     in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
   };
@@ -47,10 +48,19 @@ export function listen(page) {
   });
   for (const name of ["length", "angle"]) {
     parts[name].addEventListener("keydown", (event) => {
-      if (event.key === "Enter") page.typedLength();
+      if (event.key === "Enter") typedLength(page);
     });
   }
   globalThis.addEventListener("keydown", (event) => press(page, event));
+}
+
+/** The end of the line that is being drawn, as typed. */
+function typedLength(page) {
+  const { length, angle } = page.parts;
+  const tool = page.tools[page.toolName];
+  if (!tool?.typed) return;
+  if (tool.typed(numberIn(length.value), numberIn(angle.value))) length.value = angle.value = "";
+  else page.hint("click where the wall begins first, then type a length");
 }
 
 const plain = (page) => ({
@@ -67,7 +77,7 @@ const plain = (page) => ({
 });
 
 const withControl = (page) => ({
-  z: () => page.step("undo"), y: () => page.step("redo"), Z: () => page.step("redo"), s: () => save(page), S: () => saveAs(page),
+  z: () => page.isHolder && page.step("undo"), y: () => page.isHolder && page.step("redo"), Z: () => page.isHolder && page.step("redo"), s: () => save(page), S: () => saveAs(page),
   c: () => page.copy(), x: () => page.isHolder && page.copy(true), v: () => page.isHolder && page.paste(), d: () => page.isHolder && page.duplicate(),
   a: () => page.stage.selection.set(page.stage.within([-Infinity, -Infinity, Infinity, Infinity])),
 });

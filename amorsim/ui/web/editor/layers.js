@@ -28,6 +28,18 @@ export class MarksLayer extends SceneLayer {
     }
     context.stroke();
     context.setLineDash([]);
+    context.strokeStyle = theme.danger; // a ring about what has faults
+    context.lineWidth = 2 * px;
+    context.beginPath();
+    for (const thing of stage.things) {
+      const pose = thing.faults && thing.footprint && !stage.hidden.has(thing.kind) ? stage.poseOf(thing) : null;
+      if (!pose) continue;
+      const far = reach(thing.footprint) + 7 * px;
+      context.moveTo(pose[0] + far, pose[1]);
+      context.arc(pose[0], pose[1], far, 0, 2 * Math.PI);
+    }
+    context.stroke();
+    context.strokeStyle = theme.estimated;
     const preview = stage.preview;
     if (preview) {
       context.beginPath();

@@ -73,6 +73,7 @@ export function build({ pane, objects, inspector }) {
       button("text", { title: "the scenario's file, as text" }, "text"),
       button("save", { class: "holders-only", title: "save (Ctrl + S)" }, "save"),
       button("saveAs", { class: "holders-only" }, "save as…"),
+      icon("play", "play here", "▷"),
       button("run", { class: "holders-only run", title: "simulate what is drawn here" }, "▶ run"),
       icon("theme", "light or dark (L)", "◐"),
       icon("keys", "keys (?)", "?"),

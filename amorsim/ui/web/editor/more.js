@@ -2,6 +2,7 @@
 
 import { h } from "../shared/dom.js";
 import { newController, programOf, showCode } from "./code.js";
+import { round } from "./geometry.js";
 import { PathTool } from "./path_tool.js";
 import { histogram, previewErrors } from "./previews.js";
 import { askModel } from "./project.js";
@@ -19,10 +20,31 @@ export function drawing(page, { path, label }) {
   }));
 }
 
-/** What else can be done with a table of a robot.
+/** The button that draws an outline about a thing, which says it in its own frame.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {import("./stage.js").Thing} thing */
+function outlining(page, thing) {
+  const [x, y, heading] = thing.pose;
+  const [c, s] = [Math.cos(heading), Math.sin(heading)];
+  return row(button("draw the outline", () => {
+    page.hold(new PathTool(page, "outline's corners", (points) => {
+      if (points.length < 3) {
+        page.hint("an outline has three corners at least");
+        return;
+      }
+      const polygon = points.map(([u, v]) => [round((u - x) * c + (v - y) * s), round((v - y) * c - (u - x) * s)]);
+      page.edit(`draw the outline of ${thing.name}`, [{ op: "set", path: `${thing.path}.shape`, value: { polygon } }]);
+    }), "path");
+    page.stage.pane.canvas.focus();
+  }));
+}
+
+/** What else can be done with a table of a thing.
  * @param {import("./editor.js").EditorPage} page
  * @param {import("./inspector.js").Section} section */
 export function more(page, { path, use, title }) {
+  const body = page.stage.things.find((thing) => path === `${thing.path}.shape`);
+  if (body?.pose && use?.value === "polygon" && !page.watching) return [outlining(page, body)];
   const robot = page.stage.things.find((thing) => thing.kind === "robot" && (path === thing.path || path.startsWith(`${thing.path}.`)));
   if (!robot) return [];
   const rest = path.slice(robot.path.length + 1);

@@ -24,7 +24,7 @@ export function showTools({ parts, state, watching }) {
 export function showPen(page) {
   const { pen } = page.parts;
   const asking = page.state.asking ?? [];
-  pen.hidden = page.isHolder && !asking.length;
+  pen.hidden = Boolean(page.playing) || (page.isHolder && !asking.length);
   say(pen, page.isHolder ? "give the pen" : asking.includes(page.window) ? "asked for the pen" : page.state.holder ? "ask for the pen" : "take the pen");
   pen.onclick = () => page.connection.ask({ do: "controls", want: page.isHolder ? "give" : page.state.holder ? "ask" : "take" });
 }
