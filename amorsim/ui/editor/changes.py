@@ -12,7 +12,7 @@ from amorsim.scenario.fields import NONE
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.toml_values import parse
 from amorsim.ui.editor.bitmaps import cropped, filled, painted
-from amorsim.ui.editor.inspector import SHAPES
+from amorsim.ui.editor.sections import SHAPES
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.wire import shown
 

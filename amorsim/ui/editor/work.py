@@ -10,15 +10,15 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, DocumentError
-from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.elsewhere import named_files
-from amorsim.ui.editor.bitmaps import CODEC, SUFFIXES, decode, encode, shape_of
+from amorsim.ui.editor.bitmaps import SUFFIXES, shape_of
 from amorsim.ui.editor.history import History, Patch, Step, difference
 from amorsim.ui.editor.journal import Journal, JournalError, Kept, mark_of
+from amorsim.ui.editor.map_text import MapText, read_map_text
 from amorsim.ui.editor.recent import remember
 from amorsim.ui.editor.walls import EMPTY_WORLD, WallsError, world_of
 from amorsim.ui.faults.files import Stamp, stamps_of
@@ -31,19 +31,6 @@ SCENARIO = ""  # the name of the scenario's text; that of a map is its path
 
 class ChangedError(AmorsimError):
     """A file that was changed by something else since it was read or saved."""
-
-
-@attrs.define(kw_only=True)
-class _MapText:
-    """The text of a map's file, and what is in the file: None where there is none."""
-
-    text: str
-    saved: str | None
-    encoding: str = "utf-8"
-
-    def data(self, suffix: str) -> bytes:
-        """As it is written into a file."""
-        return encode(self.text, suffix) if self.encoding == CODEC else self.text.encode(self.encoding)
 
 
 class Work:
@@ -78,7 +65,7 @@ class Work:
         self.registry = registry or default_registry()
         self.folder = folder.absolute()
         self.history = History()
-        self._maps: dict[Path, _MapText] = {}
+        self._maps: dict[Path, MapText] = {}
         self._refused: dict[Path, str] = {}  # bitmaps that cannot be painted on, and why, since they were read
         self.is_new = True  # whether it has no file of its own yet
         if not name:
@@ -168,7 +155,7 @@ class Work:
             raise AmorsimError(self.walls_fixed)
         if self._world() is None:
             path = self._free_map()
-            self._maps[path] = _MapText(text=EMPTY_WORLD, saved=None)
+            self._maps[path] = MapText(text=EMPTY_WORLD, saved=None)
             self.document.set("world.map", path.name)
         path = self._map_path()
         held = self._held(path)
@@ -279,7 +266,7 @@ class Work:
     def _is_bundled(self) -> bool:
         return self.is_new and self._saved is not None
 
-    def _held(self, path: Path) -> _MapText:
+    def _held(self, path: Path) -> MapText:
         """The text of a map's file.
 
         Raises
@@ -289,21 +276,9 @@ class Work:
         """
         if path not in self._maps:
             if not path.exists():
-                self._maps[path] = _MapText(text=EMPTY_WORLD, saved=None)
+                self._maps[path] = MapText(text=EMPTY_WORLD, saved=None)
                 return self._maps[path]
-            try:
-                data = read_bytes(path)
-            except (OSError, ValueError) as error:
-                raise WallsError(f"{path.name}: cannot be read: {reason(error)}") from None
-            if path.suffix.lower() in SUFFIXES:
-                has_threshold = isinstance((self._world() or {}).get("threshold"), (int, float))
-                text, encoding = decode(data, path.name, has_threshold=has_threshold), CODEC
-            else:
-                try:
-                    text, encoding = data.decode(), "utf-8"
-                except UnicodeDecodeError:
-                    text, encoding = data.decode("latin-1"), "latin-1"
-            self._maps[path] = _MapText(text=text, saved=text, encoding=encoding)
+            self._maps[path] = read_map_text(path, self._world() or {})
             self._stamps |= stamps_of([path])
         return self._maps[path]
 
