@@ -7,6 +7,7 @@ import { BodiesLayer } from "../shared/world.js";
 import { Walls, holds, isIn } from "./geometry.js";
 import { gripsOf } from "./grips.js";
 import { MarksLayer, WordsLayer } from "./layers.js";
+import { RulersLayer } from "./rulers.js";
 import { UnderlayLayer } from "./underlay.js";
 import { PlacesLayer, ViewsLayer } from "./views.js";
 
@@ -48,7 +49,7 @@ export class EditStage extends StillStage {
     this.pane.layers.unshift(this.underlay);
     const bodies = this.pane.layers.findIndex((layer) => layer instanceof BodiesLayer);
     this.pane.layers.splice(bodies, 0, new ViewsLayer(this), new PlacesLayer(this));
-    this.pane.layers.push(new MarksLayer(this), new WordsLayer(this));
+    this.pane.layers.push(new MarksLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid));
   }
 
   /** Show what was read of the document; what is selected stays so, by its path.
