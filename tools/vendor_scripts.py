@@ -40,6 +40,21 @@ PACKAGES = (
         use="plots",
         files=("LICENSE", "dist/uPlot.esm.js", "dist/uPlot.min.css"),
     ),
+    Package(
+        name="codemirror",
+        version="5.65.18",
+        integrity="sha512-Gaz4gHnkbHMGgahNt3CA5HBk5lLQBqmD/pBgeB4kQU6OedZmqMBjlRF0LSrp2tJ4wlLNPm2FfaUd1pDy0mdlpA==",
+        licence="MIT",
+        use="programs and TOML in the Editor; version 5 needs no build step",
+        files=(
+            "LICENSE",
+            "lib/codemirror.js",
+            "lib/codemirror.css",
+            "mode/python/python.js",
+            "mode/toml/toml.js",
+            "addon/edit/matchbrackets.js",
+        ),
+    ),
 )
 README = """# Scripts of others
 

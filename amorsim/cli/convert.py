@@ -11,9 +11,7 @@ from amorsim.cli.console import compile_once, complain, say
 from amorsim.cli.options import Changes, Resolution
 
 if TYPE_CHECKING:
-    from amorsim.core.lost_cells import Lost
     from amorsim.core.map import Map
-    from amorsim.scenario.maps import MapFile
 
 __all__ = ["command", "write_world"]
 
@@ -48,46 +46,15 @@ def command(
 
 def write_world(world: Map, target: Path, *, force: bool) -> None:
     """Write a map into a file, and say how it is read and what was lost. Raises `MapError` as `write_map` does."""
+    from amorsim.scenario.map_words import lost_in_words, needed_options
     from amorsim.scenario.maps import write_map
+    from amorsim.scenario.write import table_text
 
     again, lost = write_map(world, target, force=force)
     for warning in again.warnings:
         complain(f"{target.name}: {warning}")
     rows, columns = again.shape
-    say(f"{target}: {columns} x {rows} cells of {again.resolution:g} m; {_in_words(lost)}")
-    options = _options(again)
+    say(f"{target}: {columns} x {rows} cells of {again.resolution:g} m; {lost_in_words(lost)}")
+    options = table_text(needed_options(again)).splitlines()
     if options:
         say(f"the file does not say it: read it with {', '.join(options)}")
-
-
-def _in_words(lost: Lost) -> str:
-    """What was lost, in words."""
-    unchanged = "no cell differs" if lost.farthest else "the cells are the same"
-    parts = [f"{lost.cells} of {lost.of} cells differ" if lost.cells else unchanged]
-    if lost.farthest is None:
-        parts.append("which are too many to say how far they are off")
-    elif lost.farthest:
-        parts.append(f"walls are off by {lost.farthest:.3g} m at the most")
-    if lost.unknown:
-        parts.append(f"{lost.unknown} unknown cells are no longer known as such")
-    if lost.has_start:
-        parts.append("the robot's start is lost")
-    return "read back, " + ", ".join(parts)
-
-
-def _options(world: Map) -> list[str]:
-    """The options, as in a scenario's [world], without which a file is read otherwise."""
-    from amorsim.core.errors import MapError
-    from amorsim.core.same_cells import have_same_cells
-    from amorsim.scenario.fields import write_fields
-    from amorsim.scenario.maps import load_map
-    from amorsim.scenario.write import table_text
-
-    file: MapFile = world.source
-    try:
-        if have_same_cells(load_map(file.path), world):
-            return []
-    except MapError:
-        pass
-    given, usual = write_fields(file.loader), write_fields(type(file.loader)())
-    return table_text({name: value for name, value in given.items() if usual.get(name) != value}).splitlines()

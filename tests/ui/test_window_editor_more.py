@@ -81,7 +81,7 @@ def test_a_robot_gets_a_sensor_with_noise_and_an_error_and_runs(open_editor: Any
     assert "track = { scale = 1.1 }" in text
     assert "wheel_radius_left" not in text
     page.click(".run")
-    page.wait_for_url("**/run/mine", timeout=120_000)
+    page.wait_for_url("**/run/mine*", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
     names = page.evaluate(f"{SIMULATOR}.stage.scene.robots[0].sensors.map((sensor) => sensor.name)")
     assert "gyro2" in names
@@ -129,8 +129,13 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
     for fault in am.open_document(file).faults():
         assert fault.message in shown
     page.click("text=text")
-    area = page.locator("dialog textarea")
-    area.fill(area.input_value().replace("[simulation\n", "[simulation]\n").replace("wonder", "wander"))
+    page.wait_for_selector("dialog .CodeMirror")
+    page.evaluate(
+        """() => {
+            const { CodeMirror: code } = document.querySelector("dialog .CodeMirror");
+            code.setValue(code.getValue().replace("[simulation\\n", "[simulation]\\n").replace("wonder", "wander"));
+        }"""
+    )
     editor.step(lambda: page.click("dialog .main"))
     assert page.inner_text(".status").startswith("no faults")
     page.keyboard.press("Control+s")

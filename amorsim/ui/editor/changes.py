@@ -11,7 +11,8 @@ from amorsim.core.numbers import is_number
 from amorsim.scenario.fields import NONE
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.toml_values import parse
-from amorsim.ui.editor.inspector import SHAPES
+from amorsim.ui.editor.bitmaps import cropped, filled, painted
+from amorsim.ui.editor.sections import SHAPES
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.wire import shown
 
@@ -29,10 +30,16 @@ def apply(work: Work, changes: Sequence[Change]) -> list[str]:
     - ``{op: "set", path, value}``: say a value; null is ``"none"``.
     - ``{op: "remove", path}``: say it no more; a sensor or estimator of the model is left out.
     - ``{op: "add", path, value}``: an item more in a list.
+    - ``{op: "move", path, index}``: an item of a list to another place in it.
     - ``{op: "pose", path, value}``: where a thing stands, x, y [m] and heading [deg]; null is what stays.
+    - ``{op: "point", path, number, value}``: one of the points of a place, x, y [m]; ``insert`` makes it one more.
+    - ``{op: "mount", path, value}``: where a sensor sits on its robot, x, y [m] and heading [deg]; null is what stays.
     - ``{op: "shape", path, value}``: another kind of shape.
     - ``{op: "toml", path, text}``: all that the file says in a table, as TOML.
     - ``{op: "text", text}``: the whole text of the scenario.
+    - ``{op: "paint", spans, occupied}``: cells of a bitmap, as ``[row, first column, one after the last]``.
+    - ``{op: "fill", row, column, occupied}``: the area of a bitmap about a cell.
+    - ``{op: "crop", box}``: a part of a bitmap: first row and column, and one after the last of each.
     - ``{op: "walls", add, change, remove}``: walls [m]; those that change as ``[number, wall]``.
 
     Raises
@@ -97,15 +104,25 @@ def _add(work: Work, change: Change) -> str:
     return work.document.add(path, value)
 
 
+def _move(work: Work, change: Change) -> None:
+    path, index = _path(change), change.get("index")
+    whole, _, last = path.rpartition(".")
+    items = _said(work, whole) if whole else MISSING
+    if not isinstance(index, int) or isinstance(index, bool) or not isinstance(items, list) or not last.isdigit():
+        raise AmorsimError(f"index: expected a place in a list, got {shown(index)}")
+    if not (0 <= index < len(items) and int(last) < len(items)):
+        raise AmorsimError(f"index: expected 0 to {len(items) - 1}, got {index}")
+    if _own(work, whole) is MISSING:  # the model's list, in another order
+        items = list(items)
+        items.insert(index, items.pop(int(last)))
+        work.document.set(whole, items)
+    else:
+        work.document.move(path, index)
+
+
 def _pose(work: Work, change: Change) -> None:
     path, value = _path(change), change.get("value")
-    if (
-        not isinstance(value, list)
-        or len(value) != 3
-        or not all(part is None or is_number(part, below=1e6) for part in value)
-    ):
-        raise AmorsimError(f"value: expected [x, y, heading], got {shown(value)}")
-    parts = {key: part for key, part in zip(("x", "y", "heading_deg"), value, strict=True) if part is not None}
+    parts = _numbers_of(value, ("x", "y", "heading_deg"))
     if path.split(".")[0] in ("landmarks", "lights"):
         parts.pop("heading_deg", None)
     else:
@@ -118,6 +135,50 @@ def _pose(work: Work, change: Change) -> None:
         there = own.get(key, 0.0) if isinstance(own, dict) else None
         if not is_number(there) or abs(there - part) > _SAME:
             work.document.set(f"{path}.{key}", part)
+
+
+def _point(work: Work, change: Change) -> None:
+    path, number, value = _path(change), change.get("number", 0), change.get("value")
+    if not isinstance(value, list) or len(value) != 2 or not all(is_number(part, below=1e6) for part in value):
+        raise AmorsimError(f"value: expected [x, y], got {shown(value)}")
+    if not isinstance(number, int) or isinstance(number, bool) or number < 0:
+        raise AmorsimError(f"number: expected that of a point, got {shown(number)}")
+    said = _own(work, path)
+    if isinstance(said, dict):  # with x and y of its own
+        for key, part in zip(("x", "y"), value, strict=True):
+            work.document.set(f"{path}.{key}", part)
+    elif isinstance(said, list) and change.get("insert") is True:
+        work.document.set(path, [*said[:number], value, *said[number:]])
+    elif isinstance(said, list) and len(said) == 4 and not isinstance(said[0], list) and number < 2:  # a box
+        corners = [value, said[2:]] if number == 0 else [said[:2], value]
+        (x0, y0), (x1, y1) = corners
+        work.document.set(path, [min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)])
+    elif isinstance(said, list) and len(said) == 2 and not isinstance(said[0], list):
+        work.document.set(path, value)
+    elif isinstance(said, list) and number < len(said):
+        work.document.set(f"{path}.{number}", value)
+    else:
+        raise AmorsimError(f"{path}: the file has no such point")
+
+
+def _mount(work: Work, change: Change) -> None:
+    path, value = f"{_path(change)}.mount", change.get("value")
+    for key, part in _numbers_of(value, ("x", "y", "heading_deg")).items():
+        said = _said(work, path)
+        there = said.get(key, 0.0) if isinstance(said, dict) else 0.0
+        if not is_number(there) or abs(there - part) > _SAME:
+            work.document.set(f"{path}.{key}", part)
+
+
+def _numbers_of(value: Any, keys: tuple[str, ...]) -> dict[str, float]:
+    """The numbers of a list by their keys, without those that are null."""
+    if (
+        not isinstance(value, list)
+        or len(value) != len(keys)
+        or not all(part is None or is_number(part, below=1e6) for part in value)
+    ):
+        raise AmorsimError(f"value: expected a list of {', '.join(keys)}, got {shown(value)}")
+    return {key: part for key, part in zip(keys, value, strict=True) if part is not None}
 
 
 def _shape(work: Work, change: Change) -> None:
@@ -160,6 +221,34 @@ def _walls(work: Work, change: Change) -> None:
         work.walls(add=add, change=moved, remove=remove)
     except IndexError:
         raise AmorsimError("walls: there is no wall of that number") from None
+
+
+def _paint(work: Work, change: Change) -> None:
+    work.paint(lambda text: painted(text, change.get("spans"), is_occupied=change.get("occupied") is True))
+
+
+def _fill(work: Work, change: Change) -> None:
+    row, column = _number(change.get("row")), _number(change.get("column"))
+    work.paint(lambda text: filled(text, row, column, is_occupied=change.get("occupied") is True))
+
+
+def _crop(work: Work, change: Change) -> None:
+    box = change.get("box")
+    if not isinstance(box, list) or len(box) != 4 or not all(is_number(part, below=1e9) for part in box):
+        raise AmorsimError(f"box: expected [top, left, end, right] in cells, got {shown(box)}")
+    top, left, end, right = (int(part) for part in box)
+    rows, _ = work.cells or (0, 0)
+    table = _own(work, "world")
+    turned = table.get("origin_yaw_deg", 0.0) if isinstance(table, dict) else 0.0
+    resolution = table.get("resolution") if isinstance(table, dict) else None
+    if turned or not is_number(resolution):
+        raise AmorsimError("only a bitmap with a resolution, and that is not turned, can be cropped")
+    work.paint(lambda text: cropped(text, top, left, end, right))
+    # What stays is where it was: the picture's lower left corner is another.
+    for key, cells in (("origin_x", max(0, left)), ("origin_y", rows - min(rows, end))):
+        there = table.get(key, 0.0)
+        if cells:
+            work.document.set(f"world.{key}", round((there if is_number(there) else 0.0) + cells * resolution, 9))
 
 
 def _list(change: Change, key: str) -> Iterable[Any]:
@@ -212,9 +301,15 @@ _OPS: Mapping[str, Callable[[Work, Change], str | None]] = {
     "set": _set,
     "remove": _remove,
     "add": _add,
+    "move": _move,
     "pose": _pose,
+    "point": _point,
+    "mount": _mount,
     "shape": _shape,
     "toml": _toml,
     "text": _text,
     "walls": _walls,
+    "paint": _paint,
+    "fill": _fill,
+    "crop": _crop,
 }

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 
 from amorsim.contracts import Mount
 from amorsim.core.errors import AmorsimError, DocumentError, PluginError
+from amorsim.core.numbers import is_number
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
 from amorsim.scenario.field_at import component_at
@@ -15,46 +16,11 @@ from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Robot, Scenario
-from amorsim.scenario.toml_values import as_toml
 from amorsim.ui.editor.errors import deviations, fields_of, targets
+from amorsim.ui.editor.sections import SHAPES, Section, toml_of
 from amorsim.ui.forms.description import FieldForm, form_of
 
-__all__ = ["Section", "Use", "inspect", "toml_of"]
-
-SHAPES = {"circle": 0.3, "rectangle": [0.6, 0.4], "polygon": [[-0.3, -0.3], [0.3, -0.3], [0.0, 0.4]]}
-
-
-class Use(TypedDict):
-    """Which component a table is, or which shape: one of `choices`."""
-
-    kind: str
-    value: str
-    choices: list[str]
-    is_optional: bool
-
-
-class Adding(TypedDict):
-    """What can be added to a table: a component of a kind, to the list or the table at a path."""
-
-    label: str
-    path: str
-    kind: str
-    choices: list[str]
-    is_list: bool
-
-
-class Section(TypedDict):
-    """A table of a thing: a form, or its text in TOML."""
-
-    title: str
-    path: str
-    depth: int
-    use: Use | None
-    fields: list[FieldForm]
-    toml: str | None  # none where the form has it all
-    can_go: bool
-    origin: str  # where it comes from, where that is not the file
-    adding: list[Adding]
+__all__ = ["inspect"]
 
 
 def inspect(document: Document, path: str, registry: Registry) -> list[Section]:
@@ -66,13 +32,6 @@ def inspect(document: Document, path: str, registry: Registry) -> list[Section]:
         If there is nothing at the path, and nothing is known of it.
     """
     return list(_Inspector(document, path, registry).sections())
-
-
-def toml_of(table: Mapping[str, Any]) -> str:
-    """A table as TOML, a line for each key."""
-    return "".join(
-        f"{key if key.replace('_', '').isalnum() else repr(key)} = {as_toml(value)}\n" for key, value in table.items()
-    )
 
 
 class _Inspector:
@@ -207,11 +166,45 @@ class _Inspector:
 
     def _places(self) -> Iterator[Section]:
         if "start" in self.table or "count" in self.table:
-            yield self._as_toml("Start of all of them", ("start",))
+            yield self._series()
         else:
             yield self._section("Place", ("pose",), self._form(Pose, ("pose",)))
 
+    def _series(self) -> Section:
+        """How many there are, and where they start."""
+        start = self.table.get("start")
+        cls = self._class(("start",)) if isinstance(start, dict) and "poses" not in start else None
+        fields = [] if cls is None else self._form(cls, ("start",))
+        if "count" in self.table:
+            count = self._number(("count",), "how many", "", self.table["count"])
+            count["widget"]["is_whole"] = True
+            fields.insert(0, count)
+        section = self._section("Start of all of them", ("start",), fields)
+        section["toml"] = None if cls is not None else toml_of(start) if isinstance(start, dict) else ""
+        return section
+
+    def _generated(self, made: dict[str, Any]) -> Iterator[Section]:
+        cls = self._class(("map",))
+        name = made.get("generate")
+        section = self._section("World", ("map",), [])
+        section["use"] = {
+            "kind": "world_generator",
+            "value": name if isinstance(name, str) else "",
+            "choices": list(self.registry.names("world_generator")),
+            "is_optional": False,
+        }
+        seed = self._number(("map", "seed"), "seed", "", made.get("seed", 0))
+        seed["help"] = "another number is another world"
+        seed["widget"] |= {"is_whole": True, "is_open": [False, True]}
+        section["fields"] = [seed, *([] if cls is None else self._form(cls, ("map",)))]
+        section["toml"] = toml_of(made) if cls is None else None
+        yield section
+
     def _world(self) -> Iterator[Section]:
+        made = self.table.get("map")
+        if isinstance(made, dict):
+            yield from self._generated(made)
+            return
         cls = self._class(())
         map_ = self._text("map", "map", "the file of the map, from the scenario's folder", "file")
         fields = [map_] if cls is None else [map_, *self._form(cls, ())]
@@ -371,7 +364,7 @@ class _Inspector:
         field["widget"] = {"kind": "choice", "is_optional": True, "choices": list(choices)}
         return field
 
-    def _number(self, at: tuple[str, ...], label: str, unit: str, value: float) -> FieldForm:
+    def _number(self, at: tuple[str, ...], label: str, unit: str, value: Any) -> FieldForm:
         field = self._text(at, label, "", "number")
         field["widget"] = {
             "kind": "number",
@@ -382,7 +375,7 @@ class _Inspector:
             "is_open": [True, True],
             "is_whole": False,
         }
-        field["value"] = value
+        field["value"] = value if is_number(value) else None
         return field
 
     # ----------------------------------------------------------------------------------------------------------- lookup

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import attrs
 
 from amorsim.core.errors import Fault
 from amorsim.core.trouble import error_in_words
+from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
+from amorsim.scenario.partial import Partial
 from amorsim.ui.editor.things import Thing, things_of
 from amorsim.ui.faults.lines import FaultLine, fault_lines
 from amorsim.ui.scene.still import StillBuilder
+from amorsim.ui.scene.wire import Still
 
-__all__ = ["Looked", "look"]
+__all__ = ["CODE_LIMIT", "FaultAt", "Looked", "Seen", "look", "placed"]
+
+CODE_LIMIT = 5.0  # [s] that a user's program may take to be loaded and made
 
 
 class FaultAt(FaultLine):
@@ -28,28 +32,37 @@ class FaultAt(FaultLine):
 
 @attrs.frozen(kw_only=True)
 class Looked:
-    """What came of looking at a document."""
+    """What came of looking at a document: plain values, for a window."""
 
     faults: list[FaultAt]
     things: list[Thing]
-    builder: StillBuilder | None
+    still: Still | None
 
     @classmethod
     def failed(cls, name: str, problem: str) -> Looked:
         """Of a document that cannot be looked at."""
         fault = Fault(file=name, path="", message=f"cannot be read: {problem}")
-        return cls(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], builder=None)
+        return cls(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], still=None)
 
 
-def look(document: Document, text: str, values: Mapping[str, Any], name: str, folder: Path) -> Looked:
+@attrs.frozen(kw_only=True)
+class Seen:
+    """What a window is shown, and what it was made of: none where nothing could be read."""
+
+    looked: Looked
+    partial: Partial | None = None
+    builder: StillBuilder | None = None
+
+
+def look(document: Document, text: str, name: str, folder: Path, registry: Registry) -> Seen:
     """Read a document.
 
     Parameters
     ----------
     document
         As `Work.view` gives it.
-    text, values
-        The text that it stands for, and what that says.
+    text
+        The text that it stands for.
     name
         What the file is called.
     folder
@@ -57,20 +70,26 @@ def look(document: Document, text: str, values: Mapping[str, Any], name: str, fo
     """
     try:
         partial = document.partial()
-        faults = [_said(fault, document, name, folder) for fault in partial.faults]
-        lines = fault_lines(faults, {name: text})
-        return Looked(
-            faults=[{**line, "at": fault.path} for line, fault in zip(lines, faults, strict=True)],
-            things=things_of(values, partial, faults),
-            builder=StillBuilder(partial, name),
+        builder = StillBuilder(partial, name)
+        looked = Looked(
+            faults=placed(partial.faults, document, text, name, folder),
+            things=things_of(document, partial, registry),
+            still=builder.still,
         )
-    except Exception as error:  # what a plugin may raise; it must not end the session
+        return Seen(looked=looked, partial=partial, builder=builder)
+    except Exception as error:  # what a plugin may raise
         sys.stderr.write("".join(traceback.format_exception(error)))
-        return Looked.failed(name, error_in_words(error))
+        return Seen(looked=Looked.failed(name, error_in_words(error)))
+
+
+def placed(faults: Sequence[Fault], document: Document, text: str, name: str, folder: Path) -> list[FaultAt]:
+    """Faults in the words of the user's own files, with their lines in the text and the paths that they are about."""
+    said = [_said(fault, document, name, folder) for fault in faults]
+    lines = fault_lines(said, {name: text})
+    return [{**line, "at": fault.path} for line, fault in zip(lines, said, strict=True)]
 
 
 def _said(fault: Fault, document: Document, name: str, folder: Path) -> Fault:
-    """A fault in the words of the user's own files."""
     for place in sorted({path.parent for path in folder.rglob("*.*")}) if folder.is_dir() else ():
         fault = attrs.evolve(fault, message=fault.message.replace(f"{place}/", ""))
     return attrs.evolve(fault, file=name) if fault.file == str(document.path) else fault

@@ -1,13 +1,13 @@
 """The session of the Editor: a document that windows see and one of them changes.
 
-All of it is for the event loop in which it is started. No code of a user's runs in it; runs are processes of their own.
+All of it is for the event loop in which it is started. The document is read in a process of its own, which may be
+ended; so are users' programs checked, and run.
 """
 
 from __future__ import annotations
 
 import asyncio
 import base64
-import contextlib
 import sys
 import tempfile
 import traceback
@@ -19,9 +19,12 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import error_in_words
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
+from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.changes import apply, own_table
 from amorsim.ui.editor.inspector import inspect
-from amorsim.ui.editor.looking import Looked, look
+from amorsim.ui.editor.looking import FaultAt, Looked
+from amorsim.ui.editor.projects import ASKS, Projects
+from amorsim.ui.editor.reader import Reader
 from amorsim.ui.editor.work import ChangedError, Work
 from amorsim.ui.serve.wire import shown, whole
 from amorsim.ui.simulator.controls import Controls
@@ -34,7 +37,7 @@ LONGEST_LABEL = 80
 MOST_TABLES = 2000
 
 _NUMBER = whole(0)
-_ASKS = ("document", "inspect", "image", "text", "menu", "tables")
+_ASKS = ("document", "inspect", "image", "text", "menu", "tables", *ASKS)
 
 Answer = dict[str, Any]
 Table = Mapping[str, Any]
@@ -42,6 +45,10 @@ Table = Mapping[str, Any]
 
 async def _no_run(_: Path) -> str:
     raise AmorsimError("nothing can be run here")
+
+
+async def _no_other(_: str) -> str:
+    raise AmorsimError("nothing else can be opened here")
 
 
 class EditSession:
@@ -53,6 +60,12 @@ class EditSession:
         What is edited.
     run
         Starts the simulation of a scenario's file; returns the path of its page.
+    open_other
+        Opens another scenario; returns the path of its page.
+    may_run_code
+        Whether a user's programs may be run to check them, in a process of their own.
+    reader
+        The process that reads the document, which is left open then; one of its own if none is given.
     """
 
     def __init__(
@@ -61,12 +74,23 @@ class EditSession:
         *,
         registry: Registry | None = None,
         run: Callable[[Path], Awaitable[str]] = _no_run,
+        open_other: Callable[[str], Awaitable[str]] = _no_other,
+        may_run_code: bool = False,
+        reader: Reader | None = None,
     ) -> None:
         self.work = work
+        self.may_run_code = may_run_code
+        self.reader = reader or Reader()
+        self._owns_reader = reader is None
+        self._checker = Reader()
+        self._projects = Projects(self)
         self._registry = registry or default_registry()
-        self._run = run
+        self.run = run
+        self.open_other = open_other
         self._controls = Controls()
-        self._looked = Looked(faults=[], things=[], builder=None)
+        self._looked = Looked(faults=[], things=[], still=None)
+        self._code_faults: list[FaultAt] = []
+        self._is_checking = False
         self._number = 1
         self._drawn = 0  # the number at which what is drawn was new
         self._is_behind = True
@@ -78,6 +102,7 @@ class EditSession:
 
     def start(self) -> None:
         """Read the document, and look whether something else changes its files, from now on."""
+        self.reader.start()
         self._wanted.set()
         loop = asyncio.get_running_loop()
         self._tasks = [loop.create_task(self._look()), loop.create_task(self._watch())]
@@ -86,6 +111,10 @@ class EditSession:
         """End it; again if one likes."""
         for task in self._tasks:
             task.cancel()
+        self._checker.close()
+        self._projects.close()
+        if self._owns_reader:
+            self.reader.close()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         self.work.close()
         self._folder.cleanup()
@@ -100,20 +129,56 @@ class EditSession:
     # --------------------------------------------------------------------------------------------------------- looking
 
     async def _look(self) -> None:
-        folder = Path(self._folder.name) / "maps"
         while True:
             await self._wanted.wait()
             self._wanted.clear()
-            work = self.work
-            name = f"{work.name}.toml"
             try:
-                view, text, values = work.view(folder), work.text, work.document.values
+                asked = self.asked()
+                self._looked = await asyncio.to_thread(self.reader.ask, "look", **asked)
             except (AmorsimError, OSError) as error:
-                self._looked = Looked.failed(name, str(error))
-            else:
-                self._looked = await asyncio.to_thread(look, view, text, values, name, folder)
+                self._looked = Looked.failed(f"{self.work.name}.toml", str(error))
+            self._code_faults = []
             self._is_behind = self._wanted.is_set()
-            self._tell(is_drawn=True)
+            self._is_checking = not self._is_behind and self.may_run_code and self.has_code
+            self.tell(is_drawn=True)
+            if self._is_checking:
+                await self._check_code(asked)
+
+    async def _check_code(self, asked: dict[str, Any]) -> None:
+        """Try the programs that are named, until the document is changed again."""
+        check = asyncio.create_task(asyncio.to_thread(self._checker.ask, "check_code", **asked))
+        change = asyncio.create_task(self._wanted.wait())
+        await asyncio.wait((check, change), return_when=asyncio.FIRST_COMPLETED)
+        if not check.done():
+            self._checker.kill()
+        change.cancel()
+        try:
+            self._code_faults = await check
+        except (AmorsimError, OSError) as error:
+            if not self._wanted.is_set():
+                self._code_faults = Looked.failed(f"{self.work.name}.toml", str(error)).faults
+        self._is_checking = False
+        self.tell(is_drawn=True)
+
+    def asked(self) -> dict[str, Any]:
+        """What the reading process is to read: the document as it is now.
+
+        Raises
+        ------
+        AmorsimError, OSError
+            If a map cannot be written where that process finds it.
+        """
+        folder = Path(self._folder.name) / "maps"
+        view = self.work.view(folder)
+        name = f"{self.work.name}.toml"
+        return {"text": view.text, "path": view.path, "shown": self.work.text, "name": name, "folder": folder}
+
+    @property
+    def has_code(self) -> bool:
+        """Whether the scenario names programs of a user's."""
+        document = self.work.document
+        here = document.path.absolute().parent
+        return any(named.kind == "program" for named in named_files(document.values, self._registry, here))
 
     async def _watch(self) -> None:
         while True:
@@ -121,20 +186,21 @@ class EditSession:
             changed = [path.name for path in await asyncio.to_thread(lambda: self.work.files_changed)]
             if changed != self._changed_outside:
                 self._changed_outside = changed
-                self._tell()
+                self.tell()
 
-    def _tell(self, *, is_drawn: bool = False) -> None:
+    def tell(self, *, is_drawn: bool = False) -> None:
+        """Let windows ask how it stands; with `is_drawn`, what is drawn is new."""
         self._number += 1
         if is_drawn:
             self._drawn = self._number
         news, self._news = self._news, asyncio.Event()
         news.set()
 
-    def _touched(self) -> None:
+    def touched(self) -> None:
         """The document is another: it is read again."""
         self._is_behind = True
         self._wanted.set()
-        self._tell()
+        self.tell()
 
     def state(self, after: int = 0) -> Answer:
         """How the document stands; with what is drawn where that is newer than a number."""
@@ -147,9 +213,11 @@ class EditSession:
             "folder": str(work.folder),
             "map": "" if work.map is None else work.map.name,
             "walls_fixed": work.walls_fixed,
+            "cells": work.cells,
             "is_saved": work.is_saved,
             "is_new": work.is_new,
             "is_behind": self._is_behind,
+            "is_checking": self._is_checking,
             "remark": work.remark,
             "changed_outside": self._changed_outside,
             "undo": work.history.done[-1].label if work.history.done else "",
@@ -159,9 +227,9 @@ class EditSession:
         }
         if self._drawn > after:
             answer["drawn"] = {
-                "faults": looked.faults,
+                "faults": [*looked.faults, *self._code_faults],
                 "things": looked.things,
-                "still": None if looked.builder is None else looked.builder.still,
+                "still": looked.still,
             }
         return answer
 
@@ -170,13 +238,13 @@ class EditSession:
     def open_window(self, tab: str = "") -> str:
         """A new window's name; the first holds the pen."""
         window = self._controls.open(tab)
-        self._tell()
+        self.tell()
         return window
 
     def close_window(self, window: str) -> None:
         """A window has gone."""
         self._controls.close(window)
-        self._tell()
+        self.tell()
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
         """Nothing, for nothing moves: it never returns."""
@@ -195,7 +263,7 @@ class EditSession:
                 raise AmorsimError("another window holds the pen; this one watches")
             if name == "controls":
                 answer = self._controls.carry_out(window, command)
-                self._tell()
+                self.tell()
                 return answer
             return await self.request(command)
         except AmorsimError as error:
@@ -233,43 +301,45 @@ class EditSession:
             case {"do": "tables", "paths": [*paths]} if len(paths) <= MOST_TABLES:
                 return {"ok": True, "tables": [own_table(work, path) for path in paths]}
             case {"do": "menu"}:
-                names = {kind: list(self._registry.names(kind)) for kind in ("robot", "motion", "controller")}
+                kinds = ("robot", "motion", "controller", "world_generator")
+                names = {kind: list(self._registry.names(kind)) for kind in kinds}
                 return {"ok": True, **names}
-            case {"do": "image", "name": str(name)} if self._looked.builder is not None:
-                with contextlib.suppress(LookupError):
-                    picture = await asyncio.to_thread(self._looked.builder.picture, name)
-                    return {"ok": True, "png": base64.b64encode(picture).decode()}
-                raise AmorsimError(f"there is no picture {shown(name)}")
+            case {"do": "image", "name": str(name)}:
+                picture = await asyncio.to_thread(self.reader.ask, "picture", name=name)
+                return {"ok": True, "png": base64.b64encode(picture).decode()}
             case {"do": "edit", "label": str(label), "changes": changes}:
                 added = work.edit(label[:LONGEST_LABEL], lambda work: apply(work, changes))
-                self._touched()
+                self.touched()
                 return {"ok": True, "added": added}
             case {"do": "undo" | "redo" as which}:
                 label = work.undo() if which == "undo" else work.redo()
-                self._touched()
+                self.touched()
                 return {"ok": True, "label": label}
             case {"do": "save"}:
                 file = work.save(force=command.get("force") is True)
                 self._changed_outside = []
-                self._tell()
+                self.tell()
                 return {"ok": True, "file": str(file)}
             case {"do": "save_as", "name": name}:
                 file = work.save_as(place_for(work.folder, name, ".toml"), overwrite=command.get("overwrite") is True)
-                self._touched()
+                self.touched()
                 return {"ok": True, "file": str(file)}
             case {"do": "heard"}:
                 work.remark = ""
-                self._tell()
+                self.tell()
                 return {"ok": True}
             case {"do": "reload"}:
                 work.reload()
                 work.remark = ""
                 self._changed_outside = []
-                self._touched()
+                self.touched()
                 return {"ok": True}
             case {"do": "run"}:
                 return {"ok": True, "path": await self._start_run()}
-        raise AmorsimError(f"there is no command {shown(dict(command))}")
+        answer = await self._projects.answer(command)
+        if answer is None:
+            raise AmorsimError(f"there is no command {shown(dict(command))}")
+        return answer
 
     async def _start_run(self) -> str:
         """Let the simulation of the document as it is now begin."""
@@ -277,4 +347,4 @@ class EditSession:
         view = self.work.view(folder / "maps")
         file = Path(tempfile.mkdtemp(prefix="run-", dir=folder)) / f"{self.work.name}.toml"
         view.save(file)
-        return await self._run(file)
+        return await self.run(file)

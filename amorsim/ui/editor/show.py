@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from amorsim.core.errors import AmorsimError
-from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.journal import state_folder
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work
@@ -27,6 +26,7 @@ __all__ = ["edit"]
 
 LONGEST_REST = 0.5  # [s] that the server gets to end once the simulations have
 
+MOST_OPEN = 20
 LONGEST = 8 * 1024 * 1024  # [bytes] of a window's message: a file as text, or thousands of walls that are moved
 
 Say = Callable[[str], None]
@@ -61,11 +61,12 @@ def edit(
     if work.remark:
         complain(work.remark)
     pages = Pages()
-    runs = _Runs(work, pages, may_run_code=allow_code or Door(host=host, port=port).is_for_this_machine)
+    may_run_code = allow_code or Door(host=host, port=port).is_for_this_machine
+    opened = _Opened(pages, folder, may_run_code=may_run_code)
     invitation = Invitation(browser=browser, say=say, complain=complain)
 
     async def end() -> None:
-        await runs.close()
+        await opened.end_runs()
         invitation.forget()
         rest = threading.Timer(LONGEST_REST, leave)
         rest.daemon = True
@@ -76,14 +77,11 @@ def edit(
         os._exit(0)
 
     async def all_of_it() -> None:
-        session = EditSession(work, run=runs.start)
-        pages.add("edit", work.name, session)
-        session.start()
+        opened.add(work)
         try:
             await serve(pages, host=host, port=port, ready=invitation.ready, ending=end, longest_message=LONGEST)
         finally:
-            await runs.close()
-            await session.close()
+            await opened.close()
 
     with asyncio.Runner() as runner:
         try:
@@ -94,13 +92,62 @@ def edit(
             gc.freeze()  # Python's last look for what nobody uses takes a second with all that numba holds
 
 
-class _Runs:
-    """The simulations of the document: one at a time, on the page of its name."""
+class _Opened:
+    """The scenarios that are edited, each on a page of its own."""
 
-    def __init__(self, work: Work, pages: Pages, *, may_run_code: bool) -> None:
-        self._work, self._pages, self._may_run_code = work, pages, may_run_code
+    def __init__(self, pages: Pages, folder: Path, *, may_run_code: bool) -> None:
+        self._pages, self._folder, self._may_run_code = pages, folder, may_run_code
+        self._sessions: list[tuple[EditSession, Page, _Runs]] = []
+
+    def add(self, work: Work) -> Page:
+        """Edit a scenario from now on."""
+        session = EditSession(work, may_run_code=self._may_run_code, open_other=self.open)
+        page = self._pages.add("edit", work.name, session)
+        self._sessions.append((session, page, _Runs(session, page, self._pages)))
+        session.start()
+        return page
+
+    async def open(self, name: str) -> str:
+        """The path of the page of a file, of a copy of a bundled scenario, or of an empty page.
+
+        Raises
+        ------
+        AmorsimError
+            If there is no such scenario, or nothing more can be opened.
+        """
+        is_file = name.endswith(".toml")
+        path = Path(os.path.abspath(self._folder / name))  # noqa: PTH100 - a link keeps the name that it was given
+        for session, page, _ in self._sessions:
+            if (is_file and not session.work.is_new and session.work.path == path) or (
+                not is_file and session.work.is_new and session.work.name == (name or "untitled")
+            ):
+                return page.path
+        if len(self._sessions) >= MOST_OPEN:
+            raise AmorsimError(f"{MOST_OPEN} scenarios are open; end this Editor and start another")
+        if is_file and not path.is_file():
+            raise AmorsimError(f"there is no file {name}")
+        return self.add(Work(str(path) if is_file else name, self._folder, state=state_folder())).path
+
+    async def end_runs(self) -> None:
+        """End all simulations."""
+        for _, _, runs in self._sessions:
+            await runs.close()
+
+    async def close(self) -> None:
+        """End it all."""
+        await self.end_runs()
+        for session, _, _ in self._sessions:
+            await session.close()
+
+
+class _Runs:
+    """The simulations of a document: one at a time, on the page of its name, which leads back to the Editor's."""
+
+    def __init__(self, editing: EditSession, editing_page: Page, pages: Pages) -> None:
+        self._editing, self._editing_page, self._pages = editing, editing_page, pages
         self._page: Page | None = None
         self._session: Session | None = None
+        editing.run = self.start
 
     async def start(self, file: Path) -> str:
         """Start the simulation of a file in place of the one before; returns the path of its page.
@@ -110,25 +157,21 @@ class _Runs:
         AmorsimError
             If it cannot be simulated, or has code that must not run here.
         """
-        if not self._may_run_code and self._has_code():
+        work = self._editing.work
+        if not self._editing.may_run_code and self._editing.has_code:
             raise AmorsimError(
                 "this scenario has programs of its own, and other machines can reach this window; start the Editor "
                 "with --allow-code if they may run them, or without --host"
             )
-        session = Session(Recipe(name=str(file), passing=str(file.parent)), project=self._work.folder)
+        session = Session(Recipe(name=str(file), passing=str(file.parent)), project=work.folder)
         try:
             await session.start()
         except BaseException:
             await session.close()
             raise
         await self.close()
-        self._session, self._page = session, self._pages.add("run", self._work.name, session)
-        return self._page.path
-
-    def _has_code(self) -> bool:
-        document = self._work.document
-        here = document.path.absolute().parent
-        return any(named.kind == "program" for named in named_files(document.values, self._work.registry, here))
+        self._session, self._page = session, self._pages.add("run", work.name, session)
+        return f"{self._page.path}?from={self._editing_page.path}"
 
     async def close(self) -> None:
         """End the simulation, and its page; again if one likes."""

@@ -3,25 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import PurePath
 from typing import Any, TypedDict
 
-from amorsim.core.errors import Fault
+from amorsim.core.poses import Mount
 from amorsim.core.shapes import Shape
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.document import Document
 from amorsim.scenario.partial import Partial
 from amorsim.scenario.spec import Obstacle, Pose, Robot
+from amorsim.ui.editor.places import Place, places_at
 from amorsim.ui.scene.bodies import outline_of
 from amorsim.ui.scene.wire import Outline
 
-__all__ = ["Thing", "things_of"]
+__all__ = ["MountAt", "Thing", "things_of"]
 
 _NAMED = {"robots": "robot", "obstacles": "obstacle", "zones": "zone", "landmarks": "landmark", "lights": "light"}
+
+
+class MountAt(TypedDict):
+    """Where a sensor sits on its robot: x, y [m] and heading [rad]."""
+
+    sensor: str
+    pose: list[float]
 
 
 class Thing(TypedDict):
     """A thing of a scenario: a table of its file.
 
     `footprint` and `pose` (x, y [m], heading [rad]) are where it can be read that it stands in one place; `moves` says
-    whether the file can say that place. `robots` and `obstacles` are its places in the scene.
+    whether the file can say that place. `robots` and `obstacles` are its places in the scene; `places` are points of it
+    that lie elsewhere in the world.
     """
 
     path: str
@@ -34,15 +46,20 @@ class Thing(TypedDict):
     turns: bool
     robots: list[int]
     obstacles: list[int]
+    places: list[Place]
+    mounts: list[MountAt]
     faults: int
 
 
-def things_of(values: Mapping[str, Any], partial: Partial, faults: Sequence[Fault]) -> list[Thing]:
+def things_of(document: Document, partial: Partial, registry: Registry) -> list[Thing]:
     """The things in a scenario's own tables, with what could be read of them."""
+    values, folder = document.values, document.path.absolute().parent
     found = [_thing("simulation", "settings", "simulation", "time, seed"), _thing("world", "settings", "world", "map")]
     world = values.get("world")
     if isinstance(world, dict) and isinstance(world.get("map"), str):
-        found[1]["note"] = world["map"]
+        found[1]["note"] = PurePath(world["map"]).name
+    elif isinstance(world, dict) and isinstance(world.get("map"), dict):
+        found[1]["note"] = f"generated: {world['map'].get('generate', '?')}"
     robots = list(enumerate(partial.robots))
     order = sorted(range(len(partial.obstacles)), key=lambda number: partial.obstacles[number].name)
     obstacles = [(order.index(number), one) for number, one in enumerate(partial.obstacles)]
@@ -86,8 +103,10 @@ def things_of(values: Mapping[str, Any], partial: Partial, faults: Sequence[Faul
         if isinstance(values.get(key), dict):
             found.append(_thing(key, "settings", key, ""))
     for thing in found:
+        if thing["kind"] in ("robot", "obstacle") or thing["path"] == "floor":
+            thing["places"] = places_at(values, thing["path"], registry, folder)
         thing["faults"] = sum(
-            fault.path == thing["path"] or fault.path.startswith(f"{thing['path']}.") for fault in faults
+            fault.path == thing["path"] or fault.path.startswith(f"{thing['path']}.") for fault in partial.faults
         )
     return found
 
@@ -104,6 +123,8 @@ def _thing(path: str, kind: str, name: str, note: str) -> Thing:
         "turns": False,
         "robots": [],
         "obstacles": [],
+        "places": [],
+        "mounts": [],
         "faults": 0,
     }
 
@@ -152,6 +173,8 @@ def _body(
         thing["footprint"] = outline_of(shape)
     if pose is not None:
         thing["pose"] = _numbers(pose)
+    if isinstance(body, Robot):
+        thing["mounts"] = [{"sensor": key, "pose": _numbers(one.mount)} for key, one in body.sensors.items()]
     said = table.get("pose", {})
     thing["moves"] = thing["turns"] = isinstance(said, dict)
     return thing
@@ -161,5 +184,5 @@ def _is_of(name: str, stem: str) -> bool:
     return name.startswith(stem) and name[len(stem) :].isdigit()
 
 
-def _numbers(pose: Pose) -> list[float]:
+def _numbers(pose: Pose | Mount) -> list[float]:
     return [pose.x, pose.y, pose.heading]

@@ -10,14 +10,16 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import AmorsimError, DocumentError
-from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.elsewhere import named_files
+from amorsim.ui.editor.bitmaps import SUFFIXES, shape_of
 from amorsim.ui.editor.history import History, Patch, Step, difference
 from amorsim.ui.editor.journal import Journal, JournalError, Kept, mark_of
+from amorsim.ui.editor.map_text import MapText, read_map_text
+from amorsim.ui.editor.recent import remember
 from amorsim.ui.editor.walls import EMPTY_WORLD, WallsError, world_of
 from amorsim.ui.faults.files import Stamp, stamps_of
 
@@ -29,15 +31,6 @@ SCENARIO = ""  # the name of the scenario's text; that of a map is its path
 
 class ChangedError(AmorsimError):
     """A file that was changed by something else since it was read or saved."""
-
-
-@attrs.define(kw_only=True)
-class _MapText:
-    """The text of a map's file, and what is in the file: None where there is none."""
-
-    text: str
-    saved: str | None
-    encoding: str = "utf-8"
 
 
 class Work:
@@ -59,6 +52,8 @@ class Work:
     ----------
     remark
         What the user should know of what was kept, or nothing.
+    state
+        As given.
 
     Raises
     ------
@@ -70,7 +65,8 @@ class Work:
         self.registry = registry or default_registry()
         self.folder = folder.absolute()
         self.history = History()
-        self._maps: dict[Path, _MapText] = {}
+        self._maps: dict[Path, MapText] = {}
+        self._refused: dict[Path, str] = {}  # bitmaps that cannot be painted on, and why, since they were read
         self.is_new = True  # whether it has no file of its own yet
         if not name:
             self.path = self.folder / "untitled.toml"
@@ -86,7 +82,7 @@ class Work:
         self.name = "untitled" if not name else self.path.stem
         self._original = self.document.text
         self._stamps = self._stamped()
-        self._state = state
+        self.state = state
         self._known: set[str] = set()  # the texts that the journal has
         self.remark = ""
         self._journal = self._open_journal()
@@ -94,6 +90,12 @@ class Work:
         if kept is not None and SCENARIO in kept.texts:
             self._take_up(kept)
         self._rewrite_journal()
+        self._note()
+
+    def _note(self) -> None:
+        """Count it among the files that were edited last."""
+        if self.state is not None and not self.is_new:
+            remember(self.state, self.path)
 
     def close(self) -> None:
         """Let another have its journal."""
@@ -153,13 +155,26 @@ class Work:
             raise AmorsimError(self.walls_fixed)
         if self._world() is None:
             path = self._free_map()
-            self._maps[path] = _MapText(text=EMPTY_WORLD, saved=None)
+            self._maps[path] = MapText(text=EMPTY_WORLD, saved=None)
             self.document.set("world.map", path.name)
         path = self._map_path()
         held = self._held(path)
         held.text = world_of(self._world(), path.name).changed(
             held.text, add=list(add), change=dict(change or {}), remove=set(remove)
         )
+
+    def paint(self, change: Callable[[str], str]) -> None:
+        """Change the runs of the world's bitmap (see `amorsim.ui.editor.bitmaps`).
+
+        Raises
+        ------
+        AmorsimError
+            If the map is no bitmap that can be painted on.
+        """
+        if self.paint_fixed:
+            raise WallsError(self.paint_fixed)
+        held = self._held(self._map_path())
+        held.text = change(held.text)
 
     def undo(self) -> str:
         """Take the last step back; what it is called, or nothing where there is none."""
@@ -251,7 +266,7 @@ class Work:
     def _is_bundled(self) -> bool:
         return self.is_new and self._saved is not None
 
-    def _held(self, path: Path) -> _MapText:
+    def _held(self, path: Path) -> MapText:
         """The text of a map's file.
 
         Raises
@@ -261,17 +276,9 @@ class Work:
         """
         if path not in self._maps:
             if not path.exists():
-                self._maps[path] = _MapText(text=EMPTY_WORLD, saved=None)
+                self._maps[path] = MapText(text=EMPTY_WORLD, saved=None)
                 return self._maps[path]
-            try:
-                data = read_bytes(path)
-            except (OSError, ValueError) as error:
-                raise WallsError(f"{path.name}: cannot be read: {reason(error)}") from None
-            try:
-                text, encoding = data.decode(), "utf-8"
-            except UnicodeDecodeError:
-                text, encoding = data.decode("latin-1"), "latin-1"
-            self._maps[path] = _MapText(text=text, saved=text, encoding=encoding)
+            self._maps[path] = read_map_text(path, self._world() or {})
             self._stamps |= stamps_of([path])
         return self._maps[path]
 
@@ -287,6 +294,27 @@ class Work:
         except WallsError as error:
             return str(error)
         return ""
+
+    @property
+    def paint_fixed(self) -> str:
+        """Why the map cannot be painted on, or nothing."""
+        table = self._world()
+        if table is None or self._map_path().suffix.lower() not in SUFFIXES:
+            return "the world is no bitmap; save it as .png to paint on it"
+        if "size" in table:
+            return f"{self._map_path().name}: is stretched by `size`; say its `resolution` instead to paint on it"
+        path = self._map_path()
+        if path not in self._refused:
+            try:
+                self._held(path)
+            except WallsError as error:
+                self._refused[path] = str(error)  # which takes a while to find out
+        return self._refused.get(path, "")
+
+    @property
+    def cells(self) -> list[int] | None:
+        """Rows and columns of the bitmap that can be painted on, or None."""
+        return None if self.paint_fixed else list(shape_of(self._held(self._map_path()).text))
 
     # ---------------------------------------------------------------------------------------------------------- looking
 
@@ -304,7 +332,7 @@ class Work:
             path = Path(here / named.name)
             if named.kind == "map" and path in unsaved:
                 held = unsaved[path]
-                data = held.text.encode(held.encoding)
+                data = held.data(path.suffix.lower())
                 place = folder / hashlib.sha256(data).hexdigest()[:16] / path.name
                 if not place.exists():
                     place.parent.mkdir(parents=True, exist_ok=True)
@@ -357,7 +385,7 @@ class Work:
         for path, held in self._maps.items():
             is_named = path == self.map or held.saved is not None
             if held.text != held.saved and is_named:
-                write_bytes(path, held.text.encode(held.encoding))
+                write_bytes(path, held.data(path.suffix.lower()))
                 held.saved = held.text
 
     def save_as(self, path: Path, *, overwrite: bool = False) -> Path:
@@ -383,6 +411,7 @@ class Work:
         self._forget_journal()
         self._journal = self._open_journal()
         self._rewrite_journal()
+        self._note()
         return path
 
     def _bring_maps(self, other: Document) -> None:
@@ -399,12 +428,13 @@ class Work:
         held = self._maps.get(old)
         if held is not None:
             self.history.rename(str(old), str(path))
-            write_bytes(path, held.text.encode(held.encoding))
+            write_bytes(path, held.data(path.suffix.lower()))
             self._maps = {path: attrs.evolve(held, saved=held.text)}
 
     def reload(self) -> None:
         """Read the files again, or begin again what has none; what was not saved is gone, but `undo` brings it back."""
         before = self.texts
+        self._refused.clear()
         if self.is_new:
             self._maps = {path: held for path, held in self._maps.items() if held.saved is not None}
             for held in self._maps.values():
@@ -431,11 +461,11 @@ class Work:
         return {SCENARIO: mark_of(self._saved), **{str(path): mark_of(held.saved) for path, held in self._maps.items()}}
 
     def _open_journal(self) -> Journal | None:
-        if self._state is None:
+        if self.state is None:
             return None
         key = f"{self.folder / self.name} (new)" if self.is_new else str(self.path)
         try:
-            return Journal(self._state, key)
+            return Journal(self.state, key)
         except JournalError as error:
             self.remark = str(error)
             return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,46 +14,9 @@ from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.session import EditSession
 from amorsim.ui.editor.work import Work
 from tests.ui.aside import aside
+from tests.ui.editor.talking import READERS, do, drawn, own_copy, talk
 
 BUNDLED = default_registry().names("scenario")
-
-Talk = Callable[[EditSession], Awaitable[None]]
-
-
-def talk(name: str, folder: Path, say: Talk) -> Work:
-    """Let a session run for as long as something is said to it; returns what it has edited."""
-    work = Work(name, folder)
-
-    async def all_of_it() -> None:
-        async with EditSession(work) as session:
-            await say(session)
-
-    aside(all_of_it())
-    return work
-
-
-async def do(session: EditSession, **command: Any) -> dict[str, Any]:
-    said = await session.request(command)
-    assert said["ok"], said
-    return said
-
-
-async def drawn(session: EditSession) -> dict[str, Any]:
-    """What is drawn, once all changes are read."""
-    number = 0
-    found: dict[str, Any] = {}
-    while True:
-        said = await do(session, do="document", after=number)
-        number, found = said["number"], said.get("drawn", found)
-        if not said["is_behind"]:
-            return found
-
-
-def own_copy(name: str, folder: Path) -> Path:
-    """A bundled scenario as a user's own files."""
-    file = folder / f"{name}.toml"
-    am.open_document(name).save(file, copy=True)
-    return file
 
 
 @pytest.mark.parametrize("name", BUNDLED)
@@ -370,7 +332,7 @@ def test_a_run_from_the_editor_has_the_digest_of_a_run_of_the_saved_file(name: s
     work = Work(name, tmp_path)
 
     async def all_of_it() -> None:
-        async with EditSession(work, run=run) as session:
+        async with EditSession(work, run=run, reader=READERS[0]) as session:
             changes = [
                 {"op": "pose", "path": "robots.0", "value": [*(await where(session)), 30.0]},
                 {"op": "walls", "add": [[0.05, 0.05, 0.06, 0.05]]},

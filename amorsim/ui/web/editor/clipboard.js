@@ -3,6 +3,8 @@
 import { round } from "./geometry.js";
 import { freeName } from "./things.js";
 
+const KEPT = "amorsim-copied";
+
 /** What is selected, as the file says it; null where nothing is.
  * @param {import("./editor.js").EditorPage} page */
 export async function copyOf(page) {
@@ -16,7 +18,23 @@ export async function copyOf(page) {
   }
   const things = said.tables.map((table, n) => ({ list: paths[n].split(".")[0], table, thing: stage.things.find(({ path }) => path === paths[n]) }));
   const count = walls.length + things.length;
-  return count ? { walls, things, count } : null;
+  const clip = count ? { walls, things, count } : null;
+  try {
+    if (clip) localStorage.setItem(KEPT, JSON.stringify(clip)); // for other scenarios, and other windows
+  } catch {
+    localStorage.removeItem(KEPT);
+  }
+  return clip;
+}
+
+/** What was copied last, here or in another window; null where nothing was.
+ * @returns {Awaited<ReturnType<typeof copyOf>>} */
+export function lastCopy() {
+  try {
+    return JSON.parse(localStorage.getItem(KEPT) ?? "null");
+  } catch {
+    return null;
+  }
 }
 
 /** The changes that put copies, shifted by so much [m]; `names` are the things there are, to which the copies come.

@@ -6,7 +6,7 @@ import { round } from "./geometry.js";
 const FREE = { altKey: false, shiftKey: false };
 
 /** What all drawing tools do: show where the pointer snaps to. */
-class DrawTool extends Tool {
+export class DrawTool extends Tool {
   /** @param {import("./editor.js").EditorPage} page */
   constructor(page) {
     super();
@@ -191,12 +191,13 @@ export class CircleTool extends DrawTool {
 
 export class MeasureTool extends DrawTool {
   get says() {
-    return "Click two points: their distance and the angle. Nothing is changed.";
+    return "Click two points: their distance and the angle. Next to the pointer: how far the nearest wall is.";
   }
 
   about(mark) {
     const [from, to] = this.points;
-    if (!from) return {};
+    const clear = this.stage.walls.clearance(mark.x, mark.y);
+    if (!from) return Number.isFinite(clear) ? { words: `nearest wall ${clear.toFixed(3)} m`, at: [mark.x, mark.y] } : {};
     const end = to ?? [mark.x, mark.y];
     const wall = [from[0], from[1], end[0], end[1]];
     return { walls: [wall], words: this.page.lengthOf(wall), at: end };
@@ -211,11 +212,13 @@ export class MeasureTool extends DrawTool {
 export class PlaceTool extends DrawTool {
   /**
    * @param {import("./editor.js").EditorPage} page
-   * @param {{label: string, path: string, footprint: any, make: (pose: number[]) => any}} what
+   * @param {{label: string, footprint: any}} what
+   * @param {(pose: number[]) => void} done gets x, y [m] and heading [°]
    */
-  constructor(page, what) {
+  constructor(page, what, done) {
     super(page);
     this.what = what;
+    this.done = done;
   }
 
   get says() {
@@ -247,7 +250,7 @@ export class PlaceTool extends DrawTool {
     const isTurned = Math.hypot(mark.x - x, mark.y - y) * this.stage.camera.scale > 12;
     const heading = isTurned ? Math.round((Math.atan2(mark.y - y, mark.x - x) * 36) / Math.PI) * 5 : 0;
     this.cancel();
-    this.page.add(this.what, [x, y, heading]);
+    this.done([x, y, heading]);
   }
 
   key(event, middle) {

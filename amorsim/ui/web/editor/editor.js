@@ -1,20 +1,24 @@
 // The Editor's page: a document that the server keeps, drawn and listed; every gesture is a step that can be undone.
 
 import { h, say } from "../shared/dom.js";
-import { numberIn } from "../shared/field.js";
 import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
-import { copyOf, pasted } from "./clipboard.js";
-import { CircleTool, LineTool, MeasureTool, PlaceTool, RectangleTool } from "./draw_tools.js";
+import { showMenu } from "./adding.js";
+import { copyOf, lastCopy, pasted } from "./clipboard.js";
+import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
 import { Inspector } from "./inspector.js";
 import { listen } from "./keys.js";
 import { DOINGS, build } from "./layout.js";
 import { ObjectList, counts, faultButtons } from "./list.js";
+import { showOutside, showPen, showTools } from "./outside.js";
+import { showMounts } from "./mounting.js";
+import { BrushTool, FillTool, cropTool } from "./paint_tools.js";
 import { SelectTool } from "./select_tool.js";
 import { EditStage } from "./stage.js";
-import { kindsOfThings } from "./things.js";
+import { takeUp } from "./underlay.js";
+import { DoorTool, RoomTool, TrimTool } from "./wall_tools.js";
 
 const LOST = "The connection to amorsim is lost; trying again. What was changed is kept by the server.";
 
@@ -29,14 +33,29 @@ export class EditorPage {
     this.parts = build({ pane: this.stage.pane.element, objects: this.objects.element, inspector: this.inspector });
     root.replaceChildren(this.parts.element);
     this.grid = 0.1;
+    this.width = 0.9; // [m] of openings
+    this.brush = 0.1; // [m], how wide the brush is
+    this.door = "swinging"; // what is put into them
     /** @type {any} */
     this.state = null;
     /** @type {any[]} */
     this.faults = [];
     this.window = "";
+    /** Shows the faults of a program that is open. @type {(() => void) | null} */
+    this.showCodeFaults = null;
+    /** The simulation that is shown on the canvas. @type {any} */
+    this.playing = null;
+    /** What was read last. @type {any} */
+    this.drawn = null;
+    this.fitsNext = false; // whether all of the next world is to be seen
+    this.outside = ""; // what is said of files that were changed by something else
+    /** What can be added. @type {any[]} */
+    this.kinds = [];
     this.tools = {
       select: new SelectTool(this), hand: this.stage.pane.panning, line: new LineTool(this, false), polyline: new LineTool(this, true),
-      rectangle: new RectangleTool(this), circle: new CircleTool(this), measure: new MeasureTool(this),
+      rectangle: new RectangleTool(this), circle: new CircleTool(this), room: new RoomTool(this), door: new DoorTool(this),
+      trim: new TrimTool(this), brush: new BrushTool(this, { isOccupied: true }), eraser: new BrushTool(this, { isOccupied: false }),
+      cells: new BrushTool(this, { isOccupied: true, isLine: true }), fill: new FillTool(this), crop: cropTool(this), measure: new MeasureTool(this),
     };
     this.stage.pane.panning = new Hand(this.stage.camera, {});
     listen(this);
@@ -52,7 +71,7 @@ export class EditorPage {
 
   /** Whether this window holds the pen. */
   get isHolder() {
-    return Boolean(this.window) && this.state?.holder === this.window;
+    return Boolean(this.window) && this.state?.holder === this.window && !this.playing;
   }
 
   get watching() {
@@ -68,8 +87,7 @@ export class EditorPage {
   async follow() {
     this.warn("");
     const menu = await this.connection.ask({ do: "menu" });
-    if (menu.ok) this.kinds = kindsOfThings(menu);
-    this.showMenu();
+    if (menu.ok) showMenu(this, menu);
     let number = 0;
     while (this.connection.isOpen) {
       const said = await this.connection.ask({ do: "document", after: number });
@@ -92,17 +110,27 @@ export class EditorPage {
     parts.redo.disabled = !said.redo;
     parts.undo.title = said.undo ? `undo: ${said.undo} (Ctrl + Z)` : "undo (Ctrl + Z)";
     parts.redo.title = said.redo ? `redo: ${said.redo} (Ctrl + Y)` : "redo (Ctrl + Y)";
-    this.root.classList.toggle("watching", this.watching);
-    this.showPen();
-    this.showOutside();
-    for (const name of ["line", "polyline", "rectangle", "circle"]) parts.tools.get(name).disabled = this.watching || Boolean(said.walls_fixed);
+    this.showState();
+    if (!before) takeUp(this);
     if (said.drawn) this.draw(said.drawn);
     else if (before && wasWatching !== this.watching) this.inspector.refresh();
   }
 
-  draw({ faults, things, still }) {
+  /** Show who may change it, and which tools there are. */
+  showState() {
+    this.root.classList.toggle("watching", this.watching);
+    showPen(this);
+    showOutside(this);
+    showTools(this);
+  }
+
+  draw(drawn) {
+    this.drawn = drawn;
+    if (this.playing) return; // it is shown when that has ended
+    const { faults, things, still } = drawn;
     const { parts, stage } = this;
     this.faults = faults;
+    if (this.toolName === "select") stage.preview = null;
     stage.update({ still, things }, (name) => this.image(name));
     const { walls } = stage.walls;
     this.objects.show(things, walls);
@@ -111,6 +139,14 @@ export class EditorPage {
     parts.faults.hidden = !faults.length;
     parts.faults.replaceChildren(faultButtons(faults, (at) => this.goTo(at)));
     if (this.wanted) this.choose(this.wanted);
+    if (this.fitsNext) stage.fit();
+    this.fitsNext = false;
+    this.showCodeFaults?.();
+  }
+
+  /** Whether the file itself says something of a part of the thing that is inspected. @param {string} path */
+  says(path) {
+    return this.inspector.sections.some((section) => section.path === path && section.use?.value && !section.origin);
   }
 
   /** Select a thing once it is there. @param {string[]} paths */
@@ -136,42 +172,7 @@ export class EditorPage {
   showDoings() {
     const some = this.stage.selection.things.some((one) => one.kind !== "settings");
     for (const [name] of DOINGS) this.parts[name].disabled = !some;
-  }
-
-  showPen() {
-    const { pen } = this.parts;
-    const asking = this.state.asking ?? [];
-    pen.hidden = this.isHolder && !asking.length;
-    say(pen, this.isHolder ? "give the pen" : asking.includes(this.window) ? "asked for the pen" : this.state.holder ? "ask for the pen" : "take the pen");
-    pen.onclick = () => this.connection.ask({ do: "controls", want: this.isHolder ? "give" : this.state.holder ? "ask" : "take" });
-  }
-
-  showOutside() {
-    const { changed_outside: changed, remark, is_saved: isSaved } = this.state;
-    const key = `${changed.join()}|${remark}|${isSaved}`;
-    if (key === this.outside) return;
-    this.outside = key;
-    if (!changed.length && !remark) {
-      this.warn("");
-      return;
-    }
-    const act = (command) => async () => {
-      const said = await this.connection.ask(command);
-      if (!said.ok) this.hint(said.error);
-    };
-    if (!changed.length) {
-      this.warn(
-        `${remark[0].toUpperCase()}${remark.slice(1)}.`,
-        isSaved ? "" : h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "begin without them"),
-        h("button", { class: "tool holders-only", onclick: act({ do: "heard" }) }, "go on"),
-      );
-      return;
-    }
-    this.warn(
-      `${changed.join(" and ")} was changed by something else.`,
-      h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "reload the file"),
-      h("button", { class: "tool holders-only", onclick: act({ do: "save", force: true }) }, "keep mine"),
-    );
+    showMounts(this);
   }
 
   // --------------------------------------------------------------------------------------------------------- changing
@@ -191,15 +192,6 @@ export class EditorPage {
   async step(which) {
     const said = await this.connection.ask({ do: which });
     this.hint(said.ok ? (said.label ? `${which}: ${said.label}` : `nothing to ${which}`) : said.error);
-  }
-
-  /** Add a thing of a kind at a pose, and select it.
-   * @param {any} kind
-   * @param {number[]} pose */
-  async add(kind, pose) {
-    const said = await this.edit(`add ${kind.label}`, [{ op: "add", path: kind.path, value: kind.make(pose, this.stage.things) }]);
-    if (said.ok) this.choose(said.added);
-    this.take("select");
   }
 
   async remove() {
@@ -227,6 +219,7 @@ export class EditorPage {
 
   /** Put copies of what was copied, shifted by so much [m]. */
   async paste(shift = [2 * (this.grid || 0.1), -2 * (this.grid || 0.1)]) {
+    this.clip = lastCopy() ?? this.clip;
     if (!this.clip) return;
     const said = await this.edit("paste", pasted([...this.stage.things], this.clip, shift));
     if (said.ok && said.added.length) this.choose(said.added);
@@ -243,6 +236,7 @@ export class EditorPage {
 
   /** Take a tool in hand. @param {string} name */
   take(name) {
+    if (this.parts.tools.get(name)?.hidden) return;
     if (this.parts.tools.get(name)?.disabled) {
       this.hint(this.watching ? "another window holds the pen" : this.wallsFixed);
       return;
@@ -257,41 +251,22 @@ export class EditorPage {
     this.stage.preview = null;
     this.stage.redraw();
     this.toolName = name;
-    say(this.parts.says, tool.says ?? "Drag moves the view.");
+    this.showTool(tool);
     this.parts.typing.hidden = !["line", "polyline", "circle"].includes(name);
+    this.parts.openings.hidden = !["room", "door"].includes(name);
+    this.parts.doors.hidden = name !== "door";
+    this.parts.brushes.hidden = !["brush", "eraser", "cells"].includes(name);
+    showMounts(this);
   }
 
-  showMenu() {
-    const { add } = this.parts;
-    const groups = [...new Set((this.kinds ?? []).map(({ group }) => group))];
-    add.replaceChildren(
-      h("option", { value: "" }, "add …"),
-      ...groups.map((group) => h("optgroup", { label: group }, this.kinds.filter((kind) => kind.group === group).map((kind) => h("option", { value: kind.label }, kind.label)))),
-    );
-  }
-
-  /** Let the next click place a thing. @param {string} label */
-  startPlacing(label) {
-    const kind = this.kinds.find((one) => one.label === label);
-    this.parts.add.value = "";
-    if (!kind) return;
-    for (const button of this.parts.tools.values()) button.setAttribute("aria-pressed", "false");
-    this.hold(new PlaceTool(this, kind), "place");
-    this.stage.pane.canvas.focus();
+  /** Say what a tool does next. */
+  showTool(tool) {
+    say(this.parts.says, tool.says ?? "Drag moves the view.");
   }
 
   /** How what is drawn snaps now. */
   snapping(event, from) {
     return { scale: this.stage.camera.scale, grid: this.grid, from, isTurned: event.shiftKey, isFree: event.altKey };
-  }
-
-  /** The end of the line that is being drawn, as typed. */
-  typedLength() {
-    const { length, angle } = this.parts;
-    const tool = this.tools[this.toolName];
-    if (!tool?.typed) return;
-    if (tool.typed(numberIn(length.value), numberIn(angle.value))) length.value = angle.value = "";
-    else this.hint("click where the wall begins first, then type a length");
   }
 
   /** @param {number[]} wall */

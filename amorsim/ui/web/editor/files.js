@@ -1,6 +1,7 @@
 // Saving, running, and the whole file as text.
 
 import { askName, tell } from "../shared/dialogs.js";
+import { dress } from "./code.js";
 import { h, say } from "../shared/dom.js";
 
 /** Save it, or ask for a name where it has none.
@@ -51,5 +52,6 @@ export async function showText(page) {
     const done = await page.edit("change the text", [{ op: "text", text: area.value }]);
     if (done.ok) area.closest("dialog").close();
   } }, "set");
-  tell(page.state.name, area, h("div", { class: "buttons" }, set));
+  tell(page.state.name, h("div", { class: "code" }, area), h("div", { class: "buttons" }, set));
+  dress(area, "toml");
 }

@@ -52,6 +52,16 @@ export class Walls {
     return best;
   }
 
+  /** How far the nearest wall is [m]; infinity where there is none. */
+  clearance(x, y) {
+    let least = Infinity;
+    for (const wall of this.walls) {
+      const [u, v] = footOn(wall, x, y);
+      least = Math.min(least, Math.hypot(u - x, v - y));
+    }
+    return least;
+  }
+
   /**
    * Where a point snaps to: an end, a crossing, a middle, a wall, or the grid.
    * @param {{x: number, y: number}} point

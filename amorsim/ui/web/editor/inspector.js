@@ -2,6 +2,9 @@
 
 import { h, say } from "../shared/dom.js";
 import { makeField } from "../shared/fields.js";
+import { holdSensor } from "./mounting.js";
+import { drawing, more, reordering } from "./more.js";
+import { reshaping } from "./reshape.js";
 
 /**
  * A table of a thing, as `Section` in amorsim/ui/editor/inspector.py.
@@ -10,6 +13,7 @@ import { makeField } from "../shared/fields.js";
  *   adding: {label: string, path: string, kind: string, choices: string[], is_list: boolean}[]}} Section
  */
 
+const FIRST = ["Controller", "Motion"]; // sections that are open from the beginning
 const NONE = "nothing is selected: click a thing on the canvas or in the list";
 const LEAVE_OUT = "leave it out: what the model or the default says holds";
 
@@ -26,6 +30,8 @@ export class Inspector {
     /** @type {Map<string, boolean>} */
     this.opened = new Map();
     this.asked = 0;
+    /** What is shown. @type {Section[]} */
+    this.sections = [];
     page.stage.selection.listen(() => this.refresh());
   }
 
@@ -36,7 +42,7 @@ export class Inspector {
     const one = /** @type {import("./stage.js").Chosen | null} */ (selection.only);
     if (!one) {
       const count = selection.things.length;
-      this.empty(count ? `${count} things selected` : "Nothing selected", count ? "drag moves them all; Delete deletes them" : NONE);
+      this.empty(count ? `${count} things selected` : "Nothing selected", count ? "drag moves them all; Delete deletes them" : NONE, reshaping(this.page));
       return;
     }
     if (one.wall !== undefined) {
@@ -53,11 +59,14 @@ export class Inspector {
     this.show(one.path, said.sections);
   }
 
-  empty(title, words) {
+  /** @param {string} title
+   * @param {string} words
+   * @param {HTMLElement[]} more */
+  empty(title, words, more = []) {
     say(this.title, title);
     this.signature = this.path = "";
     this.fields.clear();
-    this.element.replaceChildren(h("p", { class: "empty" }, words));
+    this.element.replaceChildren(h("p", { class: "empty" }, words), ...more);
   }
 
   /** The ends of a wall. @param {number} n */
@@ -78,12 +87,14 @@ export class Inspector {
     this.element.replaceChildren(
       h("p", { class: "note" }, `${page.lengthOf(wall)}; walls are kept in ${page.state?.map || "the map's file"}`),
       ...fields,
+      ...reshaping(page),
     );
   }
 
   /** @param {string} path
    * @param {Section[]} sections */
   show(path, sections) {
+    this.sections = sections;
     const signature = JSON.stringify([path, this.page.watching, sections.map((one) => [one.path, one.use, one.toml === null, one.origin, one.fields.map((field) => [field.path, field.widget])])]);
     if (signature !== this.signature) {
       this.signature = signature;
@@ -150,15 +161,17 @@ export class Inspector {
       }
       this.fields.set(parameter.path, field);
       parts.push(field.element);
+      if (parameter.widget?.kind === "table" && parameter.widget.frame === "world" && !page.watching) parts.push(drawing(page, parameter));
     }
     if (section.toml !== null) parts.push(this.toml(section));
     for (const adding of section.adding) parts.push(this.adding(adding));
+    parts.push(...more(page, section));
     parts.push(h("p", { class: "fault-text", role: "alert", "data-faults": section.path }));
     if (section.can_go && !page.watching) {
       const drop = () => page.edit(`remove ${section.title}`, [{ op: "remove", path: section.path }]);
-      parts.push(h("div", { class: "row" }, h("button", { class: "tool", onclick: drop }, `remove ${section.title}`)));
+      parts.push(h("div", { class: "row" }, h("button", { class: "tool", onclick: drop }, `remove ${section.title}`), reordering(page, section, this.sections)));
     }
-    const isOpen = this.opened.get(section.path + section.title) ?? n < 2;
+    const isOpen = this.opened.get(section.path + section.title) ?? (n < 2 || FIRST.includes(section.title));
     const depth = ["", " deep", " deeper"][section.depth] ?? " deeper";
     const details = h(
       "details",
@@ -166,7 +179,11 @@ export class Inspector {
       h("summary", {}, h("span", { class: "title" }, section.title), h("span", { class: "use" }, section.use?.value ?? "")),
       parts,
     );
-    details.addEventListener("toggle", () => this.opened.set(section.path + section.title, details.open));
+    const sensor = section.path.match(/^robots\.\d+\.sensors\.([^.]+)$/)?.[1];
+    details.addEventListener("toggle", () => {
+      this.opened.set(section.path + section.title, details.open);
+      if (sensor && details.open) holdSensor(page, sensor);
+    });
     return details;
   }
 
@@ -180,7 +197,8 @@ export class Inspector {
     select.addEventListener("change", async () => {
       const { value } = select;
       const what = title.toLowerCase();
-      if (use.kind === "shape") await page.edit(`choose a ${value}`, [{ op: "shape", path, value }]);
+      if (use.kind === "world_generator") await page.edit(`choose the generator ${value}`, [{ op: "set", path, value: { generate: value, seed: 1 } }]);
+      else if (use.kind === "shape") await page.edit(`choose a ${value}`, [{ op: "shape", path, value }]);
       else if (!value) await page.edit(`no ${what}`, [{ op: "remove", path }]);
       else await page.edit(`choose ${value} as ${what}`, [{ op: "set", path: `${path}.use`, value }]);
       select.value = use.value;

@@ -2,9 +2,14 @@
 
 import { h } from "../shared/dom.js";
 import { tell } from "../shared/dialogs.js";
+import { numberIn } from "../shared/field.js";
+import { startPlacing } from "./adding.js";
 import { askArray, mirror } from "./arrange.js";
 import { run, save, saveAs, showText } from "./files.js";
 import { KEYS } from "./layout.js";
+import { play } from "./play.js";
+import { MENU } from "./project.js";
+import { holdSensor } from "./mounting.js";
 
 /** @param {import("./editor.js").EditorPage} page */
 export function listen(page) {
@@ -12,24 +17,55 @@ export function listen(page) {
   const { camera } = stage;
   for (const [name, button] of parts.tools) button.addEventListener("click", () => page.take(name));
   const clicks = {
-    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => save(page), saveAs: () => saveAs(page), run: () => run(page),
+    undo: () => page.step("undo"), redo: () => page.step("redo"), save: () => save(page), saveAs: () => saveAs(page), run: () => run(page), play: () => play(page),
     text: () => showText(page), duplicate: () => page.duplicate(), array: () => askArray(page), mirror: () => mirror(page), remove: () => page.remove(), theme: () => page.toggleTheme(), keys: showKeys,
     in: () => camera.zoom(1.3), out: () => camera.zoom(1 / 1.3), all: () => stage.fit(),
   };
   for (const [name, does] of Object.entries(clicks)) parts[name].addEventListener("click", does);
-  parts.add.addEventListener("change", () => page.startPlacing(parts.add.value));
+  parts.add.addEventListener("change", () => startPlacing(page, parts.add.value));
+  parts.brush.value = String(page.brush);
+  parts.brush.addEventListener("change", () => {
+    const wide = numberIn(parts.brush.value);
+    if (wide > 0 && wide <= 100) page.brush = wide;
+    parts.brush.value = String(page.brush);
+  });
+  parts.menu.addEventListener("change", () => {
+    const chosen = MENU.find(({ name }) => name === parts.menu.value);
+    parts.menu.value = "";
+    chosen?.does(page);
+  });
   parts.grid.addEventListener("change", () => (page.grid = Number(parts.grid.value)));
+  parts.mounts.addEventListener("change", () => holdSensor(page, parts.mounts.value));
+  parts.doors.addEventListener("change", () => {
+    page.door = parts.doors.value;
+    page.showTool(page.tools.door);
+  });
+  parts.width.value = String(page.width);
+  parts.width.addEventListener("change", () => {
+    const width = numberIn(parts.width.value);
+    if (width >= 0.05 && width <= 100) page.width = width;
+    parts.width.value = String(page.width);
+  });
   for (const name of ["length", "angle"]) {
     parts[name].addEventListener("keydown", (event) => {
-      if (event.key === "Enter") page.typedLength();
+      if (event.key === "Enter") typedLength(page);
     });
   }
   globalThis.addEventListener("keydown", (event) => press(page, event));
 }
 
+/** The end of the line that is being drawn, as typed. */
+function typedLength(page) {
+  const { length, angle } = page.parts;
+  const tool = page.tools[page.toolName];
+  if (!tool?.typed) return;
+  if (tool.typed(numberIn(length.value), numberIn(angle.value))) length.value = angle.value = "";
+  else page.hint("click where the wall begins first, then type a length");
+}
+
 const plain = (page) => ({
-  v: () => page.take("select"), h: () => page.take("hand"), w: () => page.take("line"), p: () => page.take("polyline"),
-  r: () => page.take("rectangle"), c: () => page.take("circle"), m: () => page.take("measure"),
+  v: () => page.take("select"), h: () => page.take("hand"), w: () => page.take(page.state?.cells ? "cells" : "line"), p: () => page.take("polyline"),
+  r: () => page.take("rectangle"), c: () => page.take(page.state?.cells ? "crop" : "circle"), b: () => page.take("brush"), e: () => page.take("eraser"), f: () => page.take("fill"), m: () => page.take("measure"), o: () => page.take("room"), d: () => page.take("door"), t: () => page.take("trim"),
   "+": () => page.stage.camera.zoom(1.3), "=": () => page.stage.camera.zoom(1.3), "-": () => page.stage.camera.zoom(1 / 1.3), 0: () => page.stage.fit(),
   g: () => {
     page.stage.options.grid = !page.stage.options.grid;
@@ -41,7 +77,7 @@ const plain = (page) => ({
 });
 
 const withControl = (page) => ({
-  z: () => page.step("undo"), y: () => page.step("redo"), Z: () => page.step("redo"), s: () => save(page), S: () => saveAs(page),
+  z: () => page.isHolder && page.step("undo"), y: () => page.isHolder && page.step("redo"), Z: () => page.isHolder && page.step("redo"), s: () => save(page), S: () => saveAs(page),
   c: () => page.copy(), x: () => page.isHolder && page.copy(true), v: () => page.isHolder && page.paste(), d: () => page.isHolder && page.duplicate(),
   a: () => page.stage.selection.set(page.stage.within([-Infinity, -Infinity, Infinity, Infinity])),
 });

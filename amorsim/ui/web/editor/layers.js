@@ -28,6 +28,18 @@ export class MarksLayer extends SceneLayer {
     }
     context.stroke();
     context.setLineDash([]);
+    context.strokeStyle = theme.danger; // a ring about what has faults
+    context.lineWidth = 2 * px;
+    context.beginPath();
+    for (const thing of stage.things) {
+      const pose = thing.faults && thing.footprint && !stage.hidden.has(thing.kind) ? stage.poseOf(thing) : null;
+      if (!pose) continue;
+      const far = reach(thing.footprint) + 7 * px;
+      context.moveTo(pose[0] + far, pose[1]);
+      context.arc(pose[0], pose[1], far, 0, 2 * Math.PI);
+    }
+    context.stroke();
+    context.strokeStyle = theme.estimated;
     const preview = stage.preview;
     if (preview) {
       context.beginPath();
@@ -38,6 +50,7 @@ export class MarksLayer extends SceneLayer {
       }
       context.lineWidth = 2.5 * px;
       context.stroke();
+      if (preview.cells) drawCells(context, preview.cells, theme);
       if (preview.box) {
         const [x0, y0, x1, y1] = preview.box;
         context.lineWidth = px;
@@ -71,6 +84,16 @@ export class MarksLayer extends SceneLayer {
       context.fillStyle = theme.estimated;
       context.fill();
     }
+    for (const { x, y, shape } of stage.grips()) {
+      context.beginPath();
+      if (shape === "square") context.rect(x - 5 * px, y - 5 * px, 10 * px, 10 * px);
+      else context.arc(x, y, (shape === "small" ? 3.5 : 6) * px, 0, 2 * Math.PI);
+      context.fillStyle = shape === "small" ? theme.paper : theme.estimated;
+      context.fill();
+      context.lineWidth = 1.5 * px;
+      context.strokeStyle = shape === "small" ? theme.estimated : theme.paper;
+      context.stroke();
+    }
     for (const [x, y] of stage.wallHandles()) {
       context.beginPath();
       context.arc(x, y, 6 * px, 0, 2 * Math.PI);
@@ -81,6 +104,22 @@ export class MarksLayer extends SceneLayer {
       context.stroke();
     }
   }
+}
+
+/** The cells that a brush is about to change. */
+function drawCells(context, { spans, side, rows, x, y, heading, isOccupied, isFaint }, theme) {
+  context.save();
+  context.translate(x, y);
+  context.rotate(heading);
+  context.scale(side, side);
+  context.globalAlpha = isFaint ? 0.4 : 1;
+  context.fillStyle = isOccupied ? theme.wall : theme.paper;
+  for (const [row, first, end] of spans) context.fillRect(first, rows - row - 1, end - first, 1);
+  if (!isOccupied && isFaint) {
+    context.fillStyle = theme.estimated;
+    for (const [row, first, end] of spans) context.fillRect(first, rows - row - 1, end - first, 1);
+  }
+  context.restore();
 }
 
 /**

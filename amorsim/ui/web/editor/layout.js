@@ -1,6 +1,7 @@
 // The Editor's elements, as they stand; `editor.js` gives them life.
 
 import { h } from "../shared/dom.js";
+import { MENU } from "./project.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -23,6 +24,14 @@ export const TOOLS = [
   ["polyline", "draw walls, end to end", "P", "M3 15l5-8 4 5 5-8"],
   ["rectangle", "draw a rectangle of walls", "R", "M3 5h14v10H3z"],
   ["circle", "draw a circle of walls", "C", "M17 10a7 7 0 1 1-14 0a7 7 0 1 1 14 0"],
+  ["room", "draw a room with an opening", "O", "M3 4h14v12h-5M8 16H3V4"],
+  ["door", "put a door or an opening into a wall", "D", "M2 15h4M14 15h4M6 15V6l6 3"],
+  ["trim", "trim a wall where others cross it", "T", "M4 16L16 4M4 5l4 3M12 12l4 3"],
+  ["brush", "paint cells occupied", "B", "M4 16c4 0 4-3 6-5l6-7"],
+  ["eraser", "paint cells free", "E", "M3 13l7-8 6 5-6 6H6z"],
+  ["cells", "a line of occupied cells", "W", "M4 16L16 4"],
+  ["fill", "fill an area", "F", "M5 10l6-6 5 5-7 7z M3 16h4"],
+  ["crop", "crop the world", "C", "M6 2v12h12M2 6h12v12"],
   ["measure", "measure a distance", "M", "M3 14L14 3l3 3L6 17zM6 11l2 2M9 8l2 2M12 5l2 2"],
 ];
 
@@ -33,6 +42,8 @@ export const DOINGS = [
 ];
 
 export const GRIDS = [["0.1", "grid 0.1 m"], ["0.01", "grid 0.01 m"], ["0.05", "grid 0.05 m"], ["0.25", "grid 0.25 m"], ["0.5", "grid 0.5 m"], ["1", "grid 1 m"], ["0", "no grid"]];
+
+const DOORS = [["swinging", "a swinging door"], ["sliding", "a sliding door"], ["opening", "an opening alone"]];
 
 export function build({ pane, objects, inspector }) {
   const parts = {};
@@ -54,6 +65,7 @@ export function build({ pane, objects, inspector }) {
       h("h1", {}, "amorsim"),
       make("file", h("span", { class: "file" })),
       h("span", { class: "holders-only both" }, icon("undo", "undo (Ctrl + Z)", "↶"), icon("redo", "redo (Ctrl + Y)", "↷")),
+      make("menu", h("select", { "aria-label": "file and world" }, h("option", { value: "" }, "file …"), MENU.map(({ name, words }) => h("option", { value: name }, words)))),
       make("add", h("select", { class: "holders-only", "aria-label": "add a thing" })),
       h("span", { class: "space" }),
       make("saved", h("span", { class: "saved", role: "status" })),
@@ -61,6 +73,7 @@ export function build({ pane, objects, inspector }) {
       button("text", { title: "the scenario's file, as text" }, "text"),
       button("save", { class: "holders-only", title: "save (Ctrl + S)" }, "save"),
       button("saveAs", { class: "holders-only" }, "save as…"),
+      icon("play", "play here", "▷"),
       button("run", { class: "holders-only run", title: "simulate what is drawn here" }, "▶ run"),
       icon("theme", "light or dark (L)", "◐"),
       icon("keys", "keys (?)", "?"),
@@ -81,6 +94,10 @@ export function build({ pane, objects, inspector }) {
           make("says", h("span", { class: "says" })),
           make("typing", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-length" }, "length"), field("length", "length in metres"), h("span", {}, "m"),
             h("label", { for: "typed-angle" }, "angle"), field("angle", "angle in degrees"), h("span", {}, "°"))),
+          make("openings", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-width" }, "width"), field("width", "width of the opening in metres"), h("span", {}, "m"),
+            make("doors", h("select", { "aria-label": "what is put into the wall" }, DOORS.map(([value, words]) => h("option", { value }, words)))))),
+          make("brushes", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-brush" }, "width"), field("brush", "width of the brush in metres"), h("span", {}, "m"))),
+          make("mounting", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "mounts" }, "drag the mount of"), make("mounts", h("select", { id: "mounts" })))),
           make("grid", h("select", { "aria-label": "what is drawn snaps to" }, GRIDS.map(([value, words]) => h("option", { value }, words)))),
         ),
         pane,
@@ -95,7 +112,9 @@ export function build({ pane, objects, inspector }) {
 }
 
 export const KEYS = [
-  ["V, H, W, P, R, C, M", "select, move the view, a wall, walls, a rectangle, a circle, measure"],
+  ["V, H, W, P, R, C", "select, move the view, a wall, walls, a rectangle, a circle"],
+  ["O, D, T, M", "a room, a door, trim a wall, measure"],
+  ["B, E, W, F, C", "in a bitmap: brush, eraser, a line, fill, crop"],
   ["Enter", "on the canvas: select, or set a point, in its middle"],
   ["Escape", "end what was begun"],
   ["arrows", "move what is selected by a step of the grid; with Alt by 1 cm"],

@@ -12,7 +12,7 @@ export class SelectTool extends Tool {
     super();
     this.page = page;
     this.stage = page.stage;
-    /** What the pointer does: "press", "move", "turn", "end" or "box". */
+    /** What the pointer does: "press", "move", "turn", "end", "grip" or "box". */
     this.doing = "";
   }
 
@@ -21,6 +21,7 @@ export class SelectTool extends Tool {
   }
 
   get says() {
+    if (this.stage.chosenOnes.some(({ places }) => places.some(({ kind }) => kind === "path"))) return "Drag a point of the path; drag a small one to add a point; Ctrl and a click removes one.";
     return "Click selects, Shift adds. Drag moves; drag the dot to turn. Drag over nothing: a box. Alt: no snapping.";
   }
 
@@ -41,10 +42,28 @@ export class SelectTool extends Tool {
       this.end = end;
       return;
     }
+    if (this.page.isHolder && this.takeGrip(place, event, near)) return;
     this.found = stage.at(place);
     const isChosen = this.found && stage.selection.has(this.found.kind, this.found.key);
     if (this.found && !isChosen) stage.selection.set(event.shiftKey ? [...stage.selection.things, this.found] : [this.found]);
     else if (isChosen && event.shiftKey) stage.selection.set(stage.selection.things.filter(({ key }) => key !== this.found.key));
+  }
+
+  /** Take hold of a grip that lies under the pointer; with Ctrl, a point of a path is removed. */
+  takeGrip(place, event, near) {
+    const under = (one) => Math.hypot(one.x - place.x, one.y - place.y) <= near;
+    this.grip = this.stage.grips().find(under);
+    const [thing] = this.stage.chosenThings;
+    // Of a body that stands on a point of its own path, the body is meant.
+    if (!this.grip || (this.grip.place && thing?.pose && Math.hypot(thing.pose[0] - this.grip.x, thing.pose[1] - this.grip.y) < near / 2)) return false;
+    const { place: list, number, shape } = this.grip;
+    if (event.ctrlKey && list?.kind === "path" && shape === "round") {
+      this.doing = "";
+      if (list.points.length > 1) this.page.edit(`remove a point of ${this.grip.thing.name}`, [{ op: "remove", path: `${list.path}.${number}` }]);
+      return true;
+    }
+    this.doing = "grip";
+    return true;
   }
 
   move(place, event) {
@@ -54,6 +73,11 @@ export class SelectTool extends Tool {
     if (!this.isMoved) return;
     if (this.doing === "press") this.doing = this.found ? "move" : "box";
     if (this.doing === "move" && !this.page.isHolder) return;
+    if (this.doing === "grip") {
+      const to = this.grip.place ? stage.walls.snap(place, { ...this.page.snapping(event, null), isTurned: false }) : place;
+      this.grip.drag(to, event.altKey);
+      return;
+    }
     if (this.doing === "box") {
       const [a, b, c, d] = [this.from.x, this.from.y, place.x, place.y];
       stage.preview = { box: [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)] };
@@ -99,6 +123,12 @@ export class SelectTool extends Tool {
     this.doing = "";
     if (!isMoved) {
       if (doing === "press" && !this.found && !event.shiftKey) stage.selection.clear();
+      return;
+    }
+    if (doing === "grip") {
+      const dropped = this.grip.drop();
+      if (dropped) this.page.edit(dropped.label, [dropped.change]);
+      else stage.putBack();
       return;
     }
     if (doing === "box") {

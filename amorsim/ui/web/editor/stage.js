@@ -3,15 +3,21 @@
 import { NEAR } from "../shared/pick.js";
 import { reach } from "../shared/marks.js";
 import { StillStage } from "../shared/still.js";
+import { BodiesLayer } from "../shared/world.js";
 import { Walls, holds, isIn } from "./geometry.js";
+import { gripsOf } from "./grips.js";
 import { MarksLayer, WordsLayer } from "./layers.js";
+import { RulersLayer } from "./rulers.js";
+import { UnderlayLayer } from "./underlay.js";
+import { PlacesLayer, ViewsLayer } from "./views.js";
 
 /** @typedef {import("../shared/tool.js").Place} Place */
 
 /**
  * A thing of the document, as `Thing` in amorsim/ui/editor/things.py.
  * @typedef {{path: string, kind: string, name: string, note: string, footprint: import("../simulator/wire.js").Outline | null, pose: number[] | null,
- *   moves: boolean, turns: boolean, robots: number[], obstacles: number[], faults: number}} Thing
+ *   moves: boolean, turns: boolean, robots: number[], obstacles: number[], places: import("./grips.js").PlaceOf[],
+ *   mounts: {sensor: string, pose: number[]}[], faults: number}} Thing
  */
 
 /**
@@ -32,9 +38,18 @@ export class EditStage extends StillStage {
     this.preview = null;
     /** Where things are while they are dragged, by path. @type {Map<string, number[]>} */
     this.moved = new Map();
+    /** Points of paths while one of them is dragged, by the path of the list. @type {Map<string, number[][]>} */
+    this.bent = new Map();
+    /** Mounts while they are dragged, by robot and sensor. @type {Map<string, number[]>} */
+    this.mounted = new Map();
+    this.sensor = ""; // whose mount can be dragged
     this.hidden = new Set(); // kinds of things that are hidden
     this.locked = new Set(); // and those that cannot be picked
-    this.pane.layers.push(new MarksLayer(this), new WordsLayer(this));
+    this.underlay = new UnderlayLayer();
+    this.pane.layers.unshift(this.underlay);
+    const bodies = this.pane.layers.findIndex((layer) => layer instanceof BodiesLayer);
+    this.pane.layers.splice(bodies, 0, new ViewsLayer(this), new PlacesLayer(this));
+    this.pane.layers.push(new MarksLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid));
   }
 
   /** Show what was read of the document; what is selected stays so, by its path.
@@ -43,7 +58,7 @@ export class EditStage extends StillStage {
   update({ still, things }, pictureOf) {
     const chosen = this.selection.things;
     this.things = things;
-    this.moved.clear();
+    for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
     const listeners = this.selection.listeners;
     this.selection.listeners = []; // nobody is told that nothing is selected meanwhile
     this.show(still, pictureOf);
@@ -81,6 +96,29 @@ export class EditStage extends StillStage {
     return this.selection.things.flatMap((one) => this.things.filter(({ path, footprint }) => footprint && path === /** @type {Chosen} */ (one).path));
   }
 
+  /** The same, with those that have no place of their own. */
+  get chosenOnes() {
+    return this.selection.things.flatMap((one) => this.things.filter(({ path }) => path === /** @type {Chosen} */ (one).path));
+  }
+
+  /** The points of a thing in the world, as they are or are being dragged.
+   * @param {Thing} thing */
+  placesOf(thing) {
+    return this.bent.size ? thing.places.map((place) => ({ ...place, points: this.bent.get(place.path) ?? place.points })) : thing.places;
+  }
+
+  /** Where a sensor sits on a robot, or is being dragged to: x, y [m] and heading [rad].
+   * @param {Thing} thing
+   * @param {string} sensor */
+  mountOf(thing, sensor) {
+    return this.mounted.get(`${thing.path} ${sensor}`) ?? thing.mounts.find((one) => one.sensor === sensor)?.pose;
+  }
+
+  /** What can be taken hold of. */
+  grips() {
+    return gripsOf(this);
+  }
+
   /** The numbers of the walls that are selected. */
   get chosenWalls() {
     return this.selection.things.flatMap((one) => /** @type {Chosen} */ (one).wall ?? []);
@@ -106,7 +144,7 @@ export class EditStage extends StillStage {
   /** Take back what was drawn elsewhere. */
   putBack() {
     for (const thing of this.things) if (this.moved.has(thing.path) && thing.pose) this.place(thing, thing.pose);
-    this.moved.clear();
+    for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
     this.preview = null;
     this.redraw();
   }
@@ -122,6 +160,10 @@ export class EditStage extends StillStage {
       .sort((a, b) => reach(a.footprint) - reach(b.footprint));
     const small = hit.find(({ kind }) => kind !== "zone");
     if (small) return this.chosenOf(small);
+    const onPath = this.things.find(
+      (thing) => this.isFree(thing.kind) && thing.places.some(({ points }) => points.some(([u, v]) => Math.hypot(u - x, v - y) <= near)),
+    );
+    if (onPath) return this.chosenOf(onPath);
     const crowd = this.series(x, y, near);
     if (crowd) return this.chosenOf(crowd);
     const n = this.isFree("wall") ? this.walls.nearest(x, y, near) : -1;
@@ -180,7 +222,7 @@ export class EditStage extends StillStage {
   /** Where the handle is that turns the one thing that is selected, or null. */
   turnHandle() {
     const [thing, ...others] = this.chosenThings;
-    if (!thing?.turns || others.length || this.chosenWalls.length) return null;
+    if (!thing?.turns || others.length || this.chosenWalls.length || this.sensor) return null;
     const pose = this.poseOf(thing);
     if (!pose) return null;
     const far = reach(thing.footprint) + HANDLE / this.camera.scale;

@@ -12,9 +12,12 @@ function ownTab() {
 }
 
 export class Connection {
-  /** @param on `{frame(buffer), news(message), open(), lost()}` */
-  constructor(on) {
+  /** @param on `{frame(buffer), news(message), open(), lost()}`
+   * @param {string} page whose session it talks with */
+  constructor(on, page = location.pathname) {
     this.on = on;
+    this.page = page;
+    this.isEnded = false;
     this.waiting = new Map();
     this.next = 1;
     this.delay = 300;
@@ -24,7 +27,7 @@ export class Connection {
 
   connect() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket${location.pathname}?tab=${this.tab}`);
+    this.socket = new WebSocket(`${scheme}://${location.host}/amorsim/socket${this.page}?tab=${this.tab}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.delay = 300;
@@ -46,10 +49,17 @@ export class Connection {
     this.socket.onclose = () => {
       for (const answer of this.waiting.values()) answer({ ok: false, error: "The connection is lost." });
       this.waiting.clear();
+      if (this.isEnded) return;
       this.on.lost();
       setTimeout(() => this.connect(), this.delay);
       this.delay = Math.min(this.delay * 2, 5000);
     };
+  }
+
+  /** End it for good. */
+  close() {
+    this.isEnded = true;
+    this.socket.close();
   }
 
   get isOpen() {

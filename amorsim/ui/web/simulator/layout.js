@@ -48,6 +48,7 @@ export function build({ stage, timebar, driving, form }) {
     h(
       "div",
       { class: "menu" },
+      make("editor", h("button", { hidden: true, title: "back to the Editor, where all is as it was" }, "← edit")),
       make("saveRun", h("button", { class: "holders-only" }, "save run")),
       make("saveScenario", h("button", { class: "holders-only", title: "the scenario with its present parameters" }, "save as…")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),

@@ -1,6 +1,7 @@
 // The Simulator's window: elements, connection and what the one says to the other.
 
 import { showKeys, tell } from "../shared/dialogs.js";
+import { leadBack } from "./back.js";
 import { colourChip, h, say } from "../shared/dom.js";
 import { Driving } from "./drive.js";
 import { Events } from "./events.js";
@@ -347,6 +348,7 @@ export class Simulator {
     parts.keys.addEventListener("click", showKeys);
     parts.asInFile.addEventListener("click", () => this.restoreAll());
     parts.controls.addEventListener("click", () => this.askControls());
+    leadBack(parts.editor);
     parts.saveRun.addEventListener("click", () => this.saving.run());
     parts.saveScenario.addEventListener("click", () => this.saving.scenario());
     parts.picture.addEventListener("click", () => this.saving.picture());

@@ -1,0 +1,111 @@
+"""What a robot's errors do, in short: its estimates on a square, and how its sensors' readings scatter."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.controllers.square import Square
+from amorsim.core.errors import AmorsimError
+from amorsim.core.poses import wrap_angle
+from amorsim.scenario.spec import Deviation, Robot, Scenario
+from amorsim.simulation.simulation import Simulation
+from amorsim.studies.bench import alone, empty_world, only_odometry
+
+__all__ = ["SquarePreview", "preview_noise", "preview_square"]
+
+Array = npt.NDArray[np.float64]
+
+_SPEED = 0.5  # [m/s] of the square's driver
+
+
+@attrs.frozen(kw_only=True)
+class SquarePreview:
+    """Paths of a square that a robot believes to drive, in replicas with errors of their own.
+
+    Attributes
+    ----------
+    true, estimated
+        Positions `(R, T, 2)` [m] from the start.
+    """
+
+    true: Array
+    estimated: Array
+
+    @property
+    def ends(self) -> Array:
+        """Where each really ends, seen from where it believes to be `(R, 2)` [m]."""
+        return np.asarray(self.true[:, -1] - self.estimated[:, -1])
+
+
+def preview_square(scenario: Scenario, robot: Robot, *, side: float = 10.0, replicas: int = 20) -> SquarePreview:
+    """The paths of a robot that drives one square by dead reckoning in an empty world, with its errors drawn.
+
+    Raises
+    ------
+    AmorsimError
+        If it has no odometry, cannot drive a square, or does not come round.
+    """
+    driver, _ = only_odometry(robot)
+    square = Square(side=side, speed=_SPEED)
+    driver = attrs.evolve(driver, controller=square, on_collision="end")
+    simulation = Simulation(alone(scenario, driver, empty_world(1.5 * side + 10.0)), replicas=replicas)
+    group = simulation._fleet.groups[0]
+    start = simulation.true_pose, simulation.estimated_pose
+    every = max(1, simulation.steps_of(0.2))
+    most = simulation.steps_of(8.0 * (side / _SPEED + 2.0 * np.pi / square.turn_rate) + 60.0)
+    paths: list[tuple[Array, Array]] = []
+    while not (group.driver.state["reached"] >= 4).all():
+        if simulation.tick % every == 0:
+            paths.append((simulation.true_pose, simulation.estimated_pose))
+        if simulation.tick > most:
+            raise AmorsimError(f"robot {robot.name!r} does not come round a square of {side:g} m")
+        simulation.step()
+    paths.append((simulation.true_pose, simulation.estimated_pose))
+    true, estimated = (np.array([pair[n] for pair in paths])[..., :2].swapaxes(0, 1) for n in (0, 1))
+    return SquarePreview(true=true - start[0][:, None, :2], estimated=estimated - start[1][:, None, :2])
+
+
+def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 2000, replicas: int = 20) -> Array:
+    """How far a sensor's readings are from what is true, `(n,)` in its unit: its robot stands where it starts.
+
+    Values without a return are left out. For a robot whose start is drawn, each replica has its own.
+
+    Raises
+    ------
+    AmorsimError
+        If there is no such robot or sensor.
+    """
+    robot = next((one for one in scenario.robots if one.name == name), None)
+    if robot is None or sensor not in robot.sensors:
+        raise AmorsimError(f"there is no sensor {sensor!r} of a robot {name!r}")
+    standing = attrs.evolve(
+        robot, controller=None, sensors={sensor: robot.sensors[sensor]}, estimators={}, errors=_errors_of(robot, sensor)
+    )
+    simulation = Simulation(attrs.evolve(alone(scenario, standing), obstacles=[]), replicas=replicas)
+    group = simulation._fleet.groups[0]
+    is_angle = robot.sensors[sensor].sensor.unit == "rad"
+    found: list[Array] = []
+    count = 0
+    last = -1.0
+    rate = robot.sensors[sensor].rate
+    for _ in range(simulation.steps_of(60.0)):
+        simulation.step()
+        if rate and simulation.time - last < 1.0 / rate - 1e-9:
+            continue
+        last = simulation.time
+        reading = group.readings[sensor]
+        with np.errstate(invalid="ignore"):
+            difference = np.asarray(reading.measured) - np.asarray(reading.true)
+        fine = difference[np.isfinite(difference)]
+        found.append(wrap_angle(fine) if is_angle else fine)
+        count += fine.size
+        if count >= samples:
+            break
+    return np.concatenate(found)[:samples] if found else np.empty(0)
+
+
+def _errors_of(robot: Robot, sensor: str) -> dict[str, Deviation]:
+    """The errors of the sensor alone."""
+    return {path: error for path, error in robot.errors.items() if path.split(".")[:2] == ["sensors", sensor]}

@@ -1,0 +1,67 @@
+"""Short experiments on a robot that is edited: its errors on a square, and how a sensor's readings scatter."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import AmorsimError
+from amorsim.scenario.spec import Robot, Scenario
+from amorsim.studies.preview import preview_noise, preview_square
+
+__all__ = ["noise_bars", "square_paths"]
+
+Array = npt.NDArray[np.float64]
+
+SIDE, REPLICAS = 10.0, 20  # m
+MOST_POINTS = 120  # of a path
+BARS = 31
+
+
+def square_paths(scenario: Scenario, name: str) -> dict[str, Any]:
+    """The estimates of twenty replicas on a square of 10 m, and where they really end."""
+    found = preview_square(scenario, _robot(scenario, name), side=SIDE, replicas=REPLICAS)
+    step = max(1, found.estimated.shape[1] // MOST_POINTS)
+    ends = found.ends
+    far = np.hypot(ends[:, 0], ends[:, 1])
+    return {
+        "side": SIDE,
+        "true": [_thinned(path, step) for path in found.true],
+        "estimated": [_thinned(path, step) for path in found.estimated],
+        "ends": ends.round(4).tolist(),
+        "mean": float(far.mean()),
+        "most": float(far.max()),
+    }
+
+
+def _thinned(path: Array, step: int) -> list[list[float]]:
+    return [*path[::step].round(4).tolist(), path[-1].round(4).tolist()]
+
+
+def noise_bars(scenario: Scenario, name: str, sensor: str) -> dict[str, Any]:
+    """A histogram of a sensor's errors: the edges of its bars, how many are in each, the mean and the deviation."""
+    errors = preview_noise(scenario, name, sensor)
+    if not errors.size:
+        raise AmorsimError("it reads nothing where it stands")
+    unit = _robot(scenario, name).sensors[sensor].sensor.unit
+    low, high = np.quantile(errors, (0.002, 0.998)).tolist()
+    if high - low < 1e-12:
+        low, high = low - 0.5e-3, high + 0.5e-3
+    counts, edges = np.histogram(np.clip(errors, low, high), bins=BARS, range=(low, high))
+    return {
+        "unit": unit,
+        "edges": edges.tolist(),
+        "counts": counts.tolist(),
+        "of": int(errors.size),
+        "mean": float(errors.mean()),
+        "std": float(errors.std()),
+    }
+
+
+def _robot(scenario: Scenario, name: str) -> Robot:
+    for robot in scenario.robots:
+        if robot.name == name:
+            return robot
+    raise AmorsimError(f"there is no robot {name!r}")

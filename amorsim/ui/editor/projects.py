@@ -1,0 +1,233 @@
+"""Commands about the project: other scenarios, worlds and models as files, programs, pictures, and what was changed."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import difflib
+import io
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from amorsim.core.errors import AmorsimError
+from amorsim.core.reading import read_text, reason
+from amorsim.core.whole_files import write_text
+from amorsim.plugins.manager import default_registry
+from amorsim.scenario.elsewhere import near
+from amorsim.ui.editor.reader import Reader
+from amorsim.ui.editor.recent import recent_files
+from amorsim.ui.editor.work import Work
+from amorsim.ui.serve.wire import shown
+from amorsim.ui.simulator.project import place_for
+
+if TYPE_CHECKING:
+    from amorsim.ui.editor.session import EditSession
+
+__all__ = ["ASKS", "Projects"]
+
+ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "code", "worlds")
+MOST_LISTED = 200  # files of the project that are listed
+LONGEST_BENCH = 240.0  # [s] of an experiment, whose kernels may have to be compiled
+LONGEST_CODE = 1_000_000  # letters
+
+Answer = dict[str, Any]
+
+
+class Projects:
+    """The commands of a session that are about more than its document."""
+
+    def __init__(self, session: EditSession) -> None:
+        self._session = session
+        self._bench = Reader(LONGEST_BENCH)
+
+    def close(self) -> None:
+        """End what runs; again if one likes."""
+        self._bench.close()
+
+    async def answer(self, command: Mapping[str, Any]) -> Answer | None:
+        """The answer to a command; None for one that is not known here."""
+        work = self._session.work
+        match command:
+            case {"do": "difference"}:
+                return {"ok": True, "text": await asyncio.to_thread(self._difference)}
+            case {"do": "others"}:
+                return {"ok": True, **await asyncio.to_thread(self._others)}
+            case {"do": "open", "name": str(name)}:
+                return {"ok": True, "path": await self._session.open_other(self._openable(name))}
+            case {"do": "zip"}:
+                return {"ok": True, "zip": await asyncio.to_thread(self._zip)}
+            case {"do": "picture", "kind": "png" | "svg" as kind}:
+                picture = await self._ask("picture_of_world", kind=kind, title=work.name)
+                return {"ok": True, "data": picture}
+            case {"do": "worlds"}:
+                return {"ok": True, "files": await asyncio.to_thread(self._maps)}
+            case {"do": "write_world", "name": name, "is_trial": bool(is_trial)}:
+                return await self._write_world(name, is_trial, use=command.get("use") is True)
+            case {"do": "save_model", "path": str(path), "name": name}:
+                sensor = command.get("sensor", "")
+                parent = self._parent(path, str(sensor))
+                file = place_for(work.folder, name, ".toml")
+                asked = {"thing": path, "sensor": str(sensor), "target": file, "parent": parent}
+                return {"ok": True, "file": file.name, "text": await self._ask("save_model", **asked)}
+            case {"do": "preview", "robot": str(robot)}:
+                return {"ok": True, **await self._experiment("square", robot=robot)}
+            case {"do": "histogram", "robot": str(robot), "sensor": str(sensor)}:
+                return {"ok": True, **await self._experiment("noise", robot=robot, sensor=sensor)}
+            case {"do": "code", "file": name}:
+                return {"ok": True, "text": self._code(self._program(name))}
+            case {"do": "save_code", "file": name, "text": str(text)} if len(text) <= LONGEST_CODE:
+                file = self._program(name)
+                if command.get("is_new") is True and file.exists():
+                    raise AmorsimError(f"{file.name} is there already; name another file")
+                write_text(file, text)
+                self._session.touched()
+                return {"ok": True, "file": file.relative_to(work.folder).as_posix()}
+        return None
+
+    # --------------------------------------------------------------------------------------------------------- reading
+
+    async def _ask(self, name: str, **arguments: Any) -> Any:
+        """What the reading process makes of the document as it is now."""
+        reader = self._session.reader
+        await asyncio.to_thread(reader.ask, "look", **self._session.asked())
+        return await asyncio.to_thread(reader.ask, name, **arguments)
+
+    async def _experiment(self, name: str, **arguments: Any) -> Answer:
+        if self._session.has_code:
+            raise AmorsimError("this scenario has programs of its own, which are not run for a preview")
+        asked = self._session.asked()
+        found: Answer = await asyncio.to_thread(
+            self._bench.ask, name, text=asked["text"], path=asked["path"], **arguments
+        )
+        return found
+
+    # ----------------------------------------------------------------------------------------------------------- files
+
+    def _difference(self) -> str:
+        """The lines by which the files and what is edited differ, as a patch."""
+        work = self._session.work
+        found: list[str] = []
+        for name, text in work.texts.items():
+            path = Path(name) if name else work.path
+            try:
+                old = path.read_text(encoding="utf-8", errors="replace")
+            except OSError:
+                old = ""
+            names = f"{path.name}, the file", f"{path.name}, here"
+            found += difflib.unified_diff(old.splitlines(), text.splitlines(), *names, lineterm="")
+        return "\n".join(found)
+
+    def _others(self) -> Answer:
+        """Scenarios that can be opened: those of before, those of the project, and the bundled ones."""
+        work = self._session.work
+        state = work.state
+        files = sorted(work.folder.glob("*.toml"))[:MOST_LISTED]
+        return {
+            "recent": [] if state is None else recent_files(state),
+            "files": [path.name for path in files if _is_scenario(path)],
+            "bundled": list(default_registry().names("scenario")),
+        }
+
+    def _openable(self, name: str) -> str:
+        """A scenario that a window may open: an empty page, a bundled one, one of before, or one of the project."""
+        work = self._session.work
+        if not name or name in default_registry().names("scenario"):
+            return name
+        if work.state is not None and name in recent_files(work.state):
+            return name
+        return str(place_for(work.folder, name, ".toml"))
+
+    def _maps(self) -> list[str]:
+        """Files of the project that a loader may know."""
+        endings = {ending for name in default_registry().names("map_loader") for ending in _endings(name)}
+        folder = self._session.work.folder
+        return [path.name for path in sorted(folder.glob("*")) if path.suffix.lower() in endings][:MOST_LISTED]
+
+    def _zip(self) -> str:
+        """The scenario as it is now, with all files that it names, in base 64."""
+        work = self._session.work
+        data = io.BytesIO()
+        with tempfile.TemporaryDirectory(prefix="amorsim-zip-") as folder:
+            asked = self._session.asked()
+            top = Path(folder) / work.name
+            top.mkdir()
+            work.view(asked["folder"]).save(top / f"{work.name}.toml", copy=True)
+            with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+                for file in sorted(top.rglob("*")):
+                    if file.is_file():
+                        archive.write(file, file.relative_to(folder).as_posix())
+        return base64.b64encode(data.getvalue()).decode()
+
+    async def _write_world(self, name: Any, is_trial: bool, *, use: bool) -> Answer:
+        """Write the world in the format that a name's ending says; `use` lets the scenario name that file."""
+        work = self._session.work
+        target = place_for(work.folder, name)
+        found = await self._ask("write_world", target=target, is_trial=is_trial, force=False)
+        if use and not is_trial:
+            work.edit(f"take {target.name} as the world", lambda work: _take(work, target, found["options"]))
+            self._session.touched()
+        return {"ok": True, "file": target.name, **found}
+
+    def _parent(self, path: str, sensor: str) -> str:
+        """The model that a robot or a sensor builds on: its name, or the path of its file."""
+        work = self._session.work
+        at = f"{path}.sensors.{sensor}.model" if sensor else f"{path}.model"
+        try:
+            model = work.document.get(at)
+        except AmorsimError:
+            return ""
+        if not isinstance(model, str):
+            return ""
+        return str(work.document.path.absolute().parent / model) if model.endswith(".toml") else model
+
+    # -------------------------------------------------------------------------------------------------------- programs
+
+    def _program(self, name: Any) -> Path:
+        if not self._session.may_run_code:
+            raise AmorsimError(
+                "other machines can reach this window, so no programs are taken; start the Editor with --allow-code, "
+                "or without --host"
+            )
+        if not isinstance(name, str) or not name.endswith(".py"):
+            raise AmorsimError(f"expected the name of a file of Python such as my_controller.py, got {shown(name)}")
+        return place_for(self._session.work.folder, name, ".py")
+
+    def _code(self, file: Path) -> str:
+        """What a program says; for one that is not there yet, the controller that `amorsim new` begins with."""
+        if not file.exists():
+            return (resources.files("amorsim.cli") / "template" / "controller.py").read_text(encoding="utf-8")
+        try:
+            return read_text(file)
+        except (OSError, ValueError) as error:
+            raise AmorsimError(f"{file.name}: cannot be read: {reason(error)}") from None
+
+
+def _take(work: Work, file: Path, options: Mapping[str, Any]) -> None:
+    """Let a file be the world's map, read with these options."""
+    document = work.document
+    said = document.values.get("world")
+    for key in said if isinstance(said, dict) else ():
+        if key != "map" and key not in options:
+            document.remove(f"world.{key}")
+    document.set("world.map", near(file, document.path.absolute().parent))
+    for key, value in options.items():
+        document.set(f"world.{key}", value)
+
+
+def _is_scenario(path: Path) -> bool:
+    try:
+        head = path.read_text(encoding="utf-8", errors="replace")[:20_000]
+    except OSError:
+        return False
+    return "[world]" in head or "[[robots]]" in head
+
+
+def _endings(loader: str) -> tuple[str, ...]:
+    try:
+        return tuple(default_registry().get("map_loader", loader).extensions)
+    except Exception:  # a plugin's class, which may be anything
+        return ()

@@ -1,0 +1,115 @@
+"""What the reading process does; see `amorsim.ui.editor.reader`. Each request is a function of `_Functions`."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from amorsim.core.errors import AmorsimError
+from amorsim.core.trouble import error_in_words
+from amorsim.plugins.manager import default_registry
+from amorsim.scenario.code_check import check_code
+from amorsim.scenario.document import Document
+from amorsim.scenario.partial import Partial
+from amorsim.ui.editor.keeping import picture_of, save_model, write_world
+from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Answer requests from standard input until its end."""
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what a plugin prints is no answer
+    functions = _Functions()
+    _say(answers, (True, None))
+    while True:
+        try:
+            name, arguments = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        _say(answers, functions.answer(name, arguments))
+
+
+def _say(pipe: Any, answer: tuple[bool, Any]) -> None:
+    pickle.dump(answer, pipe)
+    pipe.flush()
+
+
+class _Functions:
+    """The requests, and what was read last: pictures and models are of that."""
+
+    def __init__(self) -> None:
+        self._registry = default_registry()
+        self._seen: Seen | None = None
+
+    def answer(self, name: str, arguments: Mapping[str, Any]) -> tuple[bool, Any]:
+        """Whether a function succeeded, and what it returned or the words of what it raised."""
+        try:
+            return True, getattr(self, name)(**arguments)
+        except AmorsimError as error:
+            return False, str(error)
+        except Exception as error:  # what a plugin may raise
+            sys.stderr.write("".join(traceback.format_exception(error)))
+            return False, f"this failed: {error_in_words(error)}"
+
+    def look(self, text: str, path: Path, shown: str, name: str, folder: Path) -> Any:
+        """What is to be seen of a document."""
+        self._seen = look(Document(text, path, registry=self._registry), shown, name, folder, self._registry)
+        return self._seen.looked
+
+    def picture(self, name: str) -> bytes:
+        """The PNG of a map of what was seen last."""
+        builder = None if self._seen is None else self._seen.builder
+        try:
+            if builder is None:
+                raise LookupError
+            return builder.picture(name)
+        except LookupError:
+            raise AmorsimError(f"there is no picture {name!r}") from None
+
+    def check_code(self, text: str, path: Path, shown: str, name: str, folder: Path) -> Any:
+        """What is wrong with the programs that a scenario without other faults names; they run in other processes."""
+        document = Document(text, path, registry=self._registry)
+        if document.faults():
+            return []
+        return placed(check_code(document.scenario(), time_limit=CODE_LIMIT), document, shown, name, folder)
+
+    def write_world(self, target: Path, is_trial: bool, force: bool) -> Any:
+        """Write the world that was seen last in another format, or try what that loses."""
+        partial = self._partial()
+        return write_world(partial.map, target, is_trial=is_trial, force=force, registry=self._registry)
+
+    def picture_of_world(self, kind: str, title: str) -> str:
+        """The world that was seen last, as a picture."""
+        return picture_of(self._partial().map, kind, title, self._registry)
+
+    def save_model(self, thing: str, sensor: str, target: Path, parent: str) -> str:
+        """Write a robot that was seen last, or one of its sensors, into a file."""
+        seen = self._seen
+        found = next((one for one in seen.looked.things if one["path"] == thing), None) if seen else None
+        if found is None:
+            raise AmorsimError("there is no such thing")
+        return save_model(self._partial(), found, sensor, target, parent, self._registry)
+
+    def square(self, text: str, path: Path, robot: str, **_: Any) -> Any:
+        """What a robot's errors do on a square."""
+        from amorsim.ui.editor.bench import square_paths
+
+        return square_paths(Document(text, path, registry=self._registry).scenario(), robot)
+
+    def noise(self, text: str, path: Path, robot: str, sensor: str, **_: Any) -> Any:
+        """How a sensor's readings scatter."""
+        from amorsim.ui.editor.bench import noise_bars
+
+        return noise_bars(Document(text, path, registry=self._registry).scenario(), robot, sensor)
+
+    def _partial(self) -> Partial:
+        if self._seen is None or self._seen.partial is None:
+            raise AmorsimError("it cannot be read; mend its faults first")
+        return self._seen.partial

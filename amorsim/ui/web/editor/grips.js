@@ -1,0 +1,115 @@
+// Grips: what can be taken hold of on the canvas besides bodies and walls. Points of paths, corners of boxes, mounts of sensors.
+
+import { round } from "./geometry.js";
+
+const DEGREE = Math.PI / 180;
+const ARM = 44; // pixels from a sensor's mount to the grip that turns it
+
+/**
+ * Points of a thing that lie in the world, as `Place` in amorsim/ui/editor/places.py.
+ * @typedef {{path: string, kind: "path" | "point" | "box", points: number[][], closed: boolean}} PlaceOf
+ */
+
+/**
+ * A grip at a point [m]. `drag` shows what it would do, `drop` is the change of the document and what it is called.
+ * @typedef {{x: number, y: number, shape: "round" | "small" | "square", thing: import("./stage.js").Thing, place?: PlaceOf, number?: number,
+ *   drag: (to: {x: number, y: number}, isFree: boolean) => void, drop: () => {label: string, change: any} | null}} Grip
+ */
+
+/** The legs of a path: pairs of points one after another, with the number of the second.
+ * @param {PlaceOf} place */
+export function legs({ kind, points, closed }) {
+  if (kind === "box") {
+    const [[x0, y0], [x1, y1]] = points;
+    return [[[x0, y0], [x1, y0]], [[x1, y0], [x1, y1]], [[x1, y1], [x0, y1]], [[x0, y1], [x0, y0]]].map(([a, b]) => ({ a, b, number: -1 }));
+  }
+  const found = points.slice(1).map((b, n) => ({ a: points[n], b, number: n + 1 }));
+  if (closed && points.length > 2) found.push({ a: points[points.length - 1], b: points[0], number: points.length });
+  return found;
+}
+
+/** The grips of what is selected.
+ * @param {import("./stage.js").EditStage} stage
+ * @returns {Grip[]} */
+export function gripsOf(stage) {
+  const found = [];
+  for (const thing of stage.chosenOnes) {
+    for (const place of stage.placesOf(thing)) found.push(...pointGrips(stage, thing, place));
+  }
+  const [thing, ...others] = stage.chosenThings;
+  if (thing && !others.length && stage.sensor) found.push(...mountGrips(stage, thing, stage.sensor));
+  return found;
+}
+
+/** @param {import("./stage.js").EditStage} stage
+ * @param {import("./stage.js").Thing} thing
+ * @param {PlaceOf} place
+ * @returns {Grip[]} */
+function pointGrips(stage, thing, place) {
+  const bend = (points) => {
+    stage.bent.set(place.path, points);
+    stage.redraw();
+  };
+  /** @param {number} number
+   * @param {number[]} at
+   * @param {boolean} isNew */
+  const grip = (number, at, isNew) => {
+    const [x, y] = at;
+    let to = null;
+    const drag = (point) => {
+      to = [round(point.x), round(point.y)];
+      bend(isNew ? [...place.points.slice(0, number), to, ...place.points.slice(number)] : place.points.map((one, n) => (n === number ? to : one)));
+      stage.preview = { words: `${to[0]}, ${to[1]} m`, at: to };
+    };
+    const drop = () => to && { label: `${isNew ? "add" : "move"} a point of ${thing.name}`, change: { op: "point", path: place.path, number, value: to, ...(isNew ? { insert: true } : {}) } };
+    return /** @type {Grip} */ ({ x, y, shape: isNew ? "small" : "round", thing, place, number, drag, drop });
+  };
+  const points = place.points.map((point, n) => grip(n, point, false));
+  if (place.kind !== "path") return points;
+  return [...points, ...legs(place).map(({ a, b, number }) => grip(number, [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], true))];
+}
+
+/** @param {import("./stage.js").EditStage} stage
+ * @param {import("./stage.js").Thing} thing
+ * @param {string} sensor
+ * @returns {Grip[]} */
+function mountGrips(stage, thing, sensor) {
+  const body = stage.poseOf(thing);
+  const mount = stage.mountOf(thing, sensor);
+  if (!body || !mount) return [];
+  const [c, s] = [Math.cos(body[2]), Math.sin(body[2])];
+  const [x, y] = [body[0] + mount[0] * c - mount[1] * s, body[1] + mount[0] * s + mount[1] * c];
+  const heading = body[2] + mount[2];
+  const far = ARM / stage.camera.scale;
+  let to = null;
+  const show = (pose, words, at) => {
+    to = pose;
+    stage.mounted.set(`${thing.path} ${sensor}`, pose);
+    stage.preview = { words, at };
+    stage.redraw();
+  };
+  const path = `${thing.path}.sensors.${sensor}`;
+  const drop = (value, verb) => to && { label: `${verb} ${sensor} of ${thing.name}`, change: { op: "mount", path, value: value(to) } };
+  return [
+    {
+      x, y, shape: "square", thing,
+      drag: (point, isFree) => {
+        const [dx, dy] = [point.x - body[0], point.y - body[1]];
+        const step = isFree ? 1e-4 : 0.01; // on a robot, centimetres count
+        const [u, v] = [dx * c + dy * s, dy * c - dx * s].map((value) => round(Math.round(value / step) * step));
+        show([u, v, mount[2]], `${sensor}: ${u} m ahead, ${v} m to the left`, [point.x, point.y]);
+      },
+      drop: () => drop(([u, v]) => [u, v, null], "mount"),
+    },
+    {
+      x: x + far * Math.cos(heading), y: y + far * Math.sin(heading), shape: "round", thing,
+      drag: (point, isFree) => {
+        const step = (isFree ? 0.1 : 5) * DEGREE;
+        const turn = Math.round((Math.atan2(point.y - y, point.x - x) - body[2]) / step) * step;
+        const angle = Math.atan2(Math.sin(turn), Math.cos(turn));
+        show([mount[0], mount[1], angle], `${sensor}: ${Math.round(angle / (0.1 * DEGREE)) / 10}°`, [point.x, point.y]);
+      },
+      drop: () => drop(([, , angle]) => [null, null, Math.round((angle / DEGREE) * 1e4) / 1e4], "turn"),
+    },
+  ];
+}

@@ -1,0 +1,74 @@
+// What the page says of the pen and of files that something else has changed, and which tools there are.
+
+import { tell } from "../shared/dialogs.js";
+import { h, say } from "../shared/dom.js";
+
+const WALL_TOOLS = ["line", "polyline", "rectangle", "circle", "room", "door", "trim"];
+const PAINT_TOOLS = ["brush", "eraser", "cells", "fill", "crop"];
+
+/** The tools for the world as it is: of lines, or a bitmap.
+ * @param {import("./editor.js").EditorPage} page */
+export function showTools({ parts, state, watching }) {
+  for (const name of WALL_TOOLS) {
+    parts.tools.get(name).disabled = watching || Boolean(state.walls_fixed);
+    parts.tools.get(name).hidden = Boolean(state.cells);
+  }
+  for (const name of PAINT_TOOLS) {
+    parts.tools.get(name).disabled = watching;
+    parts.tools.get(name).hidden = !state.cells;
+  }
+}
+
+/** Who holds the pen, and the button that asks for it.
+ * @param {import("./editor.js").EditorPage} page */
+export function showPen(page) {
+  const { pen } = page.parts;
+  const asking = page.state.asking ?? [];
+  pen.hidden = Boolean(page.playing) || (page.isHolder && !asking.length);
+  say(pen, page.isHolder ? "give the pen" : asking.includes(page.window) ? "asked for the pen" : page.state.holder ? "ask for the pen" : "take the pen");
+  pen.onclick = () => page.connection.ask({ do: "controls", want: page.isHolder ? "give" : page.state.holder ? "ask" : "take" });
+}
+
+/** What something else has changed, and what can be done about it.
+ * @param {import("./editor.js").EditorPage} page */
+export function showOutside(page) {
+  const { changed_outside: changed, remark, is_saved: isSaved } = page.state;
+  const key = `${changed.join()}|${remark}|${isSaved}`;
+  if (key === page.outside) return;
+  page.outside = key;
+  if (!changed.length && !remark) {
+    page.warn("");
+    return;
+  }
+  const act = (command) => async () => {
+    const said = await page.connection.ask(command);
+    if (!said.ok) page.hint(said.error);
+  };
+  if (!changed.length) {
+    page.warn(
+      `${remark[0].toUpperCase()}${remark.slice(1)}.`,
+      isSaved ? "" : h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "begin without them"),
+      h("button", { class: "tool holders-only", onclick: act({ do: "heard" }) }, "go on"),
+    );
+    return;
+  }
+  page.warn(
+    `${changed.join(" and ")} was changed by something else.`,
+    h("button", { class: "tool", onclick: () => showDifference(page) }, "difference"),
+    h("button", { class: "tool holders-only", onclick: act({ do: "reload" }) }, "reload the file"),
+    h("button", { class: "tool holders-only", onclick: act({ do: "save", force: true }) }, "keep mine"),
+  );
+}
+
+/** The lines by which the file and what is edited differ.
+ * @param {import("./editor.js").EditorPage} page */
+async function showDifference(page) {
+  const said = await page.connection.ask({ do: "difference" });
+  if (!said.ok) {
+    page.hint(said.error);
+    return;
+  }
+  const kinds = { "+": "added", "-": "taken", "@": "where" };
+  const lines = said.text.split("\n").map((line) => h("span", { class: kinds[line[0]] ?? "" }, `${line}\n`));
+  tell("The file now, and what is here", h("p", { class: "note" }, "− is in the file now, + is here"), h("pre", { class: "difference", tabindex: "0" }, said.text ? lines : "they say the same"));
+}

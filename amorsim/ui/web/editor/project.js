@@ -1,0 +1,130 @@
+// The project: other scenarios, the world as a file or from a generator, pictures, and all of it as a zip.
+
+import { askName, open, tell } from "../shared/dialogs.js";
+import { download } from "../shared/capture.js";
+import { h, say } from "../shared/dom.js";
+import { numberIn } from "../shared/field.js";
+import { askUnderlay } from "./underlay.js";
+import { saveAs } from "./files.js";
+
+/** What the menu offers. */
+export const MENU = [
+  { name: "open", words: "open or begin another…", does: openOther },
+  { name: "saveAs", words: "save as…", does: saveAs },
+  { name: "world", words: "take another world…", does: askWorld },
+  { name: "writeWorld", words: "save the world as…", does: askFormat },
+  { name: "underlay", words: "a picture to trace from…", does: askUnderlay },
+  { name: "png", words: "the world as a picture (PNG)", does: (page) => picture(page, "png") },
+  { name: "svg", words: "the world as lines (SVG)", does: (page) => picture(page, "svg") },
+  { name: "zip", words: "the scenario with its files (zip)", does: zip },
+];
+
+const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+const stem = (page) => page.state.name.replace(/\.toml$/, "");
+
+/** Open another scenario, on a page of its own.
+ * @param {import("./editor.js").EditorPage} page */
+async function openOther(page) {
+  const said = await page.connection.ask({ do: "others" });
+  if (!said.ok) return;
+  const problem = h("p", { class: "error", role: "alert" });
+  const go = async (name) => {
+    const opened = await page.connection.ask({ do: "open", name });
+    if (opened.ok) location.assign(opened.path);
+    else say(problem, opened.error);
+  };
+  const list = (title, names) => names.length ? [h("h3", {}, title), h("ul", { class: "choices" }, names.map((name) => h("li", {}, h("button", { class: "tool", onclick: () => go(name) }, name))))] : [];
+  tell("Open", h("div", { class: "lists", tabindex: "0", role: "group", "aria-label": "scenarios" },
+    h("button", { class: "tool", onclick: () => go("") }, "an empty page"), list("Last", said.recent), list("In this folder", said.files), list("Bundled: a copy", said.bundled)), problem);
+}
+
+/** Another world: a file of the project, a random one of a generator, or an empty one.
+ * @param {import("./editor.js").EditorPage} page */
+async function askWorld(page) {
+  const said = await page.connection.ask({ do: "worlds" });
+  const menu = await page.connection.ask({ do: "menu" });
+  if (!said.ok || !menu.ok) return;
+  const problem = h("p", { class: "error", role: "alert" });
+  const choice = h("select", {},
+    h("optgroup", { label: "random, of a generator" }, menu.world_generator.map((name) => h("option", { value: `generate ${name}` }, name))),
+    h("optgroup", { label: "a file of this folder" }, said.files.map((name) => h("option", { value: `file ${name}` }, name))));
+  const seed = h("input", { type: "text", inputmode: "numeric", autocomplete: "off", value: "1" });
+  const seedRow = h("label", { class: "asked" }, h("span", {}, "seed: another number is another world"), seed);
+  choice.addEventListener("change", () => (seedRow.hidden = choice.value.startsWith("file ")));
+  const take = async () => {
+    const [kind, ...rest] = choice.value.split(" ");
+    const name = rest.join(" ");
+    const number = numberIn(seed.value);
+    if (kind === "generate" && !(Number.isInteger(number) && number >= 0)) {
+      say(problem, "Expected a whole number as seed.");
+      return;
+    }
+    const done = await page.edit(`take ${name} as the world`, [{ op: "set", path: "world", value: { map: kind === "generate" ? { generate: name, seed: number } : name } }]);
+    if (!done.ok) {
+      say(problem, done.error);
+      return;
+    }
+    dialog.close();
+    page.choose(["world"]);
+    page.fitsNext = true;
+  };
+  const dialog = open(
+    "Another world",
+    h("div", {}, h("label", { class: "asked" }, h("span", {}, "world"), choice), seedRow, h("p", { class: "note" }, "The parameters of a generator stand in the inspector of “world” then. What stands at fixed places stays there."), problem),
+    [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: take }, "take")],
+  );
+}
+
+/** Save the world in a format, after saying what is lost.
+ * @param {import("./editor.js").EditorPage} page */
+export function askFormat(page) {
+  const ending = page.wallsFixed ? "wld" : "png";
+  askName("Save the world as", "file", `${stem(page)}-world.${ending}`, "the ending tells the format: .wld, .png, .bmp, .svg, .dxf, .geojson, .yaml (ROS), .map, .maz", async (name) => {
+    const tried = await page.connection.ask({ do: "write_world", name, is_trial: true });
+    if (tried.ok) confirmWorld(page, name, tried);
+    return tried;
+  });
+}
+
+function confirmWorld(page, name, { words }) {
+  const problem = h("p", { class: "error", role: "alert" });
+  const write = async (use) => {
+    const said = await page.connection.ask({ do: "write_world", name, is_trial: false, use });
+    if (!said.ok) {
+      say(problem, said.error);
+      return;
+    }
+    page.hint(`saved ${said.file}`);
+    dialog.close();
+  };
+  const dialog = open(`${name}: what the format keeps`, h("div", {}, h("ul", {}, words.map((one) => h("li", {}, one))), problem), [
+    h("button", { onclick: () => dialog.close() }, "cancel"),
+    h("button", { onclick: () => write(false) }, "save it"),
+    h("button", { class: "main", onclick: () => write(true) }, "save it and take it as the world"),
+  ]);
+}
+
+async function picture(page, kind) {
+  const said = await page.connection.ask({ do: "picture", kind });
+  if (said.ok) download(new Blob([bytesOf(said.data)], { type: kind === "png" ? "image/png" : "image/svg+xml" }), `${stem(page)}.${kind}`);
+  else page.hint(said.error);
+}
+
+async function zip(page) {
+  const said = await page.connection.ask({ do: "zip" });
+  if (said.ok) download(new Blob([bytesOf(said.zip)], { type: "application/zip" }), `${stem(page)}.zip`);
+  else page.hint(said.error);
+}
+
+/** Save a robot as a model, or a sensor of it as a device.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {string} path of the robot
+ * @param {string} sensor */
+export function askModel(page, path, sensor = "") {
+  const what = sensor || page.stage.things.find((thing) => thing.path === path)?.name || "robot";
+  askName(sensor ? "Save as a device" : "Save as a model", "file", `${what}-${sensor ? "device" : "model"}.toml`, "it says only what differs from the model that it builds on", async (name) => {
+    const said = await page.connection.ask({ do: "save_model", path, sensor, name });
+    if (said.ok) tell(`saved ${said.file}`, h("pre", { class: "difference", tabindex: "0" }, said.text), h("p", { class: "note" }, `Take it with model = "${said.file}".`));
+    return said;
+  });
+}

@@ -1,0 +1,322 @@
+"""The Editor's commands about the project: worlds and models as files, programs, other scenarios, what was changed."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import os
+import signal
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import amorsim as am
+from amorsim.ui.editor.session import EditSession
+from tests.ui.editor.talking import do, drawn, own_copy, talk
+
+
+def thing_of(seen: dict[str, Any], path: str) -> dict[str, Any]:
+    (found,) = [thing for thing in seen["things"] if thing["path"] == path]
+    return dict(found)
+
+
+def test_points_in_the_world_are_told_moved_added_and_undone(tmp_path: Path) -> None:
+    text = """format = 1
+[world]
+map = { generate = "office", seed = 3 }
+[[robots]]
+name = "one"
+model = "pioneer2dx"
+pose = { x = 1.0, y = 1.0 }
+controller = { use = "pursuit", waypoints = [[1.0, 1.0], [2.0, 1.0]] }
+[[robots]]
+name = "many"
+model = "pioneer2dx"
+count = 3
+start = { random = [0.0, 0.0, 4.0, 3.0] }
+[[obstacles]]
+name = "cart"
+shape = { circle = 0.2 }
+motion = { use = "loop", waypoints = [[1, 1], [2, 1], [2, 2]] } # round and round
+"""
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+
+    async def say(session: EditSession) -> None:
+        seen = await drawn(session)
+        places = {place["path"]: place for thing in seen["things"] for place in thing["places"]}
+        assert places["robots.0.controller.waypoints"]["points"] == [[1.0, 1.0], [2.0, 1.0]]
+        assert not places["robots.0.controller.waypoints"]["closed"]
+        assert places["obstacles.0.motion.waypoints"]["closed"]
+        assert places["robots.1.start.random"]["points"] == [[0.0, 0.0], [4.0, 3.0]]
+        way = "obstacles.0.motion.waypoints"
+        for change in (
+            {"op": "point", "path": way, "number": 1, "value": [2.5, 1.0]},
+            {"op": "point", "path": way, "number": 3, "value": [1.0, 2.0], "insert": True},
+            {"op": "point", "path": "robots.1.start.random", "number": 0, "value": [5.0, 1.0]},
+        ):
+            await do(session, do="edit", label="move", changes=[change])
+        assert session.work.document.get(way) == [[1, 1], [2.5, 1.0], [2, 2], [1.0, 2.0]]
+        assert session.work.document.get("robots.1.start.random") == [4.0, 1.0, 5.0, 3.0]
+        assert "# round and round" in session.work.text
+        refused = await session.request(
+            {"do": "edit", "label": "x", "changes": [{"op": "point", "path": way, "number": 9, "value": [0, 0]}]}
+        )
+        assert "no such point" in refused["error"]
+        for _ in range(3):
+            await do(session, do="undo")
+        assert session.work.text == text
+
+    talk(str(file), tmp_path, say)
+
+
+def test_a_sensor_is_mounted_elsewhere_and_says_only_what_differs(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        (mount,) = [one for one in thing_of(await drawn(session), "robots.0")["mounts"] if one["sensor"] == "laser"]
+        change = {"op": "mount", "path": "robots.0.sensors.laser", "value": [mount["pose"][0], 0.05, None]}
+        await do(session, do="edit", label="mount", changes=[change])
+        (moved,) = [one for one in thing_of(await drawn(session), "robots.0")["mounts"] if one["sensor"] == "laser"]
+        assert moved["pose"] == [mount["pose"][0], 0.05, mount["pose"][2]]
+        assert session.work.document.values["robots"][0]["sensors"]["laser"]["mount"] == {"y": 0.05}
+
+    talk("demo", tmp_path, say)
+
+
+def test_noise_is_reordered_the_model_s_too(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        chain = "robots.0.sensors.laser.noise"
+        before = [one["use"] for one in session.work.document.get(chain)]
+        for start, index in ((0, 1), (1, 0), (0, 1)):  # the model's at first, then the file's own
+            change = {"op": "move", "path": f"{chain}.{start}", "index": index}
+            await do(session, do="edit", label="reorder", changes=[change])
+        assert [one["use"] for one in session.work.document.get(chain)] == before[::-1]
+        assert (await drawn(session))["faults"] == []
+        for index in (-1, 2, "x"):
+            change = {"op": "move", "path": f"{chain}.0", "index": index}
+            assert not (await session.request({"do": "edit", "label": "x", "changes": [change]}))["ok"]
+
+    talk("demo", tmp_path, say)
+
+
+def test_a_robot_and_a_sensor_are_saved_with_what_differs_alone(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        changes = [
+            {"op": "set", "path": "robots.0.drive.track", "value": 0.4},
+            {"op": "set", "path": "robots.0.sensors.laser.beams", "value": 91},
+        ]
+        await do(session, do="edit", label="change", changes=changes)
+        said = await do(session, do="save_model", path="robots.0", name="wide")
+        assert said["file"] == "wide.toml"
+        assert (
+            "there already"
+            in (await session.request({"do": "save_model", "path": "robots.0", "name": "wide"}))["error"]
+        )
+        said = await do(session, do="save_model", path="robots.0", sensor="laser", name="eye")
+        assert "beams = 91" in said["text"]
+
+    talk("demo", tmp_path, say)
+    text = (tmp_path / "wide.toml").read_text()
+    assert 'model = "pioneer2dx' in text
+    assert "track = 0.4" in text
+    assert text.count("[drive]") == 1
+    assert "rate_max" not in text
+    assert am.load_robot(str(tmp_path / "wide.toml")).drive.track == 0.4
+    assert am.load_device(tmp_path / "eye.toml").sensor.beams == 91
+
+
+def test_the_world_is_written_after_it_is_said_what_is_lost(tmp_path: Path) -> None:
+    file = own_copy("doors", tmp_path)
+
+    async def say(session: EditSession) -> None:
+        tried = await do(session, do="write_world", name="world.png", is_trial=True)
+        assert not (tmp_path / "world.png").exists()
+        assert any("cells" in words for words in tried["words"])
+        assert any("comments of rooms.wld" in words for words in tried["words"])
+        assert any("single walls" in words for words in tried["words"])
+        said = await do(session, do="write_world", name="world.png", is_trial=False, use=True)
+        assert said["file"] == "world.png"
+        assert session.work.document.get("world.map") == "world.png"
+        assert (await drawn(session))["faults"] == []
+        refused = await session.request({"do": "write_world", "name": "world.png", "is_trial": True})
+        assert "there already" in refused["error"]
+        await do(session, do="undo")
+        assert session.work.text == file.read_text()
+
+    talk(str(file), tmp_path, say)
+
+
+def test_a_generated_world_is_made_into_walls_that_can_be_drawn(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        world = {"map": {"generate": "office", "seed": 3}}
+        await do(session, do="edit", label="office", changes=[{"op": "set", "path": "world", "value": world}])
+        seen = await drawn(session)
+        assert thing_of(seen, "world")["note"] == "generated: office"
+        assert session.state()["walls_fixed"]
+        sections = (await do(session, do="inspect", path="world"))["sections"]
+        paths = [field["path"] for section in sections for field in section["fields"]]
+        assert "world.map.seed" in paths
+        assert any(path.startswith("world.map.") and path != "world.map.seed" for path in paths)
+        await do(session, do="write_world", name="office.wld", is_trial=False, use=True)
+        assert not session.state()["walls_fixed"]
+        await do(session, do="edit", label="wall", changes=[{"op": "walls", "add": [[1, 1, 2, 1]]}])
+
+    talk("", tmp_path, say)
+
+
+def test_pictures_and_a_zip_have_what_is_drawn_now(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        await do(session, do="edit", label="wall", changes=[{"op": "walls", "add": [[1.0, 9.0, 2.0, 9.0]]}])
+        png = base64.b64decode((await do(session, do="picture", kind="png"))["data"])
+        assert png.startswith(b"\x89PNG")
+        assert b"<svg" in base64.b64decode((await do(session, do="picture", kind="svg"))["data"])
+        packed = base64.b64decode((await do(session, do="zip"))["zip"])
+        with zipfile.ZipFile(io.BytesIO(packed)) as archive:
+            assert sorted(archive.namelist()) == ["demo/demo.toml", "demo/office.wld"]
+            archive.extractall(tmp_path)
+        assert session.work.document.path.name == "demo.toml"
+
+    talk("demo", tmp_path, say)
+    world = am.load(tmp_path / "demo" / "demo.toml").map
+    assert world.segments is not None
+    assert world.segments[-1].tolist() == [1.0, 9.0, 2.0, 9.0]
+
+
+def test_what_differs_from_a_file_that_was_changed_is_told(tmp_path: Path) -> None:
+    file = own_copy("demo", tmp_path)
+
+    async def say(session: EditSession) -> None:
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 5}])
+        file.write_text(file.read_text().replace("duration = 300.0", "duration = 30.0"))
+        lines = (await do(session, do="difference"))["text"].splitlines()
+        assert "-duration = 30.0" in lines
+        assert "+duration = 300.0" in lines
+        assert "+seed = 5" in lines
+
+    talk(str(file), tmp_path, say)
+
+
+def test_the_files_of_before_are_remembered(tmp_path: Path) -> None:
+    state = tmp_path / ".state"
+    one, other = own_copy("demo", tmp_path), own_copy("doors", tmp_path)
+    said: list[dict[str, Any]] = []
+
+    async def say(session: EditSession) -> None:
+        said.append(await do(session, do="others"))
+
+    talk(str(one), tmp_path, say, state=state)
+    talk(str(other), tmp_path, say, state=state)
+    assert said[-1]["recent"] == [str(other), str(one)]
+    assert "doors.toml" in said[-1]["files"]
+    assert "demo" in said[-1]["bundled"]
+    one.unlink()
+    (state / "recent.json").write_text(json.dumps([3, str(one), str(other)]))
+    talk(str(other), tmp_path, say, state=state)
+    assert said[-1]["recent"] == [str(other)]
+
+
+def test_only_the_project_the_bundled_and_what_was_open_before_can_be_opened(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    file = own_copy("demo", elsewhere)
+    project = tmp_path / "project"
+    project.mkdir()
+    opened: list[str] = []
+
+    async def open_other(name: str) -> str:
+        opened.append(name)
+        return "/edit/x"
+
+    async def say(session: EditSession) -> None:
+        session.open_other = open_other
+        for name in (str(file), "../elsewhere/demo.toml", "/etc/hosts.toml"):
+            assert not (await session.request({"do": "open", "name": name}))["ok"]
+        await do(session, do="open", name="")
+        await do(session, do="open", name="demo")
+        await do(session, do="open", name="mine.toml")
+
+    talk("demo", project, say, state=tmp_path / ".state")
+    assert opened == ["", "demo", str(project / "mine.toml")]
+
+
+def write_controller(session: EditSession, body: str) -> Any:
+    text = f"import amorsim as am\n\n\ndef drive(readings, estimate, clock):\n    return am.Twist(0.1, 0.0)\n{body}"
+    return do(session, do="save_code", file="mine.py", text=text)
+
+
+def test_a_program_is_tried_in_a_process_of_its_own_and_its_fault_has_a_line(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        template = (await do(session, do="code", file="mine.py"))["text"]
+        assert "def drive" in template
+        assert not (tmp_path / "mine.py").exists()
+        await write_controller(session, "")
+        controller = {"use": str(tmp_path / "mine.py") + ":drive"}
+        change = {"op": "set", "path": "robots.0.controller", "value": controller}
+        await do(session, do="edit", label="controller", changes=[change])
+        assert (await drawn(session))["faults"] == []
+        await write_controller(session, "raise RuntimeError('so not')\n")
+        (fault,) = (await drawn(session))["faults"]
+        assert "so not" in fault["message"]
+        assert "mine.py" in fault["message"]
+        assert "line 6" in fault["message"]
+        assert fault["at"].startswith("robots.0.controller")
+        # One that never ends does not hold anybody up: the next change is read at once.
+        await write_controller(session, "while True:\n    pass\n")
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 5}])
+        await write_controller(session, "")
+        assert (await drawn(session))["faults"] == []
+
+    talk("demo", tmp_path, say, may_run_code=True)
+
+
+def test_no_program_is_taken_or_tried_where_others_can_reach_the_window(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\ndef drive(*_):\n    return None\n")
+
+    async def say(session: EditSession) -> None:
+        for command in ({"do": "code", "file": "mine.py"}, {"do": "save_code", "file": "mine.py", "text": ""}):
+            assert "--allow-code" in (await session.request(command))["error"]
+        change = {"op": "set", "path": "robots.0.controller", "value": {"use": str(tmp_path / "mine.py") + ":drive"}}
+        await do(session, do="edit", label="controller", changes=[change])
+        await drawn(session)
+
+    talk("demo", tmp_path, say)
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("file", ["../mine.py", "/tmp/mine.py", "mine.toml", "", 3])
+def test_programs_lie_in_the_project(file: Any, tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        assert not (await session.request({"do": "save_code", "file": file, "text": ""}))["ok"]
+
+    talk("demo", tmp_path, say, may_run_code=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there is no SIGKILL")
+def test_a_reading_process_that_is_killed_is_replaced(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        await drawn(session)
+        assert session.reader._process is not None
+        os.kill(session.reader._process.pid, signal.SIGKILL)
+        await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 5}])
+        assert (await drawn(session))["still"]["scene"]["seed"] == 5
+
+    talk("demo", tmp_path, say)
+
+
+@pytest.mark.long
+def test_errors_and_noise_are_previewed(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        square = await do(session, do="preview", robot="rover")
+        assert len(square["estimated"]) == len(square["true"]) == 20
+        assert 0.0 < square["mean"] <= square["most"]
+        width = max(x for path in square["estimated"] for x, _ in path)
+        assert width == pytest.approx(10.0, abs=0.2)
+        bars = await do(session, do="histogram", robot="rover", sensor="laser")
+        assert sum(bars["counts"]) == bars["of"] > 500
+        assert bars["unit"] == "m"
+        assert 0.001 < bars["std"] < 0.1
+
+    talk("demo", tmp_path, say)

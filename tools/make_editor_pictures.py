@@ -1,0 +1,122 @@
+"""Makes the pictures of the tutorial "Your first simulation", in headless Chromium, as a user would do it.
+
+They are looked at and not compared, so they are made anew only where they should look different::
+
+    python tools/make_editor_pictures.py [FOLDER]
+
+Needs the extra "dev" and Debian's chromium.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+from tests.ui.test_window_editor import Editor  # noqa: E402 - beside us, not installed
+from tests.ui.windows import CHROMIUM, FLAGS, SIMULATOR  # noqa: E402
+
+__all__ = ["do_it", "make"]
+
+PICTURES = ROOT / "docs" / "pictures"
+
+
+def make(folder: Path) -> None:
+    """Write the pictures into `folder`."""
+    from playwright.sync_api import sync_playwright
+
+    folder.mkdir(parents=True, exist_ok=True)
+    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as work:
+        browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
+        editor = Editor(browser, Path(work))
+        try:
+
+            def show(name: str) -> None:
+                editor.page.wait_for_timeout(300)
+                with Image.open(io.BytesIO(editor.page.screenshot())) as opened:
+                    opened.convert("RGB").save(folder / f"editor-{name}.png", optimize=True)
+
+            do_it(editor, show)
+        finally:
+            editor.server.close()
+            browser.close()
+
+
+def do_it(editor: Editor, show: Callable[[str], None]) -> None:
+    """The tutorial, from the empty page to the running simulation; `show` is called with the name of each picture."""
+    page = editor.page
+    show("empty")
+
+    editor.look_near(4.0, 3.0, 78.0)
+    page.keyboard.press("r")
+    editor.click(0.0, 0.0)
+    editor.step(lambda: editor.click(8.0, 6.0))
+    page.keyboard.press("w")
+    editor.click(5.0, 0.0)
+    editor.step(lambda: editor.click(5.0, 6.0))
+    page.keyboard.press("d")
+    editor.step(lambda: editor.click(5.0, 2.0))
+    page.mouse.move(*editor.at(5.0, 4.2))
+    show("room")
+
+    page.keyboard.press("Escape")
+    page.select_option("select[aria-label='add a thing']", "pioneer2dx")
+    editor.step(lambda: editor.drag((1.5, 1.5), (2.5, 2.5)))
+    editor.until("stage.selection.only?.path === 'robots.0'")
+    _open(editor, "robots.0.controller")
+    editor.step(lambda: page.select_option("[id='use-robots.0.controller']", "wander"))
+    page.locator('[data-section="robots.0.controller"]').scroll_into_view_if_needed()
+    show("robot")
+
+    page.select_option("select[aria-label='add a thing']", "post")
+    editor.step(lambda: editor.click(2.5, 4.8))
+    editor.until("stage.selection.only?.kind === 'obstacle'")
+    path = str(editor.see("stage.selection.only.path"))
+    _open(editor, f"{path}.motion")
+    editor.step(lambda: page.select_option(f"[id='use-{path}.motion']", "loop"))
+    page.click("text=draw the waypoints")
+    for x, y in ((2.5, 4.8), (4.2, 4.8), (4.2, 3.4)):
+        editor.click(x, y)
+    editor.step(lambda: page.keyboard.press("Escape"))
+    editor.step(lambda: editor.drag((3.35, 4.1), (2.9, 3.2)))
+    show("path")
+
+    page.click('[data-key="robots.0"]')
+    page.wait_for_selector('[data-section="robots.0.errors"]')
+    _open(editor, "robots.0.errors")
+    page.select_option("[id='add-robots.0.errors']", "drive.wheel_radius_left")
+    editor.step(lambda: page.click("[aria-label='add an error']"))
+    _open(editor, "robots.0.errors.drive.wheel_radius_left")
+    scale = page.locator('[data-path="robots.0.errors.drive.wheel_radius_left.scale"] input').first
+    scale.fill("1.02")
+    editor.step(lambda: scale.press("Enter"))
+    page.click("text=try on a square of 10 m")
+    page.wait_for_selector("dialog canvas", timeout=240_000)
+    show("errors")
+    page.keyboard.press("Escape")
+
+    page.click(".run")
+    page.wait_for_url("**/run/untitled*", timeout=120_000)
+    page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=120_000)
+    page.keyboard.press("Space")
+    page.wait_for_function(f"() => {SIMULATOR}.newest.tick > 150", timeout=240_000)
+    page.keyboard.press("Space")
+    show("run")
+    page.click("text=← edit")
+    editor.until("state && !state.is_behind && stage.still")
+
+
+def _open(editor: Editor, section: str) -> None:
+    """Unfold a section of the inspector."""
+    editor.page.wait_for_selector(f'[data-section="{section}"]')
+    editor.page.evaluate("section => (document.querySelector(`[data-section='${section}']`).open = true)", section)
+
+
+if __name__ == "__main__":
+    make(Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURES)

@@ -1,0 +1,130 @@
+"""Measure the Editor's window in headless Chromium: how long from one frame to the next while something is dragged.
+
+``python tools/measure_editor.py``; needs the extra "dev" and Debian's chromium. A world of 5,000 walls is panned and
+500 things are dragged in it; a bitmap of 4,000 x 4,000 cells is panned and painted on. A frame is in time where the
+next comes within two of the screen's moments (33 ms). With ``--check`` the status is 1 where fewer than 95 % are, which
+says something on a quiet machine alone: the load is printed.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+from tests.ui.test_window_editor import PAGE, Editor
+from tests.ui.windows import CHROMIUM, FLAGS
+
+SECONDS = 6.0
+IN_TIME = 33.4 + 0.6  # [ms] two moments of the screen, and what its clock is off
+WANTED = 0.95
+WALLS, THINGS, CELLS = 5000, 500, 4000
+
+FRAMES = """(seconds) => {
+    const editor = PAGE;
+    const { stage } = editor;
+    const times = [];
+    BEGIN
+    const started = performance.now();
+    let before = started;
+    return new Promise((done) => requestAnimationFrame(function tick(now) {
+        times.push(now - before);
+        before = now;
+        const t = (now - started) / 1000;
+        EACH
+        if (t < seconds) return requestAnimationFrame(tick);
+        END
+        done(times.slice(2));
+    }));
+}"""
+PAN = "stage.camera.pan(4 * Math.sin(2 * t), 3 * Math.cos(2 * t));"
+
+
+def write_walls(folder: Path) -> Path:
+    """A world of many walls and many obstacles."""
+    side = int(np.sqrt(WALLS))
+    lines = [
+        f"{1000 * (n % side)} {1000 * (n // side)} {1000 * (n % side) + 700} {1000 * (n // side)}" for n in range(WALLS)
+    ]
+    (folder / "walls.wld").write_text("\n".join(lines) + "\n")
+    parts = ['format = 1\n[world]\nmap = "walls.wld"\nresolution = 0.05\n']
+    for n in range(THINGS):
+        pose = f"{{ x = {n % 25 + 0.5}, y = {n // 25 + 0.5} }}"
+        parts.append(f'[[obstacles]]\nname = "o{n}"\nshape = {{ circle = 0.1 }}\npose = {pose}\n')
+    file = folder / "walls.toml"
+    file.write_text("".join(parts))
+    return file
+
+
+def write_cells(folder: Path) -> Path:
+    """A bitmap with rooms."""
+    levels = np.full((CELLS, CELLS), 255, dtype=np.uint8)
+    levels[::100, :] = 0
+    levels[:, ::100] = 0
+    levels[:, 40::100] = 255
+    levels[50::100, :] = 255
+    Image.fromarray(levels).convert("1").save(folder / "cells.png")
+    file = folder / "cells.toml"
+    file.write_text('format = 1\n[world]\nmap = "cells.png"\nresolution = 0.02\n')
+    return file
+
+
+def measure(browser: Any, write: Any, does: dict[str, tuple[str, str, str]]) -> dict[str, np.ndarray]:
+    """Milliseconds from one frame to the next while each of these is done."""
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        file = write(Path(folder))
+        editor = Editor(browser, Path(folder), file.name)
+        try:
+            editor.page.wait_for_timeout(1500.0)
+            for name, (begin, each, end) in does.items():
+                editor.page.wait_for_timeout(500.0)
+                code = FRAMES.replace("PAGE", PAGE).replace("BEGIN", begin).replace("EACH", each).replace("END", end)
+                found[name] = np.array(editor.page.evaluate(code, SECONDS))
+        finally:
+            editor.server.close()
+            editor.page.context.close()
+    return found
+
+
+def main() -> int:
+    """Print a table; the status."""
+    from playwright.sync_api import sync_playwright
+
+    late = False
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
+        print(f"Chromium {browser.version}, headless; {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+        print("milliseconds between frames       frames   p50    p95 longest  in time")
+        drag = (
+            "stage.selection.set(stage.things.filter(({pose}) => pose).map((one) => stage.chosenOf(one)));",
+            "editor.tools.select.shift(Math.sin(2 * t), Math.cos(2 * t), true);",
+            "stage.putBack();",
+        )
+        paint = (
+            "editor.take('brush'); editor.tools.brush.down({x: 30, y: 20}, {button: 0});",
+            "editor.tools.brush.move({x: 20 + 10 * Math.cos(t), y: 20 + 10 * Math.sin(t)});",
+            "editor.tools.brush.cancel();",
+        )
+        for write, does in (
+            (write_walls, {"panning 5,000 walls": ("", PAN, ""), "dragging 500 things": drag}),
+            (write_cells, {"panning 4,000 x 4,000 cells": ("", PAN, ""), "brushing": paint}),
+        ):
+            for name, times in measure(browser, write, does).items():
+                half, most = np.percentile(times, (50, 95))
+                in_time = float(np.mean(times <= IN_TIME))
+                late = late or in_time < WANTED
+                print(f"{name:33} {len(times):6} {half:5.1f} {most:6.1f} {times.max():7.0f} {100 * in_time:6.1f} %")
+        browser.close()
+        print(f"load at the end {os.getloadavg()[0]:.1f}")
+    return 1 if late and "--check" in sys.argv[1:] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
