@@ -18,6 +18,7 @@ from amorsim.core.errors import RunError
 from amorsim.core.shapes import Shape
 from amorsim.render.marks import COLOURS
 from amorsim.scenario.colours import robot_colours
+from amorsim.worlds.drawn import map_of, origin_of
 
 __all__ = ["draw_all_paths", "draw_path"]
 
@@ -31,7 +32,7 @@ ELLIPSES = 12  # along a path, at the most
 def draw_path(files: RunFiles, robot: str, replica: int | None, trace: Trace) -> Figure:
     """A robot's true and estimated paths over the map, with the uncertainty that the estimators believe."""
     figure, axis = _new_map()
-    seen = [_draw_map(axis, files), trace.true[:, 0, :2]]
+    seen = [_draw_map(axis, files, files.replicas[0] if replica is None else replica), trace.true[:, 0, :2]]
     _draw_obstacles(axis, files, _table(files, "obstacles", replica))
     _draw_body(axis, files, robot, trace, _table(files, "parts", replica))
     axis.plot(*trace.true[:, 0, :2].T, **TRUE)
@@ -56,7 +57,9 @@ def draw_path(files: RunFiles, robot: str, replica: int | None, trace: Trace) ->
 def draw_all_paths(files: RunFiles, robot: str, trace: Trace) -> Figure:
     """A robot's true paths in all replicas over the map, and where it ended and believed to end in each."""
     figure, axis = _new_map()
-    seen = [_draw_map(axis, files), trace.true[..., :2].reshape(-1, 2)]
+    is_same = origin_of(files.scenario.map) is None
+    walls = [_draw_map(axis, files, files.replicas[0])] if is_same else []  # else no map belongs to all paths
+    seen = [*walls, trace.true[..., :2].reshape(-1, 2)]
     _draw_obstacles(axis, files, _standing(_table(files, "obstacles", "all")))
     drawn = min(trace.true.shape[1], MOST_PATHS)
     label = "true" if drawn == trace.true.shape[1] else f"true, of the first {drawn} replicas"
@@ -133,9 +136,9 @@ def _draw_uncertainty(axis: Any, path: Array, covariance: Array, style: dict[str
         )
 
 
-def _draw_map(axis: Any, files: RunFiles) -> Array:
-    """Draw the map, and return its corners in the world (4, 2)."""
-    found = files.scenario.map
+def _draw_map(axis: Any, files: RunFiles, replica: int) -> Array:
+    """Draw the map of a replica, and return its corners in the world (4, 2)."""
+    found = map_of(files.scenario.map, replica)
     width, height = found.size
     cell = max(found.resolution, max(width, height) / PIXELS)
     image = found.to_array(resolution=cell)

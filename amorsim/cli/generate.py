@@ -34,6 +34,10 @@ def command(
             "lists them.",
         ),
     ] = None,
+    replica: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=0, help='The world of a replica, where a scenario says per = "replica".'),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
 ) -> None:
     """Make a random world and write it as a map, in any format that can be written.
@@ -41,7 +45,10 @@ def command(
     The file is read back, and what its format loses is said, as by convert.
     """
     settings = [f"size=[{size[0]!r}, {size[1]!r}]", *(changes or ())] if size else list(changes or ())
+    if replica is not None:
+        settings.append('per="replica"')
     from amorsim.scenario.read import read_generated_alone
+    from amorsim.worlds.drawn import map_of
 
     def look() -> None:
         read_generated_alone(kind, seed, settings, is_made=False)
@@ -49,4 +56,4 @@ def command(
     compile_once(look)
     world = read_generated_alone(kind, seed, settings)
     assert world is not None  # or there would be faults
-    write_world(world, target, force=force)
+    write_world(map_of(world, replica or 0), target, force=force)

@@ -192,10 +192,15 @@ class RobotModel:
     shape: Shape
     sensors: Mapping[str, SensorModel]
     channels: tuple[str, ...]  # of a command: the drive's, then "<sensor>.<channel>" of each device that takes commands
-    map: Map | None = None  # `knowledge.map` of the scenario
+    map: Map | None = None  # `knowledge.map` of the scenario, if all rows know the same; see `map_of`
     landmarks: Array | None = None  # (L, 2) [m], `knowledge.landmarks` of the scenario
     landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) their ids, 0 for a landmark without one
     names: Sequence[str] = ()  # the rows' robots, for messages
+    maps: Sequence[Map | None] = ()  # (N,) what each row knows, if replicas have different maps; else empty
+
+    def map_of(self, row: int) -> Map | None:
+        """The map that a row's robot knows, or None."""
+        return self.maps[row] if self.maps else self.map
 
     def who(self, row: int) -> str:
         """The name of a row's robot, for messages."""

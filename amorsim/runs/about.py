@@ -86,6 +86,7 @@ _OTHERS: dict[str, tuple[Check, str]] = {
     "packages": (_table_of(_is_text), "a table of texts"),
     "plugins": (_table_of(lambda value: value is None or _is_text(value)), "a table of texts"),
     "steps_done": (_is_whole, f"a whole number >= 0 and <= {MOST_STEPS}"),
+    "worlds": (_table_of(_is_text), "a table of texts, by replica"),
     "digests": (_table_of(_is_text), "a table of texts, by replica"),
     "distance": (_table_of(_is_real), "a table of numbers [m], by robot"),
     "final_error": (_table_of(_is_real), "a table of numbers [m], by robot"),

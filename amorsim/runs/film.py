@@ -87,7 +87,7 @@ class Film:
             shown.append(Shown(outline=shape.outline, is_robot=name in robots, colour=colours[name], is_part=is_part))
         try:
             self._animation = Animation(
-                simulation.scenario.map, shown, patches=simulation.scenario.floor.patches, size=size
+                simulation.map_of(simulation.replicas[0]), shown, patches=simulation.scenario.floor.patches, size=size
             )
         except ParameterError as error:
             raise ParameterError("gif-size", error.problem) from None

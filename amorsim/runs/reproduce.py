@@ -17,6 +17,7 @@ from amorsim.runs.folder import circumstances, fingerprints
 from amorsim.runs.replay import Replay
 from amorsim.runs.session import RunSession
 from amorsim.runs.tables import last_line
+from amorsim.runs.worlds import different_world
 from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Outcome", "reproduce"]
@@ -82,6 +83,8 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
         after = Path(beside) / "run"
         try:
             simulation = Simulation(scenario, seed=about["seed"], replicas=about["replicas"])
+            if problem := different_world(about, simulation):
+                return Outcome(is_same=False, is_exact=False, steps=0, difference=problem, notes=tuple(notes))
             replay = Replay(simulation, before)
             with RunSession(simulation, after, wanted_steps=steps) as session:
                 for done in range(1, steps + 1):

@@ -22,6 +22,7 @@ from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
 from amorsim.runs.traces import Traces
+from amorsim.runs.worlds import fingerprints_of_worlds
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, with_copies, write_table
 from amorsim.simulation.simulation import MOST_STEPS, Simulation
@@ -130,6 +131,7 @@ class RunSession:
             "duration": duration,
             "steps": planned,
             "inputs": {},
+            **fingerprints_of_worlds(simulation),
             **circumstances(),
         }
         self._folder = RunFolder(folder, run_name(scenario), self._about)
@@ -218,7 +220,7 @@ class RunSession:
         self._end(status)
         if self._scenario.recording.picture:
             picture = draw_run(
-                self._scenario.map,
+                self._simulation.map_of(self._simulation.replicas[0]),
                 self._traces.paths(),
                 zones=[zone.outline for zone in self._scenario.zones],
                 patches=self._scenario.floor.patches,
@@ -346,7 +348,7 @@ def steps_of(simulation: Simulation, duration: float) -> int:
 def _most_bytes(simulation: Simulation) -> int:
     """Largest size of ``run.json`` [bytes] at the end: numbers for each robot, and a digest for each replica."""
     names = sum(len(json.dumps(name)) for name in simulation.names)
-    return 65536 + 3 * names + 120 * len(simulation.names) + 100 * len(simulation.replicas)
+    return 65536 + 3 * names + 120 * len(simulation.names) + 200 * len(simulation.replicas)
 
 
 def _outcome(summary: RunSummary, status: str) -> dict[str, Any]:

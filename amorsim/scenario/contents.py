@@ -23,6 +23,7 @@ from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
 from amorsim.scenario.starts import Placed, check_starts, placed, read_series
 from amorsim.scenario.worlds import Maps, start_of
 from amorsim.scenario.written import Written
+from amorsim.worlds.drawn import origin_of
 
 __all__ = ["book_of", "read_top", "read_values"]
 
@@ -152,7 +153,12 @@ def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> No
 
 
 def _put(node: Node, robot: Robot, world: Map, is_map_alone: bool) -> Robot | None:
-    """A robot without a pose, put where the map wants it; for a map alone elsewhere if there is no room for it."""
+    """A robot without a pose, put where the map wants it; for a map alone elsewhere if there is no room for it.
+
+    Where replicas have different maps it is put there when a simulation is made.
+    """
+    if origin_of(world) is not None:
+        return robot
     try:
         start = start_of(world, robot, must_be_free=is_map_alone)
     except MapError as error:

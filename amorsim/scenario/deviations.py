@@ -14,12 +14,13 @@ from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, Number
 
-__all__ = ["read_deviations", "write_deviations"]
+__all__ = ["KINDS", "read_deviations", "read_number", "write_deviations", "write_number"]
 
 _FAR = 2.0**1023  # larger numbers are taken for mistakes
 
 _FIELDS = ("scale", "add", "value", "per")
-_KINDS = ("normal", "uniform")
+KINDS = ("normal", "uniform")
+"""The keys of a distribution's table."""
 # What belongs to every sensor's chain or timing: no part of what the robot's software holds as geometry.
 _NO_ERROR = ("noise", "rate", "latency")
 
@@ -76,7 +77,7 @@ def _is_unread(parts: dict[str, Any], path: tuple[str, ...]) -> bool:
 
 
 def _is_deviation(table: dict[str, Any]) -> bool:
-    return bool(table) and all(key in (*_FIELDS, *_KINDS) for key in table)
+    return bool(table) and all(key in (*_FIELDS, *KINDS) for key in table)
 
 
 def _described(thing: Any, name: str) -> Parameter:
@@ -102,8 +103,8 @@ def _parameter(thing: Any, path: Sequence[str]) -> Parameter:
 
 def _read_deviation(node: Node, is_angle: bool) -> Deviation | None:
     value = node.value
-    if not isinstance(value, dict) or (set(value) & set(_KINDS) and not set(value) & set(_FIELDS)):
-        number = _read_number(node, is_angle)
+    if not isinstance(value, dict) or (set(value) & set(KINDS) and not set(value) & set(_FIELDS)):
+        number = read_number(node, is_angle)
         return None if number is None else _make(node, {"value": number})
     before = node.book.count
     node.refuse_unknown(_FIELDS)
@@ -112,7 +113,7 @@ def _read_deviation(node: Node, is_angle: bool) -> Deviation | None:
         if key == "per":
             values[key] = child.value
         elif key in _FIELDS:
-            values[key] = _read_number(child, is_angle and key != "scale")
+            values[key] = read_number(child, is_angle and key != "scale")
     if "value" in values and {"scale", "add"} & set(values):
         node.fault("expected either value, or scale and add: value takes the place of the nominal one")
     return _make(node, values) if node.book.count == before else None
@@ -126,7 +127,7 @@ def _make(node: Node, values: dict[str, Any]) -> Deviation | None:
         return None
 
 
-def _read_number(node: Node, is_angle: bool) -> Number | None:
+def read_number(node: Node, is_angle: bool) -> Number | None:
     """A number or a distribution, in SI units; None after a fault."""
     value = node.value
     convert = to_radians if is_angle else float
@@ -138,8 +139,8 @@ def _read_number(node: Node, is_angle: bool) -> Number | None:
             f"{shown(value)}"
         )
         return None
-    node.refuse_unknown(_KINDS)
-    kinds = [kind for kind in _KINDS if kind in value]
+    node.refuse_unknown(KINDS)
+    kinds = [kind for kind in KINDS if kind in value]
     if len(kinds) != 1:
         node.fault(f"expected one of normal and uniform, got {shown(value)}")
         return None
@@ -186,15 +187,16 @@ def write_deviations(errors: Mapping[str, Deviation], parts: Mapping[str, Any]) 
             place = place.setdefault(part, {})
         written: dict[str, Any] = {}
         if deviation.value is not None:
-            written["value"] = _write_number(deviation.value, is_angle)
+            written["value"] = write_number(deviation.value, is_angle)
         else:
-            written["scale"] = _write_number(deviation.scale, False)
-            written["add"] = _write_number(deviation.add, is_angle)
+            written["scale"] = write_number(deviation.scale, False)
+            written["add"] = write_number(deviation.add, is_angle)
         place[f"{at[-1]}_deg" if is_angle else at[-1]] = {**written, "per": deviation.per}
     return table
 
 
-def _write_number(number: Number, is_angle: bool) -> Any:
+def write_number(number: Number, is_angle: bool) -> Any:
+    """What `read_number` reads the same number or distribution from."""
     convert = to_degrees if is_angle else float
     if isinstance(number, Distribution):
         return {number.kind: [convert(part) for part in number.values]}

@@ -37,6 +37,7 @@ from amorsim.scenario.spec import (
 )
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
+from amorsim.worlds.drawn import DrawnWorld, origin_of
 from amorsim.worlds.made import MadeWorld
 
 __all__ = ["chain_table", "resolved", "resolved_table"]
@@ -177,7 +178,7 @@ class _Writer:
                     "the map was not read from a file, so a file cannot name it; give it one with save_map",
                 )
             return {}
-        if isinstance(file, MadeWorld):
+        if isinstance(file, (MadeWorld, DrawnWorld)):
             name = self._component("world_generator", file.generator, f"{path}.map").get("use", "")
             return {"map": write_generated(file, name)}
         return {"map": str(file.path.absolute()), **self._component("map_loader", file.loader, path)}
@@ -209,7 +210,7 @@ class _Writer:
         pose = robot.pose
         if robot.start is not None:
             written["start"] = write_fields(robot.start)
-        else:
+        elif pose is not None or origin_of(world) is None:
             pose = pose or start_of(world, robot)
             written["pose"] = write_fields(pose)
         written.update(self._model_of(robot, path, pose))

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
+from amorsim.core.distributions import Distribution
 from amorsim.core.errors import did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
@@ -86,26 +87,6 @@ class RandomStart:
     def box(self) -> tuple[float, float, float, float] | None:
         """The box that it is drawn in, None for anywhere."""
         return None if isinstance(self.random, str) else self.random
-
-
-@attrs.frozen(kw_only=True)
-class Distribution:
-    """A number drawn at random: normal (mean, standard deviation) or uniform (low, high)."""
-
-    kind: str = parameter(choices=("normal", "uniform"), help="the distribution")
-    values: tuple[float, float] = parameter(help="normal: mean and standard deviation; uniform: low and high")
-
-    def __attrs_post_init__(self) -> None:
-        first, second = self.values
-        if self.kind == "normal" and second < 0:
-            raise ParameterError("normal", f"expected a standard deviation >= 0, got {second!r}")
-        if self.kind == "uniform" and second < first:
-            raise ParameterError("uniform", f"expected low <= high, got {first!r} and {second!r}")
-
-    def __str__(self) -> str:
-        """As ``normal(1, 0.02)``."""
-        first, second = self.values
-        return f"{self.kind}({first:g}, {second:g})"
 
 
 Number = float | Distribution

@@ -22,6 +22,7 @@ from amorsim.scenario.generated import read_generated
 from amorsim.scenario.maps import MapFile, find_loader, read_map
 from amorsim.scenario.parts import at_start
 from amorsim.scenario.spec import Knowledge, Landmark, Pose, Robot
+from amorsim.worlds.drawn import DrawnWorld
 from amorsim.worlds.made import MadeWorld, make_world
 
 __all__ = ["Maps", "is_free_at", "start_of"]
@@ -38,7 +39,7 @@ class Maps:
     def __init__(self, registry: Registry, *, are_read: bool = True) -> None:
         self._registry = registry
         self._are_read = are_read
-        self._read: dict[MapFile | MadeWorld, Map] = {}
+        self._read: dict[MapFile | MadeWorld | DrawnWorld, Map] = {}
 
     def read(self, node: Node, beside: tuple[str, ...] = (), like: Map | None = None) -> Map | None:
         """The map in a table ``{ map = "file", options ... }``; None after faults, or where none is read.
@@ -72,15 +73,18 @@ class Maps:
         return self._found(MapFile(path=path, loader=loader), node.child("map"))
 
     def generated(self, node: Node) -> Map | None:
-        """The world in a table ``{ generate = "office", seed = 7, ... }``; None as for `read`."""
+        """The world in a table ``{ generate = "office", seed = 7, ... }``; None as for `read`.
+
+        Where replicas have different worlds it is that of replica 0.
+        """
         made = read_generated(node, self._registry)
         return None if made is None or not self._are_read else self._found(made, node)
 
-    def _found(self, source: MapFile | MadeWorld, node: Node) -> Map | None:
+    def _found(self, source: MapFile | MadeWorld | DrawnWorld, node: Node) -> Map | None:
         """The map of a file or a generator, or None after a fault of the node."""
         if source not in self._read:
             try:
-                self._read[source] = read_map(source) if isinstance(source, MapFile) else make_world(source)
+                self._read[source] = _make(source)
             except MapError as error:
                 node.fault(str(error))
                 return None
@@ -120,6 +124,12 @@ class Maps:
         name = node.text("the path of a map file")
         # Not resolve(): where a link leads is the file system's business, what the file is called the user's.
         return None if name is None else Path(os.path.abspath(node.folder / name))  # noqa: PTH100
+
+
+def _make(source: MapFile | MadeWorld | DrawnWorld) -> Map:
+    if isinstance(source, MapFile):
+        return read_map(source)
+    return source.make() if isinstance(source, DrawnWorld) else make_world(source)
 
 
 def _read_landmark(node: Node) -> tuple[int, float, float] | None:

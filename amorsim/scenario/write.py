@@ -19,6 +19,7 @@ from amorsim.scenario.maps import MapFile
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.starts import series_of
+from amorsim.worlds.drawn import origin_of
 
 __all__ = ["resolved_table", "table_text", "with_copies", "with_maps", "write_table"]
 
@@ -143,9 +144,10 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
     resolved_table(scenario, maps_in_files=False)  # complains before anything is written
     scenario = _with_files(scenario, copies)
     table = resolved_table(scenario)
-    table["world"]["map"] = copies.of_map(scenario.map.source)
+    if isinstance(scenario.map.source, MapFile):
+        table["world"]["map"] = copies.of_map(scenario.map.source)
     for (robot, *_), written in zip(series_of(scenario.robots), table["robots"], strict=True):
-        if robot.knowledge.map is not None:
+        if robot.knowledge.map is not None and isinstance(robot.knowledge.map.source, MapFile):
             written["knowledge"]["map"] = copies.of_map(robot.knowledge.map.source)
         copies.of_program(written.get("controller", {}))
     for (first, *_), written in zip(series_of(scenario.obstacles), table.get("obstacles", ()), strict=True):
@@ -169,11 +171,11 @@ def with_maps(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
 
 
 def _with_files(scenario: Scenario, copies: Copies) -> Scenario:
-    """The scenario with a file for every map that was made in Python, or generated."""
+    """The scenario with a file for every map that was made in Python, or generated, if all replicas have the same."""
     written: dict[int, Map] = {}
 
     def in_file(found: Map) -> Map:
-        if isinstance(found.source, MapFile):
+        if isinstance(found.source, MapFile) or origin_of(found) is not None:
             return found
         if id(found) not in written:
             # Some formats lose the start, and robots without a pose are there.

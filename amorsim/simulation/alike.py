@@ -9,10 +9,12 @@ import numpy.typing as npt
 
 from amorsim.contracts import RobotModel, SensorModel
 from amorsim.core.errors import ComponentError
+from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.rows import signature, stack
 from amorsim.core.trouble import RAISED, error_in_words
 from amorsim.scenario.spec import Robot
+from amorsim.worlds.drawn import origin_of
 
 __all__ = ["channels_of", "group_key", "poses_of", "reading_size", "robot_model"]
 
@@ -31,10 +33,16 @@ def group_key(robot: Robot) -> Hashable:
         None if robot.controller is None else signature(robot.controller),
         robot.on_collision,
         robot.initial_belief,
-        id(robot.knowledge.map) if robot.knowledge.map is not None else None,
+        _key_of(robot.knowledge.map),
         robot.knowledge.landmarks,
         robot.knowledge.landmark_ids,
     )
+
+
+def _key_of(known: Map | None) -> Hashable:
+    """What tells maps apart that robots of different groups know: not those of one origin in several replicas."""
+    origin = None if known is None else origin_of(known)
+    return origin if origin is not None or known is None else id(known)
 
 
 def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tuple[str, ...], dt: float) -> RobotModel:
@@ -50,6 +58,8 @@ def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tup
     first = robots[0]
     knowledge = first.knowledge
     count = len(knowledge.landmarks)
+    maps = tuple(robot.knowledge.map for robot in robots)
+    is_one = all(known is maps[0] for known in maps)
     return RobotModel(
         rows=len(robots),
         dt=dt,
@@ -67,7 +77,8 @@ def robot_model(robots: Sequence[Robot], sizes: Mapping[str, int], channels: tup
             for name, size in sizes.items()
         },
         channels=channels,
-        map=knowledge.map,
+        map=maps[0] if is_one else None,
+        maps=() if is_one else maps,
         landmarks=np.array(knowledge.landmarks, dtype=float) if count else None,
         landmark_ids=np.array(knowledge.landmark_ids or (0,) * count, dtype=np.int64) if count else None,
     )

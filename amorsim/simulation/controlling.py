@@ -249,4 +249,5 @@ def _model(robot: RobotModel, rows: Rows) -> RobotModel:
         for name, model in robot.sensors.items()
     }
     names = tuple(robot.names[row] for row in rows.tolist()) if robot.names else ()
-    return attrs.evolve(robot, rows=len(rows), names=names, drive=take(robot.drive, rows), sensors=sensors)
+    maps = tuple(robot.maps[row] for row in rows.tolist()) if robot.maps else ()
+    return attrs.evolve(robot, rows=len(rows), names=names, drive=take(robot.drive, rows), sensors=sensors, maps=maps)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
+from amorsim.core.map import Map
 from amorsim.core.rows import signature
 from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
@@ -24,8 +25,10 @@ from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
 from amorsim.simulation.placing import draw_starts, with_start
 from amorsim.simulation.world.surroundings import Surroundings
+from amorsim.simulation.world.terrain import Terrain, Terrains
 from amorsim.simulation.world.world import World
 from amorsim.simulation.zones import zone_streams
+from amorsim.worlds.drawn import origin_of
 
 __all__ = ["Fleet"]
 
@@ -43,6 +46,8 @@ class Fleet:
     ----------
     replicas
         The replicas' numbers.
+    terrains
+        The maps that replicas have, and those that their robots know; made if not given.
     ticks, episodes
         `(R,)` tick and episode of each replica.
     events
@@ -59,13 +64,24 @@ class Fleet:
         The pairs whose contact continues: they touched in the last step, or earlier and have not parted since.
     """
 
-    def __init__(self, scenario: Scenario, seed: int, replicas: tuple[int, ...], threads: int = 1) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        seed: int,
+        replicas: tuple[int, ...],
+        threads: int = 1,
+        terrains: Terrains | None = None,
+    ) -> None:
         self.scenario = scenario
         self.seed = seed
         self.dt = scenario.dt
         self.replicas = replicas
         self.events: list[Event] = []
-        robots = [_placed(robot, scenario) for robot in sorted(scenario.robots, key=lambda robot: robot.name)]
+        self.terrains = Terrains(replicas) if terrains is None else terrains
+        terrain = self.terrains.of(scenario.map)
+        robots = sorted(scenario.robots, key=lambda robot: robot.name)
+        if len(terrain.maps) == 1:
+            robots = [_placed(robot, terrain.maps[0]) for robot in robots]
         obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
         self.names = tuple(robot.name for robot in robots)
         self.kidnappings = _kidnappings(robots, scenario.dt)
@@ -80,7 +96,7 @@ class Fleet:
         shapes = [body.shape for body in bodies] + [part.shape for _, part in parts]
         around = Surroundings.of(bodies, scenario.landmarks, scenario.lights, owners, scenario.floor)
         self.world = World(
-            scenario.map,
+            terrain,
             names,
             shapes,
             len(replicas),
@@ -90,7 +106,8 @@ class Fleet:
             owners=owners,
         )
         source = str(scenario.source) if scenario.source else ""
-        self._drawn = draw_starts(self.world, bodies, seed, replicas, source)
+        given = _given(terrain, bodies, len(replicas))
+        self._starts = draw_starts(self.world, bodies, given, seed, replicas, source)
         try:
             self.groups = [
                 Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
@@ -121,10 +138,21 @@ class Fleet:
         for index, number in enumerate(self.replicas):
             for position, thing in members:
                 body = index * self.world.count + offset + position
-                specified.append(thing if thing.start is None else with_start(thing, self._drawn[body]))
+                if isinstance(thing, Robot):
+                    thing = self._knowing(thing, index)
+                is_given = thing.start is None and thing.pose is not None
+                specified.append(thing if is_given else with_start(thing, self._starts[body]))
                 bodies.append(body)
                 replica.append(number)
         return specified, np.array(bodies, dtype=np.int64), np.array(replica, dtype=np.int64)
+
+    def _knowing(self, robot: Robot, index: int) -> Robot:
+        """A robot with the map that it knows in the replica with an index."""
+        known = robot.knowledge.map
+        if known is None or origin_of(known) is None:
+            return robot
+        here = self.terrains.of(known).at(index)
+        return robot if here is known else attrs.evolve(robot, knowledge=attrs.evolve(robot.knowledge, map=here))
 
     def place(self) -> None:
         """Copy the groups' poses to the bodies of the world."""
@@ -148,8 +176,10 @@ class Fleet:
         for body in np.flatnonzero(gaps < 0.0).tolist():
             x, y, _ = world.poses[body]
             what = "the footprint" if world.owner[body] == body else repr(world.name(body))
-            message = overlap_with_walls(world.map, x, y, where[body], what)
-            faults.append(self._start_fault(body, message))
+            index = int(world.replica_index[body])
+            message = overlap_with_walls(world.terrain.at(index), x, y, where[body], what)
+            of_replica = f"in replica {self.replicas[index]}, " if len(world.terrain.maps) > 1 else ""
+            faults.append(self._start_fault(body, of_replica + message))
         a, b = world.pairs_within(world.poses, none)
         overlaps = world.body_gaps(a, world.poses[a], b, world.poses[b], np.zeros(len(a))) < 0.0
         for first, second in zip(a[overlaps].tolist(), b[overlaps].tolist(), strict=True):
@@ -217,10 +247,22 @@ class Fleet:
         return group, row
 
 
-def _placed(robot: Robot, scenario: Scenario) -> Robot:
+def _placed(robot: Robot, map_: Map) -> Robot:
     if robot.pose is not None or robot.start is not None:
         return robot
-    return attrs.evolve(robot, pose=start_of(scenario.map, robot))
+    return attrs.evolve(robot, pose=start_of(map_, robot))
+
+
+def _given(terrain: Terrain, bodies: Sequence[Robot | Obstacle], replicas: int) -> Array:
+    """Start poses `(R, B, 3)` of robots and obstacles in all replicas; 0 where they are drawn."""
+    given: Array = np.zeros((replicas, len(bodies), 3))
+    for number, body in enumerate(bodies):
+        if body.pose is not None:
+            given[:, number] = body.pose.x, body.pose.y, body.pose.heading
+        elif body.start is None and isinstance(body, Robot):
+            poses = [start_of(map_, body) for map_ in terrain.maps]
+            given[:, number] = np.array([(pose.x, pose.y, pose.heading) for pose in poses])[terrain.of_replica]
+    return given
 
 
 def _kidnappings(robots: Sequence[Robot], dt: float) -> dict[int, list[tuple[str, tuple[float, ...]]]]:

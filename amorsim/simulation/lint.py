@@ -27,7 +27,10 @@ _TURN = np.arange(32) * (np.pi / 16.0)
 
 
 def advice(scenario: Scenario) -> list[str]:
-    """Remarks on a valid scenario, each with the path that it is about."""
+    """Remarks on a valid scenario, each with the path that it is about.
+
+    Where replicas have different maps, these are of replica 0's.
+    """
     remarks = []
     for robot in scenario.robots:
         for name, unit in robot.sensors.items():

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.distributions import STUDY
 from amorsim.core.draws import Draws, stream_key
 from amorsim.core.errors import Fault, MapError, ScenarioError
 from amorsim.core.free_places import free_places
@@ -16,7 +17,6 @@ from amorsim.core.poses import compose
 from amorsim.scenario.needs import most_room
 from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
 from amorsim.simulation.contact.moved_parts import with_parts
-from amorsim.simulation.truth import STUDY
 from amorsim.simulation.world.world import World
 
 __all__ = ["draw_starts", "with_start"]
@@ -36,9 +36,14 @@ def with_start(body: Robot | Obstacle, pose: Array) -> Robot | Obstacle:
 
 
 def draw_starts(
-    world: World, bodies: Sequence[Robot | Obstacle], seed: int, replicas: Sequence[int], source: str
+    world: World,
+    bodies: Sequence[Robot | Obstacle],
+    given: Array,
+    seed: int,
+    replicas: Sequence[int],
+    source: str,
 ) -> Array:
-    """Poses `(T, 3)` of all bodies in all replicas, with random starts drawn; empty if no body starts at random.
+    """Poses `(T, 3)` of all bodies in all replicas: `given` `(R, B, 3)`, or drawn for those that start at random.
 
     Each try of a body is a pure function of seed, name, replica and the try's number. All bodies try at once. A body
     that overlaps a wall or a placed body tries again; of two that overlap each other, the later by name does. So a
@@ -50,16 +55,14 @@ def draw_starts(
         If some find no place in `TRIES` tries, or cannot be expected to.
     """
     starts = [body.start for body in bodies]
+    whole: Array = np.zeros((len(replicas), world.count, 3))
+    whole[:, : world.named] = given
+    poses = whole.reshape(-1, 3)
     if not any(starts):
-        return np.empty((0, 3))
+        return poses
     too_many = _too_many(world, bodies, source)
     if too_many:
         raise ScenarioError(too_many)
-    given: Array = np.zeros((world.count, 3))
-    for i, body in enumerate(bodies):
-        if body.pose is not None:
-            given[i] = body.pose.x, body.pose.y, body.pose.heading
-    poses: Array = np.tile(given, (len(replicas), 1))
     own = np.zeros(world.count - world.named, dtype=bool)  # parts have no start of their own
     placed = np.tile(np.concatenate(([start is None for start in starts], own)), len(replicas))[world.owner]
     inside = with_parts(world, bodies, replicas, seed)
@@ -106,7 +109,7 @@ def _draw(
         counter = np.zeros((len(todo), 3), dtype=np.uint32)
         counter[:, 0] = np.asarray(numbers)[todo // count]
         counter[:, 2] = attempt
-        tries = areas.poses(todo % count, Draws(keys[todo % count], counter).uniform(4))
+        tries = areas.poses(todo % count, todo // count, Draws(keys[todo % count], counter).uniform(4))
         poses[todo] = tries
         _put_parts(world, poses, inside)
         candidates = np.zeros(total, dtype=bool)
@@ -153,7 +156,7 @@ def _too_many(world: World, bodies: Sequence[Robot | Obstacle], source: str) -> 
     for start, members in alike.items():
         area = math.fsum(bodies[i].shape.area for i in members)
         reach = max(bodies[i].shape.reach for i in members)
-        room = most_room(world.map, start, reach)
+        room = min(most_room(map_, start, reach) for map_ in world.terrain.maps)
         if area > room:
             faults.append(
                 _fault(
@@ -186,10 +189,9 @@ def _put_parts(world: World, poses: Array, inside: Array) -> None:
 
 
 class _Areas:
-    """The area where each body may start: its box, or any free cell of a coarse view of the map."""
+    """The area where each body may start: its box, or any free cell of a coarse view of its replica's map."""
 
     def __init__(self, world: World, starts: Sequence[RandomStart | None]) -> None:
-        self._map = world.map
         self._boxes = np.full((len(starts), 4), np.nan)
         self._heading = np.full(len(starts), np.nan)
         for i, start in enumerate(starts):
@@ -197,27 +199,37 @@ class _Areas:
                 self._heading[i] = start.heading
             if start is not None and start.box is not None:
                 self._boxes[i] = start.box
+        self._of_replica = world.terrain.of_replica
+        self._first = np.zeros(len(world.terrain.maps), dtype=np.int64)  # of each map's places
+        self._count = np.zeros_like(self._first)
+        self._side = np.zeros(len(self._first))
+        self._turn = np.array([(math.cos(map_.origin[2]), math.sin(map_.origin[2])) for map_ in world.terrain.maps])
         self._places: Array = np.empty((0, 2))
-        self._side = 0.0
         if any(start is not None and start.box is None for start in starts):
             try:
-                self._places, self._side = free_places(world.map)
+                found = [free_places(map_) for map_ in world.terrain.maps]
             except MapError as error:
                 raise ScenarioError([Fault(file="", path="world.map", message=str(error))]) from None
+            self._count[:] = [len(places) for places, _ in found]
+            self._first[1:] = np.cumsum(self._count)[:-1]
+            self._side[:] = [side for _, side in found]
+            self._places = np.concatenate([places for places, _ in found])
 
-    def poses(self, which: Ints, uniform: Array) -> Array:
-        """Poses `(Q, 3)` for bodies number `which` `(Q,)`, from four uniform numbers each."""
+    def poses(self, which: Ints, replica: Ints, uniform: Array) -> Array:
+        """Poses `(Q, 3)` for bodies number `which` `(Q,)` in replicas of these indices, from four uniform numbers."""
         box = self._boxes[which]
         x = box[:, 0] + uniform[:, 0] * (box[:, 2] - box[:, 0])
         y = box[:, 1] + uniform[:, 1] * (box[:, 3] - box[:, 1])
         if len(self._places):
-            number = np.minimum((uniform[:, 3] * len(self._places)).astype(np.int64), len(self._places) - 1)
+            map_ = self._of_replica[replica]
+            count = self._count[map_]
+            number = np.minimum((uniform[:, 3] * count).astype(np.int64), count - 1)
             anywhere = np.isnan(box[:, 0])
-            cell = self._places[number]
-            yaw = self._map.origin[2]
-            across, up = (uniform[:, 0] - 0.5) * self._side, (uniform[:, 1] - 0.5) * self._side
-            x = np.where(anywhere, cell[:, 0] + math.cos(yaw) * across - math.sin(yaw) * up, x)
-            y = np.where(anywhere, cell[:, 1] + math.sin(yaw) * across + math.cos(yaw) * up, y)
+            cell = self._places[self._first[map_] + number]
+            side, (cosine, sine) = self._side[map_], self._turn[map_].T
+            across, up = (uniform[:, 0] - 0.5) * side, (uniform[:, 1] - 0.5) * side
+            x = np.where(anywhere, cell[:, 0] + cosine * across - sine * up, x)
+            y = np.where(anywhere, cell[:, 1] + sine * across + cosine * up, y)
         heading = np.where(np.isnan(self._heading[which]), (2.0 * uniform[:, 2] - 1.0) * math.pi, self._heading[which])
         return np.column_stack((x, y, heading))
 

@@ -63,7 +63,8 @@ def regrouped(old: Fleet, chains: Mapping[str, Chains]) -> Fleet:
     present = {group.names[row]: chains_of(group.specified[row]) for group in old.groups for row in _first_rows(group)}
     wanted = {**present, **chains}
     robots = [_with_chains(robot, wanted[robot.name]) for robot in old.scenario.robots]
-    new = Fleet(attrs.evolve(old.scenario, robots=robots), old.seed, old.replicas, old.world.workers.threads)
+    threads = old.world.workers.threads
+    new = Fleet(attrs.evolve(old.scenario, robots=robots), old.seed, old.replicas, threads, old.terrains)
     new.ticks, new.episodes, new.events = old.ticks, old.episodes, old.events
     new.touching, new.contacts = old.touching, old.contacts
     for group in new.everything:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
 from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, SnapshotError, did_you_mean
+from amorsim.core.map import Map
 from amorsim.core.memory import too_large
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.starts import outside
@@ -32,6 +33,7 @@ from amorsim.simulation.keeping import Keeper
 from amorsim.simulation.regroup import chains_of, frames_as, other_chains, regrouped
 from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
 from amorsim.simulation.world.occupancy import occupancy
+from amorsim.simulation.world.terrain import Terrains
 
 __all__ = ["MOST_STEPS", "Simulation"]
 
@@ -89,10 +91,11 @@ class Simulation:
         seed = scenario.seed if seed is None else _plain(seed)
         check_value(describe(Scenario)["seed"], seed)
         self.scenario = loaded(scenario)
+        self._terrains = Terrains(self.replicas)
         self._build(seed)
 
     def _build(self, seed: int, scenario: Scenario | None = None) -> None:
-        self._fleet = Fleet(scenario or self.scenario, seed, self.replicas, self.threads)
+        self._fleet = Fleet(scenario or self.scenario, seed, self.replicas, self.threads, self._terrains)
         # Recorders keep the groups of the beginning, whatever chains robots come to have.
         self._partition = tuple(tuple(group.names) for group in self._fleet.groups)
         phases.first_look(self._fleet)
@@ -292,6 +295,10 @@ class Simulation:
         first = int(self._fleet.world.first[self._replica_index(replica)])
         return ObstacleHandle(*self._fleet.row_of(first + len(self.names) + names.index(name)))
 
+    def map_of(self, replica: int | None = None) -> Map:
+        """The map of a replica; `replica` as for `robot`. Replicas have different ones if the scenario draws them."""
+        return self._fleet.world.terrain.at(self._replica_index(replica))
+
     def _replica_index(self, replica: int | None) -> int:
         if replica is None:
             if len(self.replicas) > 1:
@@ -340,7 +347,7 @@ class Simulation:
         """Move a robot to a pose, which is an event of that kind."""
         group, row, name = handle._group, handle._row, handle.name
         wanted = np.array([numbers])
-        beyond = outside(self._fleet.world.map, *wanted[0, :2].tolist())
+        beyond = outside(self.map_of(handle.replica), *wanted[0, :2].tolist())
         if beyond:
             raise AmorsimError(f"robot {name!r} cannot stand at {numbers}: that {beyond}")
         parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])

@@ -8,16 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.draws import Draws, stream_key
+from amorsim.core.distributions import STUDY, Distribution, drawn
 from amorsim.core.errors import Fault, ScenarioError, did_you_mean
 from amorsim.core.parameters import ParameterError
 from amorsim.scenario.paths import changed
-from amorsim.scenario.spec import Deviation, Distribution, Number, Robot
+from amorsim.scenario.spec import Deviation, Number, Robot
 
 __all__ = ["has_draws", "true_robot", "true_robots"]
-
-# A study's draw must differ from every replica's; replicas are numbered below this.
-STUDY = 2**32 - 1
 
 _ROOTS = ("drive", "sensors", "pose")
 
@@ -79,17 +76,12 @@ def _check_root(path: list[str]) -> None:
 
 
 def _apply(robot: Robot, path: str, deviation: Deviation, seed: int, replica: int, nominal: float) -> float:
-    counter = np.array([[STUDY if deviation.per == "study" else replica, 0, 0]], dtype=np.uint32)
+    who = STUDY if deviation.per == "study" else replica
 
     def number(part: Number, role: str) -> float:
         if not isinstance(part, Distribution):
             return part
-        key = np.array([stream_key(seed, robot.name, "errors", path, role)], dtype=np.uint64)
-        draws = Draws(key, counter)
-        first, second = part.values
-        if part.kind == "normal":
-            return first + second * float(draws.normal()[0, 0])
-        return first + (second - first) * float(draws.uniform()[0, 0])
+        return drawn(part, seed, (robot.name, "errors", path, role), who)
 
     if deviation.value is not None:
         return number(deviation.value, "value")

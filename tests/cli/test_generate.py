@@ -8,6 +8,7 @@ import pytest
 
 import amorsim as am
 from amorsim.core.same_cells import have_same_cells
+from amorsim.worlds.drawn import map_of
 from tests.cli.conftest import Command
 
 
@@ -45,3 +46,12 @@ def test_a_mistake_is_said_in_words(amorsim: Command, tmp_path: Path, arguments:
     assert result.status == 2
     assert words in result.err
     assert not list(tmp_path.glob("a.*"))
+
+
+def test_the_world_of_a_replica_is_written(amorsim: Command, tmp_path: Path) -> None:
+    result = amorsim("generate", "forest", "--size", 6, 5, "--seed", 3, "--replica", 5, "-o", "forest.png")
+    assert result.status == 0, result.err
+    world = am.worlds.forest(3, per="replica", size=(6.0, 5.0))
+    written = am.load_map(tmp_path / "forest.png", resolution=0.05)
+    assert have_same_cells(written, map_of(world, 5))
+    assert not have_same_cells(written, world)

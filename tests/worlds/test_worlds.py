@@ -77,8 +77,8 @@ def free_places(world: am.Map, clearance: float) -> np.ndarray:
     return ~ndimage.binary_dilation(padded, near, border_value=1)[1:-1, 1:-1]
 
 
-def check(world: am.Map) -> None:
-    clearance = generator_of(world).clearance
+def check(world: am.Map, generator: CellWorld | None = None) -> None:
+    clearance = (generator or generator_of(world)).clearance
     places = free_places(world, clearance + world.resolution / 2)
     _, parts = ndimage.label(places)
     assert parts == 1

@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import ContactError
+from amorsim.core.map import Map
 from amorsim.kernels.collision.broad_phase import NEAR_BODY, NEAR_WALL, look_around, set_out
 from amorsim.kernels.collision.paths import LEAST, OTHER, SLACK, STANDS, Paths, Scene, poses_at
 from amorsim.kernels.collision.time_of_impact import MET, WALL, Search, resolve
@@ -113,12 +114,15 @@ class Movement:
         count = set_out(paths, world.bodies.reach, world.first, world.clearance, end, self._fastest, self._looking)
         if world.has_parts:
             end[world.parts] = self._at(paths, world.parts, np.ones(len(world.parts)))
-        contacts = []
+        contacts: list[Contact] = []
         if count:
-            scene = Scene(world.map.grid, *world.map.origin, world.bodies, world.edge_rows, paths)
-            a, b = self._candidates(scene, self._looking[:count])
+            a, b = self._candidates(paths, self._looking[:count])
             if len(a):
-                contacts = self._resolve(scene, a, b)
+                replica = world.replica_index[a]
+                for map_, rows in world.terrain.between(replica, 0, len(a)):
+                    contacts += self._resolve(map_, paths, a[rows], b[rows])
+                if len(world.terrain.maps) > 1:  # those of one map are in order of time
+                    contacts.sort(key=lambda contact: contact.fraction)
                 stopped = np.flatnonzero(paths.stop < 1.0)
                 end[stopped] = self._at(paths, stopped, paths.stop[stopped])
         world.clearance.at[:] = end
@@ -159,15 +163,25 @@ class Movement:
                     poses[mine] = mover.poses_at(row[mine], fraction[mine])
         return poses
 
-    def _candidates(self, scene: Scene, looking: Ints) -> tuple[Ints, Ints]:
+    def _scene(self, map_: Map, paths: Paths) -> Scene:
+        world = self._world
+        return Scene(map_.grid, *map_.origin, world.bodies, world.edge_rows, paths)
+
+    def _candidates(self, paths: Paths, looking: Ints) -> tuple[Ints, Ints]:
         """The pairs of a body and a wall (b is `WALL`) or another body that might touch in this step, in order."""
-        world, paths = self._world, scene.paths
+        world = self._world
         near = np.empty(len(looking), dtype=np.uint8)
+        replica = world.replica_index[looking]
         given = (
-            *(looking, scene, world.replica_index, world.owner, world.by_place(paths.start)),
+            *(world.replica_index, world.owner, world.by_place(paths.start)),
             *(self._fastest, world.widest, world.clearance, near),
         )
-        world.workers.share(len(looking), LOOK_WORK, lambda first, last: look_around(first, last, *given))
+
+        def part(first: int, last: int) -> None:
+            for map_, rows in world.terrain.between(replica, first, last):
+                look_around(rows.start, rows.stop, looking, self._scene(map_, paths), *given)
+
+        world.workers.share(len(looking), LOOK_WORK, part)
         a = looking[(near & NEAR_WALL) != 0]
         b = np.full(len(a), WALL, dtype=np.int64)
         close = looking[(near & NEAR_BODY) != 0]
@@ -180,12 +194,12 @@ class Movement:
             a, b = a[order], b[order]
         return a, b
 
-    def _resolve(self, scene: Scene, a: Ints, b: Ints) -> list[Contact]:
-        """The contacts among pairs that might touch; sets the `stop` of their paths."""
-        world, paths = self._world, scene.paths
+    def _resolve(self, map_: Map, paths: Paths, a: Ints, b: Ints) -> list[Contact]:
+        """The contacts among pairs on one map that might touch; sets the `stop` of their paths."""
+        world, scene = self._world, self._scene(map_, paths)
         asks = (paths.form[a] == OTHER) | ((paths.form[b] == OTHER) & (b != WALL))
         search = _search_of(a, b, asks, len(paths.form))
-        shortest = min(SHORTEST, world.map.resolution / 4.0)
+        shortest = min(SHORTEST, map_.resolution / 4.0)
         while waiting := resolve(scene, world.same_owner, search, shortest, MOST_LOOKS):
             if waiting < 0:
                 raise _too_many_looks(world, paths, int(a[search.todo[0]]), int(b[search.todo[0]]))

@@ -33,10 +33,11 @@ def find_touched(world: World, own: Ints, zones: Sequence[Shape], which: Ints) -
     packed = _packed((Shape.circle(reach), *zones), world.shapes)
     poses = np.ascontiguousarray(world.poses[own])
     # A disc around all zones first: robots in the open need one test only.
-    near = np.flatnonzero(_meets_wall(world, packed, np.zeros(len(own), dtype=np.int64), poses))
+    replica = world.replica_index[own]
+    near = np.flatnonzero(_meets_wall(world, packed, np.zeros(len(own), dtype=np.int64), poses, replica))
     if len(near):
         row, zone = np.repeat(near, which.shape[1]), which[near].ravel()
-        touched[near] = _meets_wall(world, packed, zone + 1, poses[row]).reshape(len(near), -1)
+        touched[near] = _meets_wall(world, packed, zone + 1, poses[row], replica[row]).reshape(len(near), -1)
     if world.has_company:
         row, other = _close(world, own, reach)
         if len(row):
@@ -58,11 +59,12 @@ def _packed(zones: tuple[Shape, ...], shapes: tuple[Shape, ...]) -> Bodies:
     return pack((*zones, *shapes))
 
 
-def _meets_wall(world: World, packed: Bodies, zone: Ints, poses: Array) -> Bools:
-    gaps, where = np.empty(len(zone)), np.empty((len(zone), 2))
-    contact_kernels.map_gaps(
-        world.map.grid, *world.map.origin, packed, zone, np.ascontiguousarray(poses), np.zeros(len(zone)), gaps, where
-    )
+def _meets_wall(world: World, packed: Bodies, zone: Ints, poses: Array, replica: Ints) -> Bools:
+    gaps, where, cap = np.empty(len(zone)), np.empty((len(zone), 2)), np.zeros(len(zone))
+    poses = np.ascontiguousarray(poses)
+    for map_, rows in world.terrain.between(replica, 0, len(zone)):
+        walls = map_.grid, *map_.origin, packed
+        contact_kernels.map_gaps(*walls, zone[rows], poses[rows], cap[rows], gaps[rows], where[rows])
     return gaps < 0.0
 
 

@@ -179,17 +179,18 @@ def look_along(
     """
     ranges = np.empty((len(lines), cos_b.shape[1]))
     met = np.full(ranges.shape, -1, dtype=np.int64)
-    grid, segments, origin = world.map.grid, world.map.segment_index, world.map.origin
+    replica = world.replica_index[own]
 
     def part(a: int, b: int) -> None:
-        mine = slice(a, b) if len(cos_b) > 1 else slice(None)
-        beams = lines[a:b], cos_b[mine], sin_b[mine], range_max[a:b], ranges[a:b]
-        if len(cos_b) > 1 and cos_b.shape[1] < _FEW:
-            rays.cast(grid, *origin, *beams)
-        else:
-            scans.cast_scans(grid, segments, *origin, *beams)
+        for map_, rows in world.terrain.between(replica, a, b):
+            mine = rows if len(cos_b) > 1 else slice(None)
+            beams = lines[rows], cos_b[mine], sin_b[mine], range_max[rows], ranges[rows]
+            if len(cos_b) > 1 and cos_b.shape[1] < _FEW:
+                rays.cast(map_.grid, *map_.origin, *beams)
+            else:
+                scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, *beams)
 
     world.workers.share(len(lines), ranges.shape[1], part)
     if world.has_company:
-        world.cast(own, world.replica_index[own], lines, cos_b, sin_b, range_max, ranges, met)
+        world.cast(own, replica, lines, cos_b, sin_b, range_max, ranges, met)
     return ranges, met

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import shapely
 
 from amorsim.core.errors import MapError
+from amorsim.core.map import Place
 from amorsim.simulation.world.world import World
 
 __all__ = ["occupancy"]
@@ -29,21 +30,22 @@ def occupancy(world: World, replica: int, resolution: float) -> npt.NDArray[np.u
     """
     if not math.isfinite(resolution) or resolution <= 0.0:
         raise MapError(f"occupancy: expected a resolution [m] > 0, got {resolution!r}")
-    cells = world.map.to_array(resolution=resolution).copy()
+    map_ = world.terrain.at(replica)
+    cells = map_.to_array(resolution=resolution).copy()
     cells[cells > 0] = WALL
     first = int(world.first[replica])
     for body in range(first, first + world.count):
-        _draw(cells, world, body, resolution)
+        _draw(cells, world, body, map_.origin, resolution)
     return cells
 
 
-def _draw(cells: npt.NDArray[np.uint8], world: World, body: int, resolution: float) -> None:
+def _draw(cells: npt.NDArray[np.uint8], world: World, body: int, origin: Place, resolution: float) -> None:
     x, y, heading = world.poses[body]
     footprint = shapely.affinity.rotate(
         shapely.Polygon(world.shapes[body % world.count].outline), heading, (0, 0), True
     )
     footprint = shapely.affinity.translate(footprint, x, y)
-    origin_x, origin_y, yaw = world.map.origin
+    origin_x, origin_y, yaw = origin
     footprint = shapely.affinity.translate(footprint, -origin_x, -origin_y)
     footprint = shapely.affinity.rotate(footprint, -yaw, (0, 0), True)
     left, low, right, high = (math.floor(side / resolution) for side in footprint.bounds)

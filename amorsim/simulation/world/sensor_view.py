@@ -93,13 +93,16 @@ class GroupView:
         out = np.empty((len(origins), bearings.shape[1]))
         world = self._world
 
+        _, replica = self._carried(per_row)
+
         def part(a: int, b: int) -> None:
-            mine = slice(a, b) if len(cos_b) > 1 else slice(None)
-            beams = origins[a:b], cos_b[mine], sin_b[mine], limits[a:b], out[a:b]
-            if traversal == "bresenham":
-                bresenham.bresenham_cast(world.map.grid, *world.map.origin, *beams)
-            else:
-                scans.cast_scans(world.map.grid, world.map.segment_index, *world.map.origin, *beams)
+            for map_, rows in world.terrain.between(replica, a, b):
+                mine = rows if len(cos_b) > 1 else slice(None)
+                beams = origins[rows], cos_b[mine], sin_b[mine], limits[rows], out[rows]
+                if traversal == "bresenham":
+                    bresenham.bresenham_cast(map_.grid, *map_.origin, *beams)
+                else:
+                    scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, *beams)
 
         world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:
@@ -246,9 +249,12 @@ class GroupView:
         out = np.empty(len(origins))
         world = self._world
 
+        _, replica = self._carried(len(origins) // self.rows)
+
         def part(a: int, b: int) -> None:
-            walls = world.map.grid, world.map.segment_index, *world.map.origin
-            cones.cast_cones(*walls, origins[a:b], half_angle, *table, limits[a:b], out[a:b])
+            for map_, rows in world.terrain.between(replica, a, b):
+                walls = map_.grid, map_.segment_index, *map_.origin
+                cones.cast_cones(*walls, origins[rows], half_angle, *table, limits[rows], out[rows])
 
         world.workers.share(len(origins), CONE_WORK, part)
         if world.has_company:
@@ -257,12 +263,15 @@ class GroupView:
 
     def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
         """Lower `out` where another body of the same replica is nearer."""
-        per_row = len(origins) // self.rows
+        self._world.cast(*self._carried(len(origins) // self.rows), origins, cos_b, sin_b, limits, out)
+
+    def _carried(self, per_row: int) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """The body that carries each origin, and its replica."""
         known = self._carriers.get(per_row)
         if known is None:
             own = np.repeat(self._bodies, per_row)
             known = self._carriers[per_row] = own, self._world.replica_index[own]
-        self._world.cast(*known, origins, cos_b, sin_b, limits, out)
+        return known
 
 
 def _check_origins(asked: str, origins: Any) -> None:

@@ -19,6 +19,7 @@ from amorsim.kernels.collision.broad_phase import Clearance
 from amorsim.kernels.collision.footprints import Bodies
 from amorsim.kernels.raycast import body_rays
 from amorsim.simulation.world.surroundings import Surroundings
+from amorsim.simulation.world.terrain import Terrain
 
 __all__ = ["Emitted", "World", "empty_hash"]
 
@@ -43,13 +44,15 @@ class Emitted(NamedTuple):
 
 
 class World:
-    """One map, and in every replica the same bodies, in order of replica, then of the order given.
+    """One map for all replicas or one for each, and in all the same bodies, in order of replica, then as given.
 
     A robot of several parts has several bodies: its own, and one for each part. The parts come after all robots and
     obstacles. All bodies of a robot have the same owner; bodies of one owner neither touch nor see each other.
 
     Attributes
     ----------
+    terrain
+        The maps.
     workers
         The threads that share the rows of long work.
     poses, twists
@@ -85,7 +88,7 @@ class World:
 
     def __init__(
         self,
-        map_: Map,
+        map_: Map | Terrain,
         names: Sequence[str],
         shapes: Sequence[Shape],
         replicas: int,
@@ -94,7 +97,7 @@ class World:
         surroundings: Surroundings | None = None,
         owners: Sequence[int] = (),
     ) -> None:
-        self.map = map_
+        self.terrain = map_ if isinstance(map_, Terrain) else Terrain.same(map_, replicas)
         self.surroundings = Surroundings.of(()) if surroundings is None else surroundings
         self.workers = Workers(threads)
         self.names = tuple(names)
@@ -152,11 +155,12 @@ class World:
         """
         out = np.empty(len(bodies))
         where = np.empty((len(bodies), 2))
-        x, y, yaw = self.map.origin
+        replica = self.replica_index[bodies]
 
         def part(a: int, b: int) -> None:
-            mine = bodies[a:b], poses[a:b], cap[a:b], out[a:b], where[a:b]
-            contact_kernels.map_gaps(self.map.grid, x, y, yaw, self.bodies, *mine)
+            for map_, rows in self.terrain.between(replica, a, b):
+                walls = map_.grid, *map_.origin, self.bodies
+                contact_kernels.map_gaps(*walls, bodies[rows], poses[rows], cap[rows], out[rows], where[rows])
 
         self.workers.share(len(bodies), _GAP_WORK, part)
         return out, where

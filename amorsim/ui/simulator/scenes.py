@@ -18,7 +18,7 @@ class SceneBuilder:
     def __init__(self, simulation: Simulation, version: int = 1) -> None:
         scenario = simulation.scenario
         self._maps = MapShapes()
-        world = self._maps.add(scenario.map)
+        world = self._maps.add(simulation.map_of(simulation.replicas[0]))
         robots = RobotShapes(scenario.robots, self._maps)
         handles = [simulation.robot(name) for name in simulation.names]
         self.scene: Scene = {
