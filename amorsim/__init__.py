@@ -138,8 +138,8 @@ _MODULES = {
     ),
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
-        "AmorsimError AnalysisError ComponentError ContactError ControllerError DocumentError Fault GraphError MapError "
-        "PlanError PluginError RunError ScenarioError SnapshotError StudyError"
+        "AmorsimError AnalysisError ComponentError ContactError ControllerError DocumentError Fault GraphError "
+        "MapError PlanError PluginError RunError ScenarioError SnapshotError StudyError"
     ),
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
