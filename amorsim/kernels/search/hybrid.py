@@ -237,7 +237,7 @@ def _slot(forest: Forest, name: int) -> int:
     at = (((name & 0xFFFFFFFF) * 0x2545F491 + (name >> 32) * 0x9E3779B1) >> 20) & mask
     while forest.slots[at] != 0 and forest.names[at] != name:
         at = (at + 1) & mask
-    return at
+    return int(at)
 
 
 @part
@@ -322,7 +322,7 @@ def _shoot(room: Room, drive: Drive, course: Course, forest: Forest, node: int, 
             if not is_free:
                 break
         if is_free and (drive.trailer_length == 0.0 or abs(hitch) <= drive.hitch_end):
-            return cost
+            return float(cost)
     forest.last[:] = 0.0
     return math.inf
 
