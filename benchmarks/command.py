@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, crowd, filters, fleet, memory, mixed, rays, start
+from benchmarks import compositions, crowd, filters, fleet, memory, mixed, planners, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -19,7 +19,7 @@ from benchmarks.table import as_text
 
 __all__ = ["main"]
 
-SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start", "filters")
+SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start", "filters", "planners")
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
@@ -56,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += start.measure(given.rounds, given.quick, peers, clock, say)
     if "filters" in given.only:
         rows += filters.measure(given.rounds, given.quick, clock, say)
+    if "planners" in given.only:
+        rows += planners.measure(given.rounds, given.quick, clock, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])
     about["took"] = f"{time.perf_counter() - began:.0f} s, {given.rounds} rounds"
     text = as_text(rows, about, command.strip(), plain_rates, [*missing, *BESIDE])

@@ -18,6 +18,7 @@ _TITLES = {
     "memory": "Memory and loading",
     "start": "Start-up and files",
     "filters": "Filters",
+    "planners": "Planners",
 }
 _HEAD = ("setting", "side", "median", "least to most", "unit", "amorsim is", "counts", "what it did")
 
@@ -75,7 +76,7 @@ def figure(value: float) -> str:
 
 def _is_own(row: Row) -> bool:
     return (
-        row.section in ("compositions", "mixed", "crowd", "memory", "start")
+        row.section in ("compositions", "mixed", "crowd", "memory", "start", "planners")
         or "costs" in row.note
         or row.side == "plain traversal"
     )

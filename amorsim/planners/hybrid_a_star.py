@@ -59,9 +59,9 @@ class HybridAStar(PosePlanner):
     environments", IJRR 29, 2010.
     """
 
-    budget: int = parameter(50_000, ge=0, le=10_000_000, help="poses expanded at most")
+    budget: int = parameter(50_000, ge=0, le=1_000_000, help="poses expanded at most")
     cell: float | None = parameter(
-        None, unit="m", gt=0, help="side of the lattice's cells; without it an eighth of the radius"
+        None, unit="m", gt=0, help="side of the lattice's cells; without it a sixth of the radius"
     )
     headings: int = parameter(72, ge=8, le=1024, help="headings of the lattice")
     backward: float = parameter(1.5, ge=1, help="cost of a metre backwards")
@@ -108,7 +108,7 @@ class HybridAStar(PosePlanner):
 
     @property
     def _side(self) -> float:
-        return self.radius / 8.0 if self.cell is None else self.cell
+        return self.radius / 6.0 if self.cell is None else self.cell
 
     def _drive(self) -> Drive:
         return Drive(

@@ -65,6 +65,8 @@ class SamplingPlanner(CellPlanner):
         places = np.array([cells.in_cells(*place[:2]) for place in (first, last)])
         if first[:2] == last[:2]:
             return Plan(status="found", poses=poses_along(np.array([last[:2]]), last[2]), length=0.0, cost=0.0)
+        if self.budget == 0:
+            return Plan(status="budget", message=self._used_up())
         inner = np.array([_inner(cells, place) for place in places])
         same = inner[0].tolist() == inner[1].tolist()
         grown = Grown(inner[:1], inner[:1], np.empty((0, 4))) if same else self.grow(cells, *inner)
@@ -75,7 +77,7 @@ class SamplingPlanner(CellPlanner):
                 expanded=len(searched),
                 searched=searched,
                 links=links,
-                message=f"the budget of {self.budget} samples was used up; free cells do lead from start to goal",
+                message=self._used_up(),
             )
         path = self._shortened(cells, grown.path) if self.shorten else grown.path
         points = _in_world(cells, path)
@@ -94,6 +96,9 @@ class SamplingPlanner(CellPlanner):
             searched=searched,
             links=links,
         )
+
+    def _used_up(self) -> str:
+        return f"the budget of {self.budget} samples was used up; free cells do lead from start to goal"
 
     def _shortened(self, cells: Cells, path: Array) -> Array:
         """The path without the corners that a straight line may leave out, each time the farthest that is seen."""

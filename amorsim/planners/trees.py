@@ -48,7 +48,7 @@ class Rrt(_TreePlanner):
     def grow(self, cells: Cells, start: Array, goal: Array) -> Grown:
         """Grow a tree from the start until it sees the goal."""
         ground = self.ground(cells, goal)
-        tree = new_tree(*start.tolist(), self.budget)
+        tree = new_tree(float(start[0]), float(start[1]), self.budget)
         is_found = False
         while not is_found and tree.used[1] < self.budget:
             is_found = grow(tree, ground, min(_AT_A_TIME, self.budget - int(tree.used[1])))
@@ -71,10 +71,10 @@ class RrtConnect(_TreePlanner):
         ground = self.ground(cells, goal)
         # A sample adds one place to a tree, and to the other as many as there are steps to the new one.
         room = self.budget + 100_000
-        trees = new_tree(*start.tolist(), room), new_tree(*goal.tolist(), room)
+        trees = tuple(new_tree(float(x), float(y), room) for x, y in (start, goal))
         is_found = False
         while not is_found and trees[0].used[1] < self.budget:
-            is_found = connect(*trees, ground, min(_AT_A_TIME, self.budget - int(trees[0].used[1])))
+            is_found = connect(trees[0], trees[1], ground, min(_AT_A_TIME, self.budget - int(trees[0].used[1])))
         path = None
         if is_found:
             first, second = (_from_root(tree, int(tree.used[2])) for tree in trees)
@@ -99,7 +99,7 @@ class RrtStar(_TreePlanner):
     def grow(self, cells: Cells, start: Array, goal: Array) -> Grown:
         """Grow a tree from the start with all samples."""
         ground = self.ground(cells, goal)
-        tree = new_tree(*start.tolist(), self.budget)
+        tree = new_tree(float(start[0]), float(start[1]), self.budget)
         near, ends = np.empty((2, self.budget + 1), np.int32)
         state = np.array([math.inf, 0.0])
         # Karaman and Frazzoli, theorem 38: with more than this radius the best path tends to the shortest.

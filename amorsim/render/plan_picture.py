@@ -167,7 +167,8 @@ def _spread(poses: Points, spacing: float) -> Points:
     spacing = max(spacing, along[-1] / _MOST_OUTLINES, 1e-9)
     wanted = np.arange(0.0, along[-1], spacing)
     chosen = np.unique(np.concatenate((np.searchsorted(along, wanted), [len(poses) - 1])))
-    return poses[chosen]
+    kept: Points = poses[chosen]
+    return kept
 
 
 def _placed(outline: Points, pose: Points) -> Points:

@@ -79,7 +79,7 @@ class Course(NamedTuple):
     """Where the goal is, and how far it is at least."""
 
     goal: Floats  # (3,)
-    to_go: Floats  # (n,) [m] of the cells of a field, 0 if there is none
+    to_go: Floats  # (n,) [m] of the cells of a field, along eight directions; empty if there is none
     width: int
     side: float  # [m]
     cell: float  # [m] of the lattice
@@ -199,7 +199,7 @@ def _words(drive: Drive, course: Course, x: float, y: float, heading: float, lea
 
 @part
 def _to_go(drive: Drive, course: Course, room: Room, x: float, y: float, heading: float) -> float:
-    """No more than it costs from a pose to the goal: the longer of a curve without walls and a way without turns."""
+    """What it costs from a pose to the goal, about: the longer of a curve without walls and a way without turns."""
     count = _words(drive, course, x, y, heading, 0.0)
     least = math.inf
     for i in range(count):
@@ -215,8 +215,8 @@ def _to_go(drive: Drive, course: Course, room: Room, x: float, y: float, heading
     if 0 <= at < course.to_go.shape[0]:
         field = course.to_go[at]
         if field < math.inf:
-            # Steps along eight directions are longer than a straight way by 8.24 % at most.
-            least = max(least, field / 1.0823922002923940 - 2.0 * course.side)
+            # Longer than a straight way by 8 % at most: a search that is a little greedy takes up far fewer poses.
+            least = max(least, field - 2.0 * course.side)
     return least
 
 
@@ -237,7 +237,7 @@ def _slot(forest: Forest, name: int) -> int:
     at = (((name & 0xFFFFFFFF) * 0x2545F491 + (name >> 32) * 0x9E3779B1) >> 20) & mask
     while forest.slots[at] != 0 and forest.names[at] != name:
         at = (at + 1) & mask
-    return at
+    return int(at)
 
 
 @part
@@ -322,7 +322,7 @@ def _shoot(room: Room, drive: Drive, course: Course, forest: Forest, node: int, 
             if not is_free:
                 break
         if is_free and (drive.trailer_length == 0.0 or abs(hitch) <= drive.hitch_end):
-            return cost
+            return float(cost)
     forest.last[:] = 0.0
     return math.inf
 
