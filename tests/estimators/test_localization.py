@@ -112,16 +112,16 @@ def empty_room(width, height, estimator, beams=72, noise=0.03, **changes):
         rate=5.0,
         noise=[am.noise.Gaussian(std=noise)],
     )
-    robot = attrs.evolve(
-        robot,
-        initial_belief=am.InitialBelief(kind="nothing"),
-        knowledge=am.Knowledge(map=room),
-        ground=[am.noise.Diffusion(variance_per_length=1e-4)],
-        sensors={"encoder": robot.sensors["encoder"], "laser": laser},
-        controller=am.controllers.Wander(speed=0.4),
-        estimators={"where": estimator},
-        **({"pose": am.Pose(x=0.3 * width, y=0.4 * height, heading=0.4)} | changes),
-    )
+    fields = {
+        "pose": am.Pose(x=0.3 * width, y=0.4 * height, heading=0.4),
+        "initial_belief": am.InitialBelief(kind="nothing"),
+        "knowledge": am.Knowledge(map=room),
+        "ground": [am.noise.Diffusion(variance_per_length=1e-4)],
+        "sensors": {"encoder": robot.sensors["encoder"], "laser": laser},
+        "controller": am.controllers.Wander(speed=0.4),
+        "estimators": {"where": estimator},
+    }
+    robot = attrs.evolve(robot, **(fields | changes))
     return am.Scenario(map=room, robots=[robot])
 
 
@@ -132,7 +132,7 @@ def empty_room(width, height, estimator, beams=72, noise=0.03, **changes):
 def test_in_a_symmetric_room_it_keeps_all_modes(height, folds, low, high):
     """The weight of the particles near each pose that looks like the true one, for 30 s."""
     using = am.estimators.MonteCarlo(
-        wheel_variance=1e-3, beams=24, tempering=0.1, particles_min=4000, particles_max=8000
+        wheel_variance=1e-3, beams=24, tempering=0.02, particles_min=4000, particles_max=16000
     )
     sim = am.Simulation(empty_room(8.0, height, using), replicas=10)
     sim.run(15.0)
