@@ -132,7 +132,7 @@ def empty_room(width, height, estimator, beams=72, noise=0.03, **changes):
 def test_in_a_symmetric_room_it_keeps_all_modes(height, folds, low, high):
     """The weight of the particles near each pose that looks like the true one, for 30 s."""
     using = am.estimators.MonteCarlo(
-        wheel_variance=1e-3, beams=24, tempering=0.02, particles_min=4000, particles_max=16000
+        wheel_variance=1e-3, beams=24, tempering=0.02, particles_min=4000, particles_max=80000
     )
     sim = am.Simulation(empty_room(8.0, height, using), replicas=10)
     sim.run(15.0)
