@@ -222,7 +222,7 @@ class KalmanFilter(Estimator):
         """Put the rows whose numbers are none any more back to what they were before the update."""
         now = state["covariance"]
         # nan compares as false.
-        fine: npt.NDArray[np.bool_] = (np.abs(state["mean"]) < _FAR).all(axis=1)
+        fine = np.asarray((np.abs(state["mean"]) < _FAR).all(axis=1))
         fine &= (np.abs(now) < _FAR**2).all(axis=(1, 2))
         fine &= (np.diagonal(now, axis1=1, axis2=2) >= 0.0).all(axis=1)
         if self.on_failure == "end":

@@ -112,16 +112,16 @@ def empty_room(width, height, estimator, beams=72, noise=0.03, **changes):
         rate=5.0,
         noise=[am.noise.Gaussian(std=noise)],
     )
-    robot = attrs.evolve(
-        robot,
-        initial_belief=am.InitialBelief(kind="nothing"),
-        knowledge=am.Knowledge(map=room),
-        ground=[am.noise.Diffusion(variance_per_length=1e-4)],
-        sensors={"encoder": robot.sensors["encoder"], "laser": laser},
-        controller=am.controllers.Wander(speed=0.4),
-        estimators={"where": estimator},
-        **({"pose": am.Pose(x=0.3 * width, y=0.4 * height, heading=0.4)} | changes),
-    )
+    fields = {
+        "pose": am.Pose(x=0.3 * width, y=0.4 * height, heading=0.4),
+        "initial_belief": am.InitialBelief(kind="nothing"),
+        "knowledge": am.Knowledge(map=room),
+        "ground": [am.noise.Diffusion(variance_per_length=1e-4)],
+        "sensors": {"encoder": robot.sensors["encoder"], "laser": laser},
+        "controller": am.controllers.Wander(speed=0.4),
+        "estimators": {"where": estimator},
+    }
+    robot = attrs.evolve(robot, **(fields | changes))
     return am.Scenario(map=room, robots=[robot])
 
 
@@ -132,7 +132,7 @@ def empty_room(width, height, estimator, beams=72, noise=0.03, **changes):
 def test_in_a_symmetric_room_it_keeps_all_modes(height, folds, low, high):
     """The weight of the particles near each pose that looks like the true one, for 30 s."""
     using = am.estimators.MonteCarlo(
-        wheel_variance=1e-3, beams=24, tempering=0.1, particles_min=4000, particles_max=8000
+        wheel_variance=1e-3, beams=24, tempering=0.02, particles_min=4000, particles_max=80000
     )
     sim = am.Simulation(empty_room(8.0, height, using), replicas=10)
     sim.run(15.0)
@@ -157,28 +157,41 @@ def test_in_a_symmetric_room_it_keeps_all_modes(height, folds, low, high):
 
 @pytest.mark.long
 def test_in_an_asymmetric_room_the_error_is_in_the_region_that_it_reports():
-    """The beam model with exactly the noise that there is; the 95 % region of three numbers: 7.815."""
+    """The beam model with exactly the noise that there is; the 95 % region of three numbers: 7.815.
+
+    A convex room, in which no beam jumps from one wall to another: the belief is then nearly Gaussian, as a region is.
+    """
+    slip = 5e-4
     using = am.estimators.MonteCarlo(
-        wheel_variance=1e-4,
+        wheel_variance=slip,
         model="beam",
-        beams=8,
-        hit_std=0.3,
+        beams=4,
+        hit_std=0.2,
         z_hit=0.999,
         z_short=0.0,
         z_max=0.0,
         z_random=0.001,
-        particles_min=400,
-        particles_max=400,
+        particles_min=1000,
+        particles_max=1000,
     )
-    walls = [(3.0, 0.0, 3.0, 1.6), (5.5, 5.0, 5.5, 3.8), (0.0, 4.0, 0.9, 5.0), (7.0, 0.0, 8.0, 1.5)]
-    belief = am.InitialBelief(kind="gaussian", std=0.15, heading_std=0.08)
-    given = empty_room(8.0, 5.0, using, beams=8, noise=0.3, walls=walls, initial_belief=belief)
+    given = empty_room(
+        8.0,
+        5.0,
+        using,
+        beams=4,
+        noise=0.2,
+        walls=[(0.2, 0.1, 7.8, 0.6), (7.8, 0.6, 6.9, 4.9), (6.9, 4.9, 0.9, 4.3), (0.9, 4.3, 0.2, 0.1)],
+        pose=am.Pose(x=3.0, y=2.0),
+        initial_belief=am.InitialBelief(kind="gaussian", std=0.04, heading_std=0.04),
+        ground=[am.noise.Diffusion(variance_per_length=slip)],
+        controller=lambda readings, estimate, clock: am.WheelSpeeds(2.0, 4.0),
+    )
     sim = am.Simulation(given, replicas=1000)
-    sim.run(15.0)
+    sim.run(8.0)
+    assert not sim.events
     error = sim.true_pose - sim.estimated_pose
     error[:, 2] = am.wrap_angle(error[:, 2])
     squared = np.sum(error * np.linalg.solve(sim.covariance, error[:, :, None])[:, :, 0], axis=1)
-    inside = (squared <= 7.815).mean()
     # Of a thousand replicas of a right filter, 93 to 97 % are in it with 99.6 %.
     assert binom.cdf(970, 1000, 0.95) - binom.cdf(929, 1000, 0.95) > 0.995
-    assert 0.93 <= inside <= 0.97
+    assert 0.93 <= (squared <= 7.815).mean() <= 0.97

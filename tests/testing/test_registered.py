@@ -10,6 +10,7 @@ import pytest
 
 from amorsim.contracts import Mount
 from amorsim.controllers import Pursuit
+from amorsim.estimators import MonteCarlo
 from amorsim.motions import Loop, Oscillate, Pedestrian, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.noise import Bump
 from amorsim.plugins.manager import make_registry
@@ -50,7 +51,7 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
 }
 
 # In place of what a class alone would give: a narrow cone has fewer rays, and is tried as well; a route that goes
-# somewhere within a few steps, and a door that opens.
+# somewhere within a few steps, and a door that opens; few particles.
 _ROUTE: dict[str, Any] = {"waypoints": ((4.0, 4.0), (4.1, 4.0), (4.1, 4.3)), "pause": 0.05}
 _DOOR: dict[str, Any] = {"timetable": ((0.1, 0.3),), "period": 0.4}
 EXAMPLES: dict[type, Any] = {
@@ -62,6 +63,7 @@ EXAMPLES: dict[type, Any] = {
     Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
     Pedestrian: Pedestrian(goals=((4.0, 4.0), (6.0, 3.0)), order="random", blocked="skip"),
     SwingDoor: SwingDoor(**_DOOR),
+    MonteCarlo: MonteCarlo(wheel_variance=1e-4, particles_min=10, particles_max=60),  # as many in each of 1,000 rows
     SlidingDoor: SlidingDoor(**_DOOR, blocked="skip"),
 }
 

@@ -166,7 +166,7 @@ def recovery_probability(averages: Floats) -> float:
     """The probability with which a particle is drawn at random: the more, the worse the fast average is."""
     if not averages[0] > 0.0:
         return 0.0
-    return max(0.0, 1.0 - averages[1] / averages[0])
+    return float(max(0.0, 1.0 - averages[1] / averages[0]))
 
 
 @kernel
