@@ -4,5 +4,9 @@ from __future__ import annotations
 
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.estimators.ekf import Ekf
+from amorsim.estimators.graph_slam import GraphSlam
+from amorsim.estimators.grid_mapping import GridMapping
+from amorsim.estimators.grid_slam import GridSlam
+from amorsim.estimators.scan_matching import ScanMatching
 
-__all__ = ["DeadReckoning", "Ekf"]
+__all__ = ["DeadReckoning", "Ekf", "GraphSlam", "GridMapping", "GridSlam", "ScanMatching"]

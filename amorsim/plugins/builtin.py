@@ -101,6 +101,10 @@ def amorsim_register(registry: Registry) -> None:
 
     registry.estimator("dead_reckoning", "amorsim.estimators.dead_reckoning:DeadReckoning")
     registry.estimator("ekf", "amorsim.estimators.ekf:Ekf")
+    registry.estimator("grid_mapping", "amorsim.estimators.grid_mapping:GridMapping")
+    registry.estimator("graph_slam", "amorsim.estimators.graph_slam:GraphSlam")
+    registry.estimator("grid_slam", "amorsim.estimators.grid_slam:GridSlam")
+    registry.estimator("scan_matching", "amorsim.estimators.scan_matching:ScanMatching")
 
     registry.controller("wander", "amorsim.controllers.wander:Wander")
     registry.controller("goto", "amorsim.controllers.goto:GoTo")
@@ -148,6 +152,8 @@ def amorsim_register(registry: Registry) -> None:
             "doors",
             "swarm",
             "landmarks",
+            "loop",
+            "map-the-office",
         ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")
