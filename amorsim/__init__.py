@@ -65,6 +65,7 @@ if TYPE_CHECKING:
         ScenarioError,
         SnapshotError,
     )
+    from amorsim.core.estimated_map import estimated_map
     from amorsim.core.map import Map
     from amorsim.core.parameters import ParameterError
     from amorsim.core.poses import compose, exponential, logarithm, relative, wrap_angle
@@ -121,6 +122,7 @@ _MODULES = {
         "AmorsimError ComponentError ContactError ControllerError DocumentError Fault GraphError MapError PlanError "
         "PluginError RunError ScenarioError SnapshotError"
     ),
+    "amorsim.core.estimated_map": "estimated_map",
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
     "amorsim.core.poses": "compose exponential logarithm relative wrap_angle",
@@ -155,6 +157,7 @@ _PACKAGES = (
     "algorithms",
     "controllers",
     "drives",
+    "estimated_map",
     "estimators",
     "motions",
     "noise",
@@ -254,6 +257,7 @@ __all__ = [
     "compose",
     "controllers",
     "drives",
+    "estimated_map",
     "estimators",
     "exponential",
     "hookimpl",
