@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from amorsim.estimators.map_area import log_odds_evidence
 from amorsim.kernels.mapping.occupancy import Scans, add_log_odds
-from amorsim.kernels.mapping.scan_cells import Area, room_to_see
+from amorsim.kernels.mapping.scan_cells import Area, window_for
 from benchmarks.contest import Clock
 from benchmarks.results import Ratio, Row, ratio_of
 
@@ -32,7 +32,7 @@ def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) 
     poses = np.random.default_rng(1).uniform((-10.0, -10.0, -math.pi), (10.0, 10.0, math.pi), (_SCANS, 3))
     origin = np.array([[-20.0, -20.0]])
     ours, theirs = [], []
-    room = room_to_see(_AREA, _REACH, len(_BEARINGS))
+    room = window_for(_AREA, _REACH)
     cells = np.full((1, _AREA.rows * _AREA.cols), np.nan, dtype=np.float32)
     scans = [_scan(pose) for pose in poses]
     few = 1 if quick else 4

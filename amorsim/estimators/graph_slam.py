@@ -25,7 +25,7 @@ from amorsim.estimators.scan_tracking import ScanTracker
 from amorsim.estimators.scans import beams_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
-from amorsim.kernels.mapping.scan_cells import room_to_see
+from amorsim.kernels.mapping.scan_cells import window_for
 from amorsim.kernels.matching import tracking
 from amorsim.kernels.matching.correlative import Window
 from amorsim.kernels.matching.icp import Search
@@ -137,7 +137,7 @@ class GraphSlam(ScanTracker):
             beams.sin_b[b],
             reach,
             log_odds_evidence(),
-            room_to_see(area, reach, beams.cos_b.shape[1]),
+            window_for(area, reach),
             np.empty(3),
             state["log_odds"][row],
         )

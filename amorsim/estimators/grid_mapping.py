@@ -26,7 +26,7 @@ from amorsim.estimators.map_area import area_of, area_origins, log_odds_evidence
 from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
-from amorsim.kernels.mapping.scan_cells import room_to_see
+from amorsim.kernels.mapping.scan_cells import window_for
 
 __all__ = ["GridMapping"]
 
@@ -153,7 +153,7 @@ class GridMapping(Estimator):
 
     def _add(self, beams: Beams, scans: occupancy.Scans, state: State) -> None:
         area = area_of("grid_mapping", self)
-        room = room_to_see(area, float(beams.range_max.max()), scans.ranges.shape[1])
+        room = window_for(area, float(beams.range_max.max()))
         if self.model == "counting":
             occupancy.add_counts(area, state["origin"], scans, room, state["hits"], state["misses"])
             return

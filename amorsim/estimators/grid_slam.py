@@ -29,7 +29,7 @@ from amorsim.estimators.wheels import angles_of, check_encoder, reckon
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.nodes import add_nodes
-from amorsim.kernels.mapping.scan_cells import room_to_see
+from amorsim.kernels.mapping.scan_cells import window_for
 from amorsim.kernels.matching import particles as kernels
 from amorsim.kernels.matching.icp import Search
 from amorsim.kernels.matching.outlines import outlines
@@ -227,7 +227,7 @@ class GridSlam(Estimator):
             beams.sin_b[b],
             reach,
             log_odds_evidence(),
-            room_to_see(area, reach, beams.cos_b.shape[1]),
+            window_for(area, reach),
             np.empty(3),
             state["log_odds"][row],
         )

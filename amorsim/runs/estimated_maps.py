@@ -15,14 +15,18 @@ from amorsim.simulation.simulation import Simulation
 __all__ = ["write_estimated_maps"]
 
 FOLDER = "estimated-maps"
+_MOST_ROBOTS = 64  # in all replicas: beliefs are of all of them at once
 
 
 def write_estimated_maps(simulation: Simulation, folder: Path) -> None:
     """Write ``estimated-maps/ROBOT-ESTIMATOR.yaml`` and its picture for each map in the first replica, if any.
 
-    After a run that broke off in the middle of a step there are none: what was believed then is gone.
+    There are none of groups of more than 64 robots, and none after a run that broke off in the middle of a step: what
+    was believed then is gone.
     """
     for frame in simulation.frames():
+        if len(frame.names) > _MOST_ROBOTS:
+            continue
         for name, found in _maps(frame, int(simulation.replicas[0])):
             (folder / FOLDER).mkdir(exist_ok=True)
             save_map(found, folder / FOLDER / f"{name}.yaml")

@@ -12,7 +12,7 @@ import pytest
 import amorsim as am
 from amorsim.estimators.map_area import log_odds_evidence
 from amorsim.kernels.mapping.occupancy import add_log_odds
-from amorsim.kernels.mapping.scan_cells import room_to_see
+from amorsim.kernels.mapping.scan_cells import window_for
 from benchmarks import compositions, crowd, mapping, mixed
 from benchmarks.contest import drive
 from benchmarks.ours import given
@@ -77,7 +77,7 @@ def test_both_sides_of_mapping_see_the_same_cells() -> None:
     grid: dict[tuple[int, int], float] = {}
     mapping.plain_scan(pose, grid)
     cells = np.full((1, 800 * 800), np.nan, dtype=np.float32)
-    room = room_to_see(mapping._AREA, 8.0, 181)
+    room = window_for(mapping._AREA, 8.0)
     origin = np.array([[-20.0, -20.0]])
     add_log_odds(mapping._AREA, origin, mapping._scan(pose), log_odds_evidence(), room, cells)
     rows, cols = np.nonzero(np.isfinite(cells.reshape(800, 800)))

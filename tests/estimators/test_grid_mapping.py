@@ -9,7 +9,7 @@ import amorsim as am
 from amorsim.estimators import GridMapping
 from amorsim.estimators.map_area import log_odds_evidence
 from amorsim.kernels.mapping import occupancy
-from amorsim.kernels.mapping.scan_cells import Area, room_to_see
+from amorsim.kernels.mapping.scan_cells import Area, window_for
 from amorsim.sensors import Gps, Laser
 from amorsim.testing import check_component
 from tests import building
@@ -38,7 +38,7 @@ def mapped(std=0.0, count=120, seed=1, model="log_odds"):
             poses.append(pose)
     poses = np.array(poses)
     ranges = world.cast_rays(poses, BEARINGS[0], 8.0) + std * rng.normal(size=(count, 360))
-    room = room_to_see(AREA, 8.0, 360)
+    room = window_for(AREA, 8.0)
     cells = AREA.rows * AREA.cols
     log_odds = np.full((1, cells), np.nan, dtype=np.float32)
     hits, misses = np.zeros((2, 1, cells), dtype=np.int32)

@@ -12,7 +12,7 @@ import shapely
 import amorsim as am
 from tests.first_hour.conftest import ROOT, amorsim
 
-DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard", "landmarks")
+DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard", "landmarks", "loop", "map-the-office")
 
 
 @pytest.mark.parametrize("name", DRIVEN)

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.kinematics.poses import displaced
 from amorsim.kernels.mapping.occupancy import Evidence, add_evidence
-from amorsim.kernels.mapping.scan_cells import Area, Seen, see
+from amorsim.kernels.mapping.scan_cells import Area, Window, see
 
 __all__ = ["add_nodes"]
 
@@ -26,7 +26,7 @@ def add_nodes(
     sin_b: Floats,
     range_max: float,
     evidence: Evidence,
-    seen: Seen,
+    window: Window,
     at: Floats,
     log_odds: npt.NDArray[np.float32],
 ) -> None:
@@ -41,5 +41,5 @@ def add_nodes(
     """
     for i in range(poses.shape[0]):
         at[0], at[1], at[2] = displaced(poses[i, 0], poses[i, 1], poses[i, 2], mount[0], mount[1], mount[2])
-        hits, misses = see(area, origin, at, ranges[i], cos_b, sin_b, range_max, seen)
-        add_evidence(seen, hits, misses, evidence, log_odds)
+        row, col = see(area, origin, at, ranges[i], cos_b, sin_b, range_max, window)
+        add_evidence(area, window, row, col, evidence, log_odds)

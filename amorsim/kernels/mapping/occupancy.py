@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
-from amorsim.kernels.mapping.scan_cells import Area, Seen, see
+from amorsim.kernels.mapping.scan_cells import HIT, MISSED, Area, Window, see
 
 __all__ = [
     "Evidence",
@@ -43,26 +43,38 @@ class Scans(NamedTuple):
 class Evidence(NamedTuple):
     """What a hit and a miss add to a cell's log-odds, and the bounds of these."""
 
-    hit: float
-    miss: float  # negative
-    least: float
-    most: float
+    hit: np.float32
+    miss: np.float32  # negative
+    least: np.float32
+    most: np.float32
 
 
 @part
-def add_evidence(seen: Seen, hits: int, misses: int, evidence: Evidence, cells: npt.NDArray[np.float32]) -> None:
-    """Add what a scan says to a map (n,) of log-odds."""
-    for j in range(hits):
-        before = cells[seen.hit[j]]
-        cells[seen.hit[j]] = min((0.0 if math.isnan(before) else before) + evidence.hit, evidence.most)
-    for j in range(misses):
-        before = cells[seen.missed[j]]
-        cells[seen.missed[j]] = max((0.0 if math.isnan(before) else before) + evidence.miss, evidence.least)
+def add_evidence(
+    area: Area, window: Window, first_row: int, first_col: int, evidence: Evidence, cells: npt.NDArray[np.float32]
+) -> None:
+    """Add what a scan says, marked in a window, to a map (rows * cols,) of log-odds."""
+    start = max(first_col, 0)
+    count = min(first_col + window.side, area.cols) - start
+    if count <= 0:
+        return
+    for row in range(max(first_row, 0), min(first_row + window.side, area.rows)):
+        mark = (row - first_row) * window.side + start - first_col
+        cell = row * area.cols + start
+        # Slices that are indexed from 0 on: LLVM makes the loop a vector's.
+        said = window.marks[mark : mark + count]
+        held = cells[cell : cell + count]
+        for i in range(count):
+            before = held[i]
+            known = np.float32(0.0) if math.isnan(before) else before
+            hit = min(known + evidence.hit, evidence.most)
+            miss = max(known + evidence.miss, evidence.least)
+            held[i] = miss if said[i] == MISSED else (hit if said[i] == HIT else before)
 
 
 @kernel
 def add_log_odds(
-    area: Area, origins: Floats, scans: Scans, evidence: Evidence, seen: Seen, log_odds: npt.NDArray[np.float32]
+    area: Area, origins: Floats, scans: Scans, evidence: Evidence, window: Window, log_odds: npt.NDArray[np.float32]
 ) -> None:
     """Add scans to maps (N, rows * cols) of log-odds, nan where nothing was seen; `origins` (N, 2) [m]."""
     for i in range(scans.ranges.shape[0]):
@@ -70,10 +82,8 @@ def add_log_odds(
             continue
         b = i if scans.cos_b.shape[0] > 1 else 0
         reach = scans.range_max[i if scans.range_max.shape[0] > 1 else 0, 0]
-        hits, misses = see(
-            area, origins[i], scans.poses[i], scans.ranges[i], scans.cos_b[b], scans.sin_b[b], reach, seen
-        )
-        add_evidence(seen, hits, misses, evidence, log_odds[i])
+        row, col = see(area, origins[i], scans.poses[i], scans.ranges[i], scans.cos_b[b], scans.sin_b[b], reach, window)
+        add_evidence(area, window, row, col, evidence, log_odds[i])
 
 
 @kernel
@@ -81,7 +91,7 @@ def add_counts(
     area: Area,
     origins: Floats,
     scans: Scans,
-    seen: Seen,
+    window: Window,
     hit_counts: npt.NDArray[np.int32],
     miss_counts: npt.NDArray[np.int32],
 ) -> None:
@@ -91,13 +101,18 @@ def add_counts(
             continue
         b = i if scans.cos_b.shape[0] > 1 else 0
         reach = scans.range_max[i if scans.range_max.shape[0] > 1 else 0, 0]
-        hits, misses = see(
-            area, origins[i], scans.poses[i], scans.ranges[i], scans.cos_b[b], scans.sin_b[b], reach, seen
-        )
-        for j in range(hits):
-            hit_counts[i, seen.hit[j]] += 1
-        for j in range(misses):
-            miss_counts[i, seen.missed[j]] += 1
+        row, col = see(area, origins[i], scans.poses[i], scans.ranges[i], scans.cos_b[b], scans.sin_b[b], reach, window)
+        start = max(col, 0)
+        count = max(0, min(col + window.side, area.cols) - start)
+        for r in range(max(row, 0), min(row + window.side, area.rows)):
+            mark = (r - row) * window.side + start - col
+            cell = r * area.cols + start
+            said = window.marks[mark : mark + count]
+            hits = hit_counts[i, cell : cell + count]
+            misses = miss_counts[i, cell : cell + count]
+            for j in range(count):
+                hits[j] += 1 if said[j] == HIT else 0
+                misses[j] += 1 if said[j] == MISSED else 0
 
 
 @kernel

@@ -1,8 +1,6 @@
 """The cells that a scan says something about: those that its beams end in, and those that they cross before.
 
-A beam crosses the cells that its line touches, one after the other: J. Amanatides, A. Woo, "A Fast Voxel Traversal
-Algorithm for Ray Tracing" (1987). It meets grid line i at ``(i - start) / direction``, computed and never accumulated;
-on a tie x goes first.
+They are marked in a square window around the laser. A beam crosses all cells that its line touches.
 """
 
 from __future__ import annotations
@@ -15,13 +13,15 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import part
 
-__all__ = ["Area", "Seen", "room_to_see", "see"]
+__all__ = ["HIT", "MISSED", "Area", "Window", "see", "window_for"]
 
 Floats = npt.NDArray[np.float64]
 
+MISSED = 1
+HIT = 2
 _BEYOND = 1e-6  # [m] by which an end is put further, as it may lie on the border of the cell that stopped the beam
-_HIT = 2
-_MISSED = 1
+_BITS = 40  # of the fraction of a cell; rounded there, a line is off by 1e-9 cells after a thousand of them
+_ONE = float(1 << _BITS)
 
 
 class Area(NamedTuple):
@@ -32,65 +32,51 @@ class Area(NamedTuple):
     resolution: float  # [m]
 
 
-class Seen(NamedTuple):
-    """Room for the cells of one scan: each is listed once, and one that a beam ended in is not missed."""
+class Window(NamedTuple):
+    """What one scan says of the cells around its laser: 0 for nothing, `MISSED` or `HIT`."""
 
-    hit: npt.NDArray[np.int64]  # (k,) cells that beams ended in, as row * cols + col
-    missed: npt.NDArray[np.int64]  # (m,) cells that beams only crossed
-    marks: npt.NDArray[np.uint8]  # (s, s) what is known of each cell, s a power of 2: cell (r, c) at (r % s, c % s)
+    marks: npt.NDArray[np.uint8]  # (side * side,), the laser's cell in the middle
+    side: int
 
 
-def room_to_see(area: Area, range_max: float, beams: int) -> Seen:
-    """Room for scans of up to `range_max` [m] in maps of an area."""
+def window_for(area: Area, range_max: float) -> Window:
+    """A window for scans of up to `range_max` [m] in maps of an area."""
     reach = min(range_max, math.hypot(area.rows, area.cols) * area.resolution) / area.resolution
-    side = 1 << max(4, math.ceil(math.log2(2.0 * reach + 4.0)))
-    across = min(side * side, area.rows * area.cols)
-    return Seen(np.empty(beams, np.int64), np.empty(across, np.int64), np.zeros((side, side), np.uint8))
+    side = 2 * math.ceil(reach + 2.0) + 1
+    return Window(np.zeros(side * side, np.uint8), side)
 
 
 @part
-def _cross(
-    area: Area, x: float, y: float, dx: float, dy: float, length: float, is_end_free: bool, seen: Seen, count: int
-) -> int:
-    """List the cells of a beam before its end, those that no other beam has listed; returns how many there are now.
+def _cross(window: Window, x: float, y: float, dx: float, dy: float, length: float) -> None:
+    """Mark the cells of a beam from (x, y) [cells] in the window, in direction (dx, dy), after `length` [cells].
 
-    The beam starts at (x, y) [cells] inside the area, has the direction (dx, dy), and ends after `length` [cells].
+    Along its longer axis it passes from line to line. Between two lines it is in one cell, or in two that are
+    neighbours; both are marked in any case, as a branch on which it is would be as good as random. Places along the
+    shorter axis are whole numbers of 2^-40 cells: such sums are exact, and their floor is a shift.
     """
-    mask = seen.marks.shape[0] - 1
-    col = math.floor(x)
-    row = math.floor(y)
-    last_col = math.floor(x + length * dx)
-    last_row = math.floor(y + length * dy)
-    left_x = abs(last_col - col)  # lines still to cross
-    left_y = abs(last_row - row)
-    step_x = 1 if last_col > col else -1
-    step_y = 1 if last_row > row else -1
-    first_x = (col + 1 - x) if step_x > 0 else (x - col)
-    first_y = (row + 1 - y) if step_y > 0 else (y - row)
-    unit_x = 1.0 / abs(dx) if left_x > 0 else math.inf
-    unit_y = 1.0 / abs(dy) if left_y > 0 else math.inf
-    done_x = 0
-    done_y = 0
-    tx = first_x * unit_x if left_x > 0 else math.inf
-    ty = first_y * unit_y if left_y > 0 else math.inf
-    steps = left_x + left_y + (1 if is_end_free else 0)
-    for _ in range(steps):
-        if row < 0 or row >= area.rows or col < 0 or col >= area.cols:
-            break
-        at = row & mask, col & mask
-        if seen.marks[at] == 0:
-            seen.marks[at] = _MISSED
-            seen.missed[count] = row * area.cols + col
-            count += 1
-        if tx <= ty:
-            col += step_x
-            done_x += 1
-            tx = (first_x + done_x) * unit_x if done_x < left_x else math.inf
-        else:
-            row += step_y
-            done_y += 1
-            ty = (first_y + done_y) * unit_y if done_y < left_y else math.inf
-    return count
+    is_steep = abs(dy) > abs(dx)
+    u, v = (y, x) if is_steep else (x, y)
+    du, dv = (dy, dx) if is_steep else (dx, dy)
+    step_u, step_v = (window.side, 1) if is_steep else (1, window.side)
+    first = math.floor(u)
+    last = math.floor(u + length * du)
+    lines = abs(last - first)
+    ahead = 1 if last > first else -1
+    edge = (first + 1 - u) if ahead > 0 else (u - first)  # to the first line
+    slope = dv / abs(du)
+    mark = first * step_u
+    at = math.floor(v)
+    place = np.int64((v + edge * slope) * _ONE)
+    step = np.int64(slope * _ONE)
+    for _ in range(lines):
+        window.marks[mark + at * step_v] = MISSED
+        at = place >> _BITS
+        window.marks[mark + at * step_v] = MISSED
+        place += step
+        mark += ahead * step_u
+    window.marks[mark + at * step_v] = MISSED
+    at = math.floor(v + length * dv)
+    window.marks[mark + at * step_v] = MISSED
 
 
 @part
@@ -102,12 +88,12 @@ def see(
     cos_b: Floats,
     sin_b: Floats,
     range_max: float,
-    seen: Seen,
+    window: Window,
 ) -> tuple[int, int]:
-    """List the cells that a scan hits and misses; returns how many of each.
+    """Mark the cells that a scan hits and misses; returns the row and column of the window's lower left cell.
 
-    Beams of inf saw nothing up to `range_max` [m]; those of -inf and nan say nothing. From outside the area nothing
-    is listed, and beams end at its border.
+    Beams of inf saw nothing up to `range_max` [m]; those of -inf and nan say nothing. A cell that one beam hits and
+    others miss is hit. The window may reach beyond the area.
 
     Parameters
     ----------
@@ -118,34 +104,27 @@ def see(
     ranges, cos_b, sin_b
         Of the beams, with cosine and sine of their bearings, (k,).
     """
-    hits = 0
-    misses = 0
+    window.marks[:] = 0
+    half = window.side // 2
+    reach = half - 1.0
     x = (pose[0] - origin[0]) / area.resolution
     y = (pose[1] - origin[1]) / area.resolution
-    if not (0.0 <= x < area.cols and 0.0 <= y < area.rows):
-        return 0, 0
-    seen.marks[:] = 0
-    mask = seen.marks.shape[0] - 1
+    col = math.floor(x) - half
+    row = math.floor(y) - half
+    x -= col
+    y -= row
     c = math.cos(pose[2])
     s = math.sin(pose[2])
     for k in range(ranges.shape[0]):
-        if not (0.0 <= ranges[k] <= range_max):
-            continue
-        length = (ranges[k] + _BEYOND) / area.resolution
-        col = math.floor(x + length * (c * cos_b[k] - s * sin_b[k]))
-        row = math.floor(y + length * (s * cos_b[k] + c * sin_b[k]))
-        if row < 0 or row >= area.rows or col < 0 or col >= area.cols:
-            continue
-        if seen.marks[row & mask, col & mask] == 0:
-            seen.marks[row & mask, col & mask] = _HIT
-            seen.hit[hits] = row * area.cols + col
-            hits += 1
+        if ranges[k] >= 0.0:
+            length = (range_max if ranges[k] > range_max else ranges[k] + _BEYOND) / area.resolution
+            dx = c * cos_b[k] - s * sin_b[k]
+            dy = s * cos_b[k] + c * sin_b[k]
+            _cross(window, x, y, dx, dy, min(length, reach))
     for k in range(ranges.shape[0]):
-        is_open = ranges[k] > range_max
-        if not (is_open or ranges[k] >= 0.0):
-            continue
-        length = (range_max if is_open else ranges[k] + _BEYOND) / area.resolution
-        dx = c * cos_b[k] - s * sin_b[k]
-        dy = s * cos_b[k] + c * sin_b[k]
-        misses = _cross(area, x, y, dx, dy, length, is_open, seen, misses)
-    return hits, misses
+        length = (ranges[k] + _BEYOND) / area.resolution
+        if 0.0 <= ranges[k] <= range_max and length <= reach:
+            end_x = math.floor(x + length * (c * cos_b[k] - s * sin_b[k]))
+            end_y = math.floor(y + length * (s * cos_b[k] + c * sin_b[k]))
+            window.marks[end_y * window.side + end_x] = HIT
+    return row, col

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from amorsim.kernels.mapping.occupancy import Evidence, Scans, add_counts, add_log_odds
-from amorsim.kernels.mapping.scan_cells import Area, room_to_see
+from amorsim.kernels.mapping.scan_cells import Area, window_for
 
 AREA = Area(24, 31, 0.5)
 ORIGIN = np.array([[-3.0, 1.0]])
@@ -23,7 +23,7 @@ def scans(poses, ranges, bearings=(0.0,), range_max=100.0):
 def counted(given, origin=ORIGIN, area=AREA):
     rows = len(given.poses)
     hits, misses = np.zeros((2, rows, area.rows * area.cols), dtype=np.int32)
-    room = room_to_see(area, float(given.range_max[0, 0]), given.ranges.shape[1])
+    room = window_for(area, float(given.range_max[0, 0]))
     add_counts(area, np.repeat(origin, rows, axis=0), given, room, hits, misses)
     return hits.reshape(rows, area.rows, area.cols), misses.reshape(rows, area.rows, area.cols)
 
@@ -108,15 +108,16 @@ def test_beams_end_at_the_border_of_the_area():
     hits, misses = counted(scans([[12.0, 3.25, 0.0]], [[10.0]]))
     assert hits.sum() == 0
     assert misses[0, 4].nonzero()[0].tolist() == [30]
-    hits, misses = counted(scans([[13.0, 3.25, math.pi]], [[2.0]]))  # from outside
-    assert misses.sum() == 0
+    hits, misses = counted(scans([[13.1, 3.25, math.pi]], [[2.0]]))  # from outside
+    assert hits[0, 4].nonzero()[0].tolist() == [28]
+    assert misses[0, 4].nonzero()[0].tolist() == [29, 30]
 
 
 def test_evidence_adds_up_and_is_bounded():
-    bound = Evidence(2.0, -0.5, -1.2, 5.0)
+    bound = Evidence(*np.array((2.0, -0.5, -1.2, 5.0), dtype=np.float32))
     log_odds = np.full((1, AREA.rows * AREA.cols), np.nan, dtype=np.float32)
     given = scans([[0.25, 3.25, 0.0]], [[1.0]])
-    room = room_to_see(AREA, 100.0, 1)
+    room = window_for(AREA, 100.0)
     for count in range(1, 4):
         add_log_odds(AREA, ORIGIN, given, bound, room, log_odds)
         row = log_odds.reshape(AREA.rows, AREA.cols)[4]
