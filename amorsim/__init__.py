@@ -82,6 +82,7 @@ if TYPE_CHECKING:
         SnapshotError,
         StudyError,
     )
+    from amorsim.core.estimated_map import estimated_map
     from amorsim.core.map import Map
     from amorsim.core.parameters import ParameterError
     from amorsim.core.poses import compose, exponential, logarithm, relative, wrap_angle
@@ -141,6 +142,7 @@ _MODULES = {
         "AmorsimError AnalysisError ComponentError ContactError ControllerError DocumentError Fault GraphError "
         "MapError PlanError PluginError RunError ScenarioError SnapshotError StudyError"
     ),
+    "amorsim.core.estimated_map": "estimated_map",
     "amorsim.core.map": "Map",
     "amorsim.core.parameters": "ParameterError",
     "amorsim.core.poses": "compose exponential logarithm relative wrap_angle",
@@ -273,6 +275,7 @@ __all__ = [
     "compose",
     "controllers",
     "drives",
+    "estimated_map",
     "estimators",
     "exponential",
     "hookimpl",

@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, crowd, filters, fleet, memory, mixed, planners, rays, start
+from benchmarks import compositions, crowd, filters, fleet, mapping, memory, mixed, planners, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -19,7 +19,7 @@ from benchmarks.table import as_text
 
 __all__ = ["main"]
 
-SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start", "filters", "planners")
+SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start", "filters", "mapping", "planners")
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
@@ -50,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += mixed.measure(given.rounds, given.quick, clock, say)
     if "crowd" in given.only:
         rows += crowd.measure(given.rounds, given.quick, clock, say)
+    if "mapping" in given.only:
+        rows += mapping.measure(given.rounds, given.quick, clock, say)
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
     if "start" in given.only:

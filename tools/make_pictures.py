@@ -19,7 +19,18 @@ __all__ = ["make"]
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 WIDTH = 1200  # pixels
 COLOURS = 256
-SCENARIOS = ("car-park", "synchro-hall", "khepera-maze", "convoy", "yard", "landmarks", "find-yourself", "kidnapped")
+SCENARIOS = (
+    "car-park",
+    "synchro-hall",
+    "khepera-maze",
+    "convoy",
+    "yard",
+    "landmarks",
+    "find-yourself",
+    "kidnapped",
+    "loop",
+)
+MAPS = {"map-the-office": "rover-slam"}  # of each scenario, which of the maps that it leaves
 
 
 def make(folder: Path) -> None:
@@ -33,6 +44,9 @@ def make(folder: Path) -> None:
         for scenario in SCENARIOS:
             _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
             _save_small(work / scenario / "picture.png", folder / f"{scenario}.png")
+        for scenario, name in MAPS.items():
+            _amorsim(work, "run", scenario, "--out", scenario, "--quiet")
+            _save_small(work / scenario / "estimated-maps" / f"{name}.pgm", folder / f"{scenario}.png")
         film = ("--duration", "15", "--gif", str(folder / "crowd.gif"), "--gif-size", "640")
         _amorsim(work, "run", "crowd", *film, "--out", "crowd", "--quiet")
         for source, target in (

@@ -103,6 +103,10 @@ def amorsim_register(registry: Registry) -> None:
     registry.estimator("ekf", "amorsim.estimators.ekf:Ekf")
     registry.estimator("ukf", "amorsim.estimators.ukf:Ukf")
     registry.estimator("monte_carlo", "amorsim.estimators.monte_carlo:MonteCarlo")
+    registry.estimator("grid_mapping", "amorsim.estimators.grid_mapping:GridMapping")
+    registry.estimator("graph_slam", "amorsim.estimators.graph_slam:GraphSlam")
+    registry.estimator("grid_slam", "amorsim.estimators.grid_slam:GridSlam")
+    registry.estimator("scan_matching", "amorsim.estimators.scan_matching:ScanMatching")
 
     registry.controller("wander", "amorsim.controllers.wander:Wander")
     registry.controller("goto", "amorsim.controllers.goto:GoTo")
@@ -175,6 +179,8 @@ def amorsim_register(registry: Registry) -> None:
             "landmarks",
             "find-yourself",
             "kidnapped",
+            "loop",
+            "map-the-office",
         ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

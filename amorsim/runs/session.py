@@ -20,6 +20,7 @@ from amorsim.core.user_code import go_back, present_folder
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
+from amorsim.runs.estimated_maps import write_estimated_maps
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
 from amorsim.runs.traces import Traces
 from amorsim.runs.worlds import fingerprints_of_worlds
@@ -230,6 +231,7 @@ class RunSession:
             drawn = io.BytesIO()
             picture.save(drawn, "PNG")
             write_bytes(self.folder / "picture.png", drawn.getvalue())
+        write_estimated_maps(self._simulation, self.folder)
         run_finished(self._simulation, self._registry)
         return self.summary
 

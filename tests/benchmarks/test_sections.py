@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from benchmarks import compositions, crowd, mixed
+from amorsim.estimators.map_area import log_odds_evidence
+from amorsim.kernels.mapping.occupancy import add_log_odds
+from amorsim.kernels.mapping.scan_cells import window_for
+from benchmarks import compositions, crowd, mapping, mixed
 from benchmarks.contest import drive
 from benchmarks.ours import given
 
@@ -67,3 +70,24 @@ def test_the_far_obstacle_is_far() -> None:
     assert isinstance(post, am.Obstacle)
     assert robot.pose is not None
     assert np.hypot(post.pose.x - robot.pose.x, post.pose.y - robot.pose.y) > 20.0
+
+
+def test_both_sides_of_mapping_see_the_same_cells() -> None:
+    pose = np.array([1.23, -2.34, 0.7])
+    grid: dict[tuple[int, int], float] = {}
+    mapping.plain_scan(pose, grid)
+    cells = np.full((1, 800 * 800), np.nan, dtype=np.float32)
+    room = window_for(mapping._AREA, 8.0)
+    origin = np.array([[-20.0, -20.0]])
+    add_log_odds(mapping._AREA, origin, mapping._scan(pose), log_odds_evidence(), room, cells)
+    rows, cols = np.nonzero(np.isfinite(cells.reshape(800, 800)))
+    mine = {(int(col) - 400, int(row) - 400) for row, col in zip(rows, cols, strict=True)}
+    assert len(mine ^ set(grid)) <= 0.002 * len(grid)  # where a line goes through a corner
+    ends = {cell for cell, value in grid.items() if value > 0.0}
+    assert (cells > 0.0).sum() == pytest.approx(len(ends), abs=2)
+
+
+def test_mapping_is_timed() -> None:
+    rows = mapping.measure(1, True, time.perf_counter, lambda _: None)
+    assert [row.side for row in rows] == ["amorsim", "plain Python"]
+    assert rows[0].rounds[0] > rows[1].rounds[0]

@@ -12,7 +12,18 @@ import shapely
 import amorsim as am
 from tests.first_hour.conftest import ROOT, amorsim
 
-DRIVEN = ("car-park", "synchro-hall", "khepera-maze", "line", "convoy", "yard", "landmarks", "find-yourself")
+DRIVEN = (
+    "car-park",
+    "synchro-hall",
+    "khepera-maze",
+    "line",
+    "convoy",
+    "yard",
+    "landmarks",
+    "find-yourself",
+    "loop",
+    "map-the-office",
+)
 
 
 @pytest.mark.parametrize("name", DRIVEN)

@@ -10,7 +10,7 @@ import pytest
 
 from amorsim.contracts import Mount
 from amorsim.controllers import Pursuit
-from amorsim.estimators import MonteCarlo
+from amorsim.estimators import GraphSlam, GridMapping, GridSlam, MonteCarlo
 from amorsim.motions import Loop, Oscillate, Pedestrian, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.noise import Bump
 from amorsim.plugins.manager import make_registry
@@ -53,6 +53,8 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
 # In place of what a class alone would give: a narrow cone has fewer rays, and is tried as well; a route that goes
 # somewhere within a few steps, and a door that opens; few particles.
 _ROUTE: dict[str, Any] = {"waypoints": ((4.0, 4.0), (4.1, 4.0), (4.1, 4.3)), "pause": 0.05}
+_MAP: dict[str, Any] = {"resolution": 0.2, "width": 12.0, "height": 12.0}
+_MATCHED: dict[str, Any] = {"wheel_variance": 1e-3, "range_std": 0.01, "match_distance": 0.02, "nodes": 6, **_MAP}
 _DOOR: dict[str, Any] = {"timetable": ((0.1, 0.3),), "period": 0.4}
 EXAMPLES: dict[type, Any] = {
     Sonar: Sonar(half_angle=0.03),
@@ -64,6 +66,10 @@ EXAMPLES: dict[type, Any] = {
     Pedestrian: Pedestrian(goals=((4.0, 4.0), (6.0, 3.0)), order="random", blocked="skip"),
     SwingDoor: SwingDoor(**_DOOR),
     MonteCarlo: MonteCarlo(wheel_variance=1e-4, particles_min=10, particles_max=60),  # as many in each of 1,000 rows
+    # Maps of 64 robots.
+    GridMapping: GridMapping(**_MAP),
+    GridSlam: GridSlam(**_MATCHED, particles=3, node_distance=0.05),
+    GraphSlam: GraphSlam(**_MATCHED, key_distance=0.05, loop_gap=2, loop_window=0.1, loop_window_angle=0.1),
     SlidingDoor: SlidingDoor(**_DOOR, blocked="skip"),
 }
 

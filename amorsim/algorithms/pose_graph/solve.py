@@ -17,7 +17,7 @@ from amorsim.algorithms.pose_graph.graph import PoseGraph
 from amorsim.core.errors import GraphError
 from amorsim.core.poses import wrap_angle
 
-__all__ = ["Optimum", "chi2_of", "linear_start", "optimize"]
+__all__ = ["Optimum", "chi2_of", "covariance_of", "linear_start", "optimize"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -79,7 +79,7 @@ def optimize(
     poses = linear_start(graph) if start == "linear" else graph.poses.copy()
     chi2 = chi2_of(graph, poses)
     for count in range(most_iterations):
-        change = _step(graph, poses)
+        change = _least_squares(graph, _slopes(graph, poses), _errors(graph, poses), graph.information)
         # A step that overshoots is halved; near the optimum none is.
         for _ in range(_MOST_HALVINGS):
             there = poses + change
@@ -96,19 +96,37 @@ def optimize(
     return Optimum(poses, chi2, most_iterations)
 
 
-def _step(graph: PoseGraph, poses: Array) -> Array:
-    """The change `(n, 3)` of the poses that Gauss-Newton makes; none of the first."""
+def covariance_of(graph: PoseGraph, poses: Array, place: int) -> Array:
+    """The covariance (3, 3) of the pose at a place of `poses` `(n, 3)`, given the first pose; to first order.
+
+    Raises
+    ------
+    GraphError
+        If the graph is not connected, or its edges do not determine the poses.
+    """
+    _check_connected(graph)
+    if place == 0:
+        return np.zeros((3, 3))
+    system = _System(graph, _slopes(graph, poses), graph.information)
+    right = np.zeros((system.size, 3))
+    right[3 * place - 3 : 3 * place] = np.eye(3)
+    found = system.solve(right)[3 * place - 3 : 3 * place]
+    return np.asarray(0.5 * (found + found.T))
+
+
+def _slopes(graph: PoseGraph, poses: Array) -> Array:
+    """Slopes `(m, 3, 6)` of the errors by the first pose of each edge, then by the second."""
     heading, measured = poses[graph.edges[:, 0], 2], graph.measurements[:, 2]
     apart = poses[graph.edges[:, 1], :2] - poses[graph.edges[:, 0], :2]
     c, s = np.cos(heading + measured), np.sin(heading + measured)
-    slopes = np.zeros((len(heading), 3, 6))  # of the errors by the first pose, then by the second
+    slopes = np.zeros((len(heading), 3, 6))
     slopes[:, 0, 3], slopes[:, 0, 4] = c, s
     slopes[:, 1, 3], slopes[:, 1, 4] = -s, c
     slopes[:, :2, :2] = -slopes[:, :2, 3:5]
     slopes[:, 0, 2] = -s * apart[:, 0] + c * apart[:, 1]
     slopes[:, 1, 2] = -c * apart[:, 0] - s * apart[:, 1]
     slopes[:, 2, 2], slopes[:, 2, 5] = -1.0, 1.0
-    return _least_squares(graph, slopes, _errors(graph, poses), graph.information)
+    return slopes
 
 
 def linear_start(graph: PoseGraph) -> Array:
@@ -179,30 +197,44 @@ def _least_squares(graph: PoseGraph, slopes: Array, errors: Array, weights: Arra
 
     `slopes` `(m, r, 2 d)` are those of the errors `(m, r)` by both poses of each edge; `weights` are `(m, r, r)`.
     """
-    from scipy.sparse import csc_matrix
-    from scipy.sparse.linalg import splu
-
     size = slopes.shape[2] // 2
-    count = len(graph.poses) * size
-    if count == size:
+    if len(graph.poses) == 1:
         return np.zeros((1, size))
-    weighted = np.einsum("nij,nik->njk", weights, slopes)
-    blocks = np.einsum("nij,nik->njk", slopes, weighted)
-    pull = np.einsum("nij,ni->nj", weighted, errors)
-    # Unknowns are counted without the first pose's; those are negative and left out.
-    unknowns = (graph.edges[:, :, None] * size + np.arange(size)).reshape(-1, 2 * size) - size
-    rows = np.repeat(unknowns, 2 * size, axis=1).ravel()
-    cols = np.tile(unknowns, (1, 2 * size)).ravel()
-    kept = (rows >= 0) & (cols >= 0)
-    matrix = csc_matrix((blocks.ravel()[kept], (rows[kept], cols[kept])), shape=(count - size, count - size))
-    right = np.bincount(unknowns.ravel() + size, -pull.ravel(), minlength=count)[size:]
-    try:
-        solver = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        found = solver.solve(right)
-    except RuntimeError as error:
-        raise GraphError(
-            f"the edges do not determine the poses ({error}); look for information matrices of 0"
-        ) from None
-    if not np.isfinite(found).all():
-        raise GraphError("the edges do not determine the poses; look for information matrices of 0")
-    return np.concatenate((np.zeros(size), found)).reshape(-1, size)
+    system = _System(graph, slopes, weights)
+    pull = np.einsum("nij,ni->nj", system.weighted, errors)
+    right = np.bincount(system.unknowns.ravel() + size, -pull.ravel(), minlength=len(graph.poses) * size)[size:]
+    return np.concatenate((np.zeros(size), system.solve(right))).reshape(-1, size)
+
+
+class _System:
+    """The normal equations of a linear problem, whose unknowns are d numbers of all poses but the first."""
+
+    def __init__(self, graph: PoseGraph, slopes: Array, weights: Array) -> None:
+        from scipy.sparse import csc_matrix
+        from scipy.sparse.linalg import splu
+
+        d = slopes.shape[2] // 2
+        self.size = (len(graph.poses) - 1) * d
+        self.weighted = np.einsum("nij,nik->njk", weights, slopes)
+        blocks = np.einsum("nij,nik->njk", slopes, self.weighted)
+        # Unknowns are counted without the first pose's; those are negative and left out.
+        self.unknowns = (graph.edges[:, :, None] * d + np.arange(d)).reshape(-1, 2 * d) - d
+        rows = np.repeat(self.unknowns, 2 * d, axis=1).ravel()
+        cols = np.tile(self.unknowns, (1, 2 * d)).ravel()
+        kept = (rows >= 0) & (cols >= 0)
+        matrix = csc_matrix((blocks.ravel()[kept], (rows[kept], cols[kept])), shape=(self.size, self.size))
+        try:
+            self._solver = splu(
+                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+        except RuntimeError as error:
+            raise GraphError(
+                f"the edges do not determine the poses ({error}); look for information matrices of 0"
+            ) from None
+
+    def solve(self, right: Array) -> Array:
+        """The unknowns for a right side, or for each of its columns."""
+        found = self._solver.solve(right)
+        if not np.isfinite(found).all():
+            raise GraphError("the edges do not determine the poses; look for information matrices of 0")
+        return np.asarray(found)

@@ -21,6 +21,7 @@ from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.forms.origins import Origins
 from amorsim.ui.scene.robots import sensor_shapes
 from amorsim.ui.simulator.inputs import Input
+from amorsim.ui.simulator.mapped import mapped_of
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player
 from amorsim.ui.simulator.protocol import State
@@ -65,6 +66,7 @@ class Commands:
             "history": self._history,
             "events": self._events,
             "image": self._image,
+            "mapped": self._mapped,
             "run": self._run,
             "pause": self._pause,
             "step": self._step,
@@ -203,6 +205,10 @@ class Commands:
         except LookupError as error:
             raise AmorsimError(str(error.args[0])) from None
         return {"png": base64.b64encode(png).decode()}
+
+    def _mapped(self, command: Table) -> Answer:
+        robot, player = self._robot(command), self.player
+        return {"mapped": mapped_of(player.simulation, robot), "epoch": player.epoch, "tick": player.tick}
 
     # ------------------------------------------------------------------------------------------------------------ time
 

@@ -105,6 +105,7 @@ COMMANDS: Mapping[str, Command] = {
     "history": Command(may={**_OF_ROBOT, "max_points": whole(1, MOST_POINTS)}, asks=True),
     "events": Command(may={"after": whole(0)}, asks=True),
     "image": Command(needs={"name": _NAME}, asks=True),
+    "mapped": Command(may=_OF_ROBOT, asks=True),
     "folder": Command(asks=True),
     # Of this window alone.
     "select": Command(needs=_OF_ROBOT),

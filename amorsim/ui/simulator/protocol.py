@@ -16,6 +16,7 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 | ``history`` | `History` |
 | ``events`` | ``epoch``, ``events``: list of `EventLine`, ``next`` |
 | ``image`` | ``png``: base64 |
+| ``mapped`` | ``mapped``: list of `Mapped`, ``epoch``, ``tick`` |
 | ``scrub`` | ``tick``, ``exact``, ``can_continue``, ``reason`` |
 | ``step`` | ``tick``, ``steps`` |
 | ``continue`` | ``tick`` |
@@ -43,6 +44,8 @@ __all__ = [
     "EventLine",
     "FieldForm",
     "History",
+    "Mapped",
+    "MappedCells",
     "ParameterForm",
     "Past",
     "State",
@@ -99,6 +102,27 @@ class EventLine(TypedDict):
     text: str
     point: list[float] | None
     stack: NotRequired[str]  # of a fault in a user's controller
+
+
+class MappedCells(TypedDict):
+    """A picture of a map that an estimator has drawn: the more probable a wall, the more opaque."""
+
+    extent: list[float]  # xmin, ymin, xmax, ymax [m] of what was seen, in the world
+    png: str  # base64
+
+
+class Mapped(TypedDict):
+    """What an estimator has mapped, in the world [m]; none of what it does not believe in.
+
+    `scan` are the points of the last scan that was matched, `poses` the nodes of a pose graph, and `edges` pairs of
+    their places.
+    """
+
+    estimator: str
+    map: MappedCells | None
+    scan: list[list[float]] | None
+    poses: list[list[float]] | None
+    edges: list[list[int]] | None
 
 
 class State(TypedDict):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.algorithms.pose_graph import PoseGraph, chi2_of, linear_start, optimize, read_g2o
+from amorsim.algorithms.pose_graph import PoseGraph, chi2_of, covariance_of, linear_start, optimize, read_g2o
 
 GRAPHS = Path(__file__).resolve().parents[4] / "shared" / "maps" / "g2o"
 REAL = {"intel": (45.004696, 4, 551.735731), "MIT": (41.163269, 6, None)}
@@ -146,3 +146,22 @@ def test_what_is_no_graph_is_refused(changes, message):
     PoseGraph.of(**good)
     with pytest.raises(am.GraphError, match=message):
         PoseGraph.of(**(good | changes))
+
+
+def test_the_covariance_of_a_chain_adds_up():
+    # Straight ahead, an error of the heading moves all that follows sideways.
+    step = np.diag((0.01, 0.02, 0.003))
+    graph = PoseGraph.of(np.zeros((3, 3)), [[0, 1], [1, 2]], [[2.0, 0, 0]] * 2, [np.linalg.inv(step)] * 2)
+    poses = optimize(graph).poses
+    np.testing.assert_allclose(covariance_of(graph, poses, 1), step, atol=1e-12)
+    swing = np.array([[1.0, 0, 0], [0, 1, 2.0], [0, 0, 1]])
+    np.testing.assert_allclose(covariance_of(graph, poses, 2), swing @ step @ swing.T + step, atol=1e-12)
+    np.testing.assert_array_equal(covariance_of(graph, poses, 0), np.zeros((3, 3)))
+
+
+def test_a_closed_loop_makes_the_last_pose_surer():
+    graph, _ = ring()
+    chain = PoseGraph.of(graph.poses, graph.edges[:-1], graph.measurements[:-1], graph.information[:-1])
+    poses = optimize(graph).poses
+    last = len(poses) - 1
+    assert np.trace(covariance_of(graph, poses, last)) < 0.2 * np.trace(covariance_of(chain, poses, last))

@@ -56,7 +56,8 @@ export function tinted(picture, colour) {
   return levels;
 }
 
-function coloured(picture, colour) {
+/** A picture with all that is opaque in a colour. */
+export function coloured(picture, colour) {
   const canvas = document.createElement("canvas");
   canvas.width = picture.naturalWidth;
   canvas.height = picture.naturalHeight;

@@ -28,6 +28,7 @@ export class Simulator {
     this.toggleTheme = startTheme(root);
     const ask = (command) => this.ask(command);
     this.stage = new Stage(root, {
+      ask: (command) => this.connection.ask(command),
       picked: (pane, place) => this.picked(pane, place),
       option: (name, value) => this.showOption(name, value),
       drawn: (...what) => this.drawn(...what),

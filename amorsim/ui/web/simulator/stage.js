@@ -9,6 +9,7 @@ import { readTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { BodiesLayer, NamesLayer, SelectionLayer, WorldLayer } from "../shared/world.js";
 import { KnownLayer, MarkLayer, RobotLayer } from "./layers.js";
+import { Mapped, MappedLayer } from "./mapped.js";
 import { Picker } from "./pick.js";
 import { Pictures } from "../shared/pictures.js";
 import { Trail } from "./trail.js";
@@ -32,6 +33,7 @@ export class Stage {
   /**
    * @param {HTMLElement} root
    * @param {{
+   *   ask: (command: object) => Promise<any>,
    *   picked: (pane: Pane, place: import("../shared/tool.js").Place) => void,
    *   option: (name: string, value: boolean) => void,
    *   drawn: (frame: object | undefined, isNew: boolean, now: number, began: number) => void,
@@ -54,6 +56,7 @@ export class Stage {
     this.selection = new Selection();
     this.selection.listen(() => this.redraw());
     this.mark = null;
+    this.mapped = new Mapped(on.ask, () => this.redraw());
     this.robot = this.pane("pane-robot", "Robot: the true world");
     this.control = this.pane("pane-control", "Control: what the robot knows");
     this.arrange();
@@ -82,14 +85,14 @@ export class Stage {
   arrange() {
     const { overlay } = this.options;
     const grid = new GridLayer(() => this.options.grid);
-    const [known, belief] = [new KnownLayer(this), new RobotLayer(this, "estimated")];
+    const [known, mapped, belief] = [new KnownLayer(this), new MappedLayer(this), new RobotLayer(this, "estimated")];
     const [mark, seenOnes, knownOnes] = [new MarkLayer(this), new SelectionLayer(this, "true"), new SelectionLayer(this, "estimated")];
     const seen = [new WorldLayer(this), new BodiesLayer(this), new RobotLayer(this, "true")];
     this.robot.layers = overlay
-      ? [grid, known, ...seen, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
+      ? [grid, known, mapped, ...seen, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
       : [grid, ...seen, seenOnes, mark, new NamesLayer(this, "true")];
     this.robot.views = overlay ? ["estimated", "true"] : ["true"];
-    this.control.layers = [grid, known, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
+    this.control.layers = [grid, known, mapped, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
     this.control.views = ["estimated"];
   }
 
@@ -114,6 +117,7 @@ export class Stage {
 
   setFrame(frame) {
     this.frame = frame;
+    this.mapped.setFrame(frame);
     const i = frame.selected;
     if (this.scene?.robots[i] && !(frame.states & 4)) {
       this.trueTrail.add(frame.tick, frame.truePoses[3 * i], frame.truePoses[3 * i + 1]);

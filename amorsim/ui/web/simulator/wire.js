@@ -99,7 +99,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
@@ -310,6 +310,23 @@ export const BLOCKS = [
  * @property {number[][]} true
  * @property {number[][]} estimated
  * @property {Past} past
+ */
+
+/**
+ * What an estimator has mapped, in the world [m]; none of what it does not believe in.
+ * @typedef {object} Mapped
+ * @property {string} estimator
+ * @property {MappedCells | null} map
+ * @property {number[][] | null} scan
+ * @property {number[][] | null} poses
+ * @property {number[][] | null} edges
+ */
+
+/**
+ * A picture of a map that an estimator has drawn: the more probable a wall, the more opaque.
+ * @typedef {object} MappedCells
+ * @property {number[]} extent
+ * @property {string} png
  */
 
 /**

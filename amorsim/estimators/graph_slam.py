@@ -1,0 +1,180 @@
+"""Simultaneous localization and mapping by a graph of poses: scans are matched, loops closed, and the graph solved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Beliefs,
+    Context,
+    Draws,
+    Estimate,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.estimators.map_area import area_of, area_origins, log_odds_evidence, map_beliefs
+from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of, near_nodes
+from amorsim.estimators.scan_tracking import ScanTracker
+from amorsim.estimators.scans import beams_of
+from amorsim.kernels.mapping import occupancy
+from amorsim.kernels.mapping.nodes import add_nodes
+from amorsim.kernels.mapping.scan_cells import window_for
+from amorsim.kernels.matching import tracking
+from amorsim.kernels.matching.correlative import Window
+from amorsim.kernels.matching.icp import Search
+
+__all__ = ["GraphSlam"]
+
+Array = npt.NDArray[np.float64]
+
+_ANGLE = math.radians(1.0)
+
+
+@attrs.frozen(kw_only=True)
+class GraphSlam(ScanTracker):
+    """Maps and localizes at once: key scans are the nodes of a pose graph, which is solved when a loop closes.
+
+    It follows the robot as `scan_matching` does. Each key scan is a node, linked to the one before by what wheels and
+    matches said. A new node near an old one, at least `loop_gap` nodes ago, is matched with it. If the match is good,
+    it becomes an edge, and all poses are solved for again. The map is drawn from the key scans at the poses of their
+    nodes, and drawn again whenever these move.
+
+    Parameters
+    ----------
+    loop_distance
+        A node is looked for around a new one as far as this [m].
+    loop_gap
+        Nodes between the two ends of a loop, at least.
+    loop_window, loop_window_angle
+        How far around the present guess a loop's match is looked for [m, rad].
+    loop_fit, loop_share
+        How well both stages must fit for a loop to be believed, from 0 to 1.
+    nodes
+        The most nodes; with so many, the graph grows no more, and the robot is followed from the last key on.
+    resolution
+        Side of a cell of the map [m].
+    width, height
+        Of the map [m].
+    center_x, center_y
+        The middle of the map in the world [m]; None: the start.
+    """
+
+    loop_distance: float = parameter(3.0, unit="m", gt=0, static=True, help="how far a loop's other end is looked for")
+    loop_gap: int = parameter(10, ge=2, static=True, help="nodes between the ends of a loop, at least")
+    loop_window: float = parameter(1.5, unit="m", gt=0, le=20, static=True, help="how far a loop's match is looked for")
+    loop_window_angle: float = parameter(
+        math.radians(30.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it is looked for"
+    )
+    loop_fit: float = parameter(0.6, ge=0, le=1, static=True, help="least fit of a loop's correlative stage")
+    loop_share: float = parameter(0.7, ge=0, le=1, static=True, help="least share of points on a loop's other end")
+    nodes: int = parameter(400, ge=2, le=20_000, static=True, help="the most nodes of the graph")
+    resolution: float = parameter(0.05, unit="m", gt=0, static=True, help="side of a cell of the map")
+    width: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along x")
+    height: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along y")
+    center_x: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+    center_y: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+
+    def start(self, context: Context) -> State:
+        """The state of scan matching, an empty graph and an empty map.
+
+        Raises
+        ------
+        ComponentError
+            If a sensor is missing or of another kind, or the map would be too large.
+        """
+        state = self._begin("graph_slam", context)
+        area = area_of("graph_slam", self)
+        beams = context.robot.sensors[self.laser].size
+        state |= empty_nodes(context.rows, self.nodes, beams)
+        state["origin"] = area_origins(self, context.pose, area)
+        state["log_odds"] = np.full((context.rows, area.rows * area.cols), np.nan, dtype=np.float32)
+        return state
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        """The estimate after this step's motion and scan, and after solving the graph if the scan closed a loop."""
+        asked, scans = self._follow("graph_slam", robot, readings, state)
+        if scans is not None and asked[:, 0].any():
+            ranges = readings[self.laser].measured
+            grown = [i for i in np.flatnonzero(asked[:, 0]).tolist() if NodeGraph(state, i).grow(ranges[i])]
+            self._take_keys(robot, scans, asked, state)
+            for i in grown:
+                self._extend(robot, state, i)
+        return self._estimate(state)
+
+    def _extend(self, robot: RobotModel, state: State, row: int) -> None:
+        """Draw a row's new node into its map, or all of them if it closes a loop."""
+        graph = NodeGraph(state, row)
+        first = graph.count - 1
+        if self._close_loop(robot, state, row) and graph.solve():
+            graph.take_pose()
+            state["log_odds"][row] = np.nan
+            first = 0
+        area, beams = area_of("graph_slam", self), beams_of(robot, self.laser)
+        b, r = row % len(beams.cos_b), row % len(beams.range_max)
+        reach = float(beams.range_max[r, 0])
+        add_nodes(
+            area,
+            state["origin"][row],
+            state["node_pose"][row, first : graph.count],
+            state["node_ranges"][row, first : graph.count],
+            beams.mounts[row],
+            beams.cos_b[b],
+            beams.sin_b[b],
+            reach,
+            log_odds_evidence(),
+            window_for(area, reach),
+            np.empty(3),
+            state["log_odds"][row],
+        )
+
+    def _close_loop(self, robot: RobotModel, state: State, row: int) -> bool:
+        """Match a row's newest node with the nearest old one; whether that became an edge."""
+        graph = NodeGraph(state, row)
+        near = near_nodes(graph, self.loop_gap, self.loop_distance)
+        if near is None:
+            return False
+        rules = self._rules()._replace(
+            window=Window(float(self.loop_window), float(self.loop_window_angle), _ANGLE),
+            search=Search(float(self.range_std), 0.3, 60, 1e-6),
+        )
+        scans = self._outlines_of(robot, row, state["node_ranges"][row, [near, graph.count - 1]])
+        room = self._room(robot)
+        room.start[:] = graph.relative(near, graph.count - 1)
+        fit = tracking.align_outlines(scans, rules, room)
+        found = room.result
+        is_good = fit >= self.loop_fit and found.told[0] >= self.loop_share
+        if not is_good or found.values[0] < self.degenerate * found.values[2]:
+            return False
+        return graph.link(near, graph.count - 1, found.pose, found.information)
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The map and the graph, and of this step's match what `scan_matching` says.
+
+        ``occupancy`` (N, rows, cols), nan where nothing was seen, ``occupancy_origin`` [m], ``occupancy_resolution``
+        [m]; ``graph_poses`` (N, nodes, 3), nan beyond the last one; ``graph_edges`` (N, edges, 2), -1 beyond the last
+        one; ``graph_loops``, how many of these closed a loop.
+        """
+        probability = np.empty(state["log_odds"].shape)
+        occupancy.probabilities_of_log_odds(state["log_odds"], probability)
+        return {
+            **super().beliefs(state),
+            **map_beliefs(probability, state["origin"], area_of("graph_slam", self)),
+            "graph_poses": state["node_pose"].copy(),
+            "graph_edges": state["edge_nodes"].copy(),
+            "graph_loops": loops_of(state),
+        }

@@ -1,0 +1,180 @@
+"""An occupancy grid drawn from scans at given poses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Beliefs,
+    Context,
+    Draws,
+    Estimate,
+    Estimator,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.core.errors import ComponentError
+from amorsim.core.poses import compose, relative
+from amorsim.estimators.map_area import area_of, area_origins, log_odds_evidence, map_beliefs
+from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
+from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
+from amorsim.kernels.mapping import occupancy
+from amorsim.kernels.mapping.scan_cells import window_for
+
+__all__ = ["GridMapping"]
+
+Array = npt.NDArray[np.float64]
+
+_POSE = ("x", "y", "heading")
+
+
+@attrs.frozen(kw_only=True)
+class GridMapping(Estimator):
+    """Draws an occupancy grid from the scans of a laser, at poses that it takes as exact.
+
+    The poses come from a tracking system (``place``), or else from the wheels: dead reckoning. A tracking system
+    without noise gives the true poses, and a map without distortion. What differs in the map of the wheels is what
+    their drift does to a map.
+
+    A scan says of each cell at most once that it is hit, or else that it is missed. The map does not grow: it is
+    `width` by `height`.
+
+    Parameters
+    ----------
+    laser
+        Name of the sensor of scans.
+    place
+        Name of the sensor of x, y and heading, a ``gps`` with ``heading``. Empty: the wheels.
+    encoder
+        Name of the sensor that counts the joints, for the wheels.
+    wheel_variance
+        Variance of the travel of each rolling joint per metre, as the robot assumes it [m^2/m]; for the covariance.
+    model
+        ``"log_odds"`` adds evidence; ``"counting"`` gives the share of hits in all that was seen of a cell.
+    hit, miss
+        Probability that a cell is occupied if a beam ended in it, and if beams only crossed it. For ``"log_odds"``.
+    certainty
+        A cell's probability stays between 1 - certainty and certainty. For ``"log_odds"``.
+    resolution
+        Side of a cell [m].
+    width, height
+        Of the map [m].
+    center_x, center_y
+        The middle of the map in the world [m]; None: the start.
+    age_max
+        The oldest scan [s] that is used as if it were taken now. An older one is an error.
+    """
+
+    laser: str = parameter("laser", refers="sensors", help="name of the sensor of scans")
+    place: str = parameter("", help="name of the sensor of x, y and heading; empty for the wheels")
+    encoder: str = parameter("encoder", help="name of the sensor that counts the joints, for the wheels")
+    wheel_variance: float = parameter(
+        0.0, unit="m", ge=0, help="variance of a rolling joint's travel [m^2] per metre of it, as the robot believes"
+    )
+    model: str = parameter(
+        "log_odds", choices=("log_odds", "counting"), static=True, help="how evidence is put together"
+    )
+    hit: float = parameter(0.97, gt=0.5, lt=1, static=True, help="probability of a cell that a beam ended in")
+    miss: float = parameter(0.4, gt=0, lt=0.5, static=True, help="probability of a cell that beams only crossed")
+    certainty: float = parameter(0.9999, gt=0.5, lt=1, static=True, help="largest probability of a cell")
+    resolution: float = parameter(0.05, unit="m", gt=0, static=True, help="side of a cell")
+    width: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along x")
+    height: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along y")
+    center_x: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+    center_y: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+    age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def start(self, context: Context) -> State:
+        """The pose, the joints, and an empty map.
+
+        Raises
+        ------
+        ComponentError
+            If a sensor is missing or of another kind, or the map would be too large.
+        """
+        robot, rows = context.robot, context.rows
+        check_laser("grid_mapping", robot, self.laser)
+        if self.place:
+            _check_place(robot, self.place)
+        else:
+            check_encoder("grid_mapping", robot, self.encoder)
+        area = area_of("grid_mapping", self)
+        cells = rows, area.rows * area.cols
+        state: State = {
+            "pose": np.array(context.pose, dtype=np.float64),
+            "covariance": np.zeros((rows, 3, 3)),
+            "origin": area_origins(self, context.pose, area),
+        }
+        if not self.place:
+            state["joints"] = np.full((rows, len(robot.drive.joints)), np.nan)
+        if self.model == "log_odds":
+            state["log_odds"] = np.full(cells, np.nan, dtype=np.float32)
+        else:
+            state["hits"], state["misses"] = np.zeros(cells, np.int32), np.zeros(cells, np.int32)
+        return state
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        """The pose, after this step's scan is in the map."""
+        if self.place:
+            self._look_up(robot, readings[self.place], state)
+        else:
+            before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
+            moved = reckon(robot.drive, state["pose"], state["covariance"], before, after, self.wheel_variance)
+            state["pose"], state["covariance"], state["joints"] = moved.pose, moved.covariance, after
+        fresh = check_fresh("grid_mapping", robot, self.laser, readings[self.laser], self.age_max)
+        if fresh.any():
+            beams = beams_of(robot, self.laser)
+            self._add(beams, scans_of(beams, state["pose"], readings[self.laser].measured, fresh), state)
+        return Estimate(state["pose"].copy(), state["covariance"].copy())
+
+    def _look_up(self, robot: RobotModel, reading: Measurement, state: State) -> None:
+        """Take the poses that a tracking system gives of its mount, where there are new ones."""
+        check_fresh("grid_mapping", robot, self.place, reading, self.age_max)
+        there = np.ascontiguousarray(reading.measured[:, :3])
+        mounts = mounts_of(robot, self.place)
+        is_known = reading.fresh & np.isfinite(there).all(axis=1, keepdims=True)
+        base = compose(there, relative(mounts, np.zeros_like(mounts)))
+        state["pose"] = np.where(is_known, base, state["pose"])
+
+    def _add(self, beams: Beams, scans: occupancy.Scans, state: State) -> None:
+        area = area_of("grid_mapping", self)
+        room = window_for(area, float(beams.range_max.max()))
+        if self.model == "counting":
+            occupancy.add_counts(area, state["origin"], scans, room, state["hits"], state["misses"])
+            return
+        evidence = log_odds_evidence(self.hit, self.miss, self.certainty)
+        occupancy.add_log_odds(area, state["origin"], scans, evidence, room, state["log_odds"])
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The map: ``occupancy`` (N, rows, cols), ``occupancy_origin`` [m] and ``occupancy_resolution`` [m]."""
+        probability = np.empty((len(state["pose"]), state["log_odds" if self.model == "log_odds" else "hits"].shape[1]))
+        if self.model == "log_odds":
+            occupancy.probabilities_of_log_odds(state["log_odds"], probability)
+        else:
+            occupancy.probabilities_of_counts(state["hits"], state["misses"], probability)
+        return map_beliefs(probability, state["origin"], area_of("grid_mapping", self))
+
+
+def _check_place(robot: RobotModel, name: str) -> None:
+    """Raise unless a sensor gives x, y and heading."""
+    sensor: Any = sensor_of("grid_mapping", robot, name, "place", "tracking system")
+    if tuple(sensor.columns())[:3] != _POSE:
+        raise ComponentError(
+            f"grid_mapping takes poses from the sensor {name!r}, but a {type(sensor).__name__} does not measure x, y "
+            "and heading, as a gps with heading = true does; name such a sensor in the field 'place', or leave it empty"
+        )

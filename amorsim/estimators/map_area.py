@@ -1,0 +1,70 @@
+"""Maps of a fixed size around the start, as estimators hold them and show them as beliefs."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Beliefs
+from amorsim.core.errors import ComponentError
+from amorsim.kernels.mapping.occupancy import Evidence
+from amorsim.kernels.mapping.scan_cells import Area
+
+__all__ = ["area_of", "area_origins", "log_odds_evidence", "map_beliefs"]
+
+Array = npt.NDArray[np.float64]
+
+_MOST_CELLS = 50_000_000
+
+
+def area_of(who: str, estimator: Any) -> Area:
+    """The area of an estimator with fields `resolution`, `width` and `height`.
+
+    Raises
+    ------
+    ComponentError
+        If it has too many cells.
+    """
+    side = estimator.resolution
+    cols, rows = (max(1, math.ceil(length / side - 1e-9)) for length in (estimator.width, estimator.height))
+    if rows * cols > _MOST_CELLS:
+        raise ComponentError(
+            f"{who}: a map of {estimator.width:g} x {estimator.height:g} m has {rows * cols:.3g} cells of {side:g} m; "
+            f"expected {_MOST_CELLS:.0e} at most: make the map smaller, or its resolution coarser"
+        )
+    return Area(rows, cols, side)
+
+
+def area_origins(estimator: Any, poses: Array, area: Area) -> Array:
+    """Lower left corners `(N, 2)` [m] of the areas of robots that start at `poses` `(N, 3)`.
+
+    They lie at whole multiples of a cell in the world. The middle is the start where `center_x` or `center_y` is None.
+    """
+    middle = poses[:, :2].copy()
+    for axis, center in enumerate((estimator.center_x, estimator.center_y)):
+        if center is not None:
+            middle[:, axis] = center
+    half = np.array([area.cols // 2, area.rows // 2])
+    return np.asarray((np.floor(middle / area.resolution + 1e-9) - half) * area.resolution)
+
+
+def log_odds_evidence(hit: float = 0.97, miss: float = 0.4, certainty: float = 0.9999) -> Evidence:
+    """What hits and misses add to log-odds, from probabilities of cells."""
+    bound = _log_odds(certainty)
+    return Evidence(*(np.float32(value) for value in (_log_odds(hit), _log_odds(miss), -bound, bound)))
+
+
+def _log_odds(probability: float) -> float:
+    return math.log(probability / (1.0 - probability))
+
+
+def map_beliefs(probability: Array, origins: Array, area: Area) -> Beliefs:
+    """A map as beliefs: probabilities `(N, rows * cols)` that cells are occupied, nan where nothing was seen."""
+    return {
+        "occupancy": probability.reshape(len(probability), area.rows, area.cols),
+        "occupancy_origin": origins.copy(),
+        "occupancy_resolution": np.full(len(probability), area.resolution),
+    }

@@ -1,0 +1,55 @@
+"""Odometry from scans: each is matched with a key scan before it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Context, Draws, Estimate, Measurement, RobotModel, State
+from amorsim.estimators.scan_tracking import ScanTracker
+
+__all__ = ["ScanMatching"]
+
+Array = npt.NDArray[np.float64]
+
+
+@attrs.frozen(kw_only=True)
+class ScanMatching(ScanTracker):
+    """Follows the robot by its wheels, and corrects the pose by matching each scan with a key scan.
+
+    Two stages: the correlative one weighs all poses of a window around what the wheels say; from the best of them,
+    iterative closest points lay the scan's points onto the key scan's lines. The result is put together with what the
+    wheels say, each by its information. Where a scan does not determine the pose, as in a corridor or a round room, it
+    says so (`match_degenerate`), and the wheels alone count in that direction.
+
+    Its errors add up from key to key, slowly: nothing recognises a place that was seen before. The fields are those of
+    every estimator that follows scans.
+    """
+
+    def start(self, context: Context) -> State:
+        """The pose and covariance, the joints, and room for the last key scan.
+
+        Raises
+        ------
+        ComponentError
+            If a sensor is missing or of another kind.
+        """
+        return self._begin("scan_matching", context)
+
+    def update(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        command: Array,
+        elapsed: Array,
+        state: State,
+        draws: Draws,
+    ) -> Estimate:
+        """The estimate after this step's motion and scan."""
+        asked, scans = self._follow("scan_matching", robot, readings, state)
+        if scans is not None and asked[:, 0].any():
+            self._take_keys(robot, scans, asked, state)
+        return self._estimate(state)

@@ -1,0 +1,222 @@
+"""What estimators that follow a robot by its scans have in common: their fields, their state, and a step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement, RobotModel, State, parameter
+from amorsim.core.errors import ComponentError
+from amorsim.core.poses import compose
+from amorsim.estimators.scans import beams_of, check_fresh, check_laser
+from amorsim.estimators.wheels import angles_of, check_encoder, reckon
+from amorsim.kernels.matching import tracking
+from amorsim.kernels.matching.correlative import Window
+from amorsim.kernels.matching.icp import Search
+from amorsim.kernels.matching.outlines import outlines
+
+__all__ = ["ScanTracker", "empty_outlines", "placed"]
+
+Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_PICTURE = 0.04  # [m] cells of the correlative stage
+_BLUR = 0.06  # [m]
+_ANGLE = math.radians(1.0)  # between headings of the correlative stage; the second stage does the rest
+_FARTHEST = 20.0  # [m] from the robot that the correlative stage looks
+_MOST_STEPS = 60
+_TOLERANCE = 1e-6  # [m, rad]
+
+
+@attrs.frozen(kw_only=True)
+class ScanTracker(Estimator):
+    """Follows a robot by its wheels and by matching its scans with key scans; the base of scan matching and graph SLAM.
+
+    Parameters
+    ----------
+    laser
+        Name of the sensor of scans.
+    encoder
+        Name of the sensor that counts the joints. It must read in every step.
+    wheel_variance
+        Variance of the travel of each rolling joint per metre, as the robot assumes it [m^2/m].
+    range_std
+        Standard deviation of a range, as the robot assumes it [m].
+    match_distance, match_angle
+        A scan is matched once the robot has moved or turned by so much since the last one that was [m, rad].
+    key_distance, key_angle
+        A matched scan is the next key once the robot has moved or turned by so much since the last key [m, rad].
+    window, window_angle
+        How far around the pose that the wheels say the correlative stage looks [m, rad]; 0 leaves that stage out.
+    least_share
+        Share of a scan's points that must lie on the key scan; a match of fewer is refused.
+    degenerate
+        A scan does not determine the pose if the least eigenvalue of its information is below this part of the largest.
+    age_max
+        The oldest scan [s] that is used as if it were taken now. An older one is an error.
+    """
+
+    laser: str = parameter("laser", refers="sensors", help="name of the sensor of scans")
+    encoder: str = parameter("encoder", refers="sensors", help="name of the sensor that counts the joints")
+    wheel_variance: float = parameter(
+        unit="m", gt=0, help="variance of a rolling joint's travel [m^2] per metre of it, as the robot believes"
+    )
+    range_std: float = parameter(unit="m", gt=0, static=True, help="standard deviation of a range")
+    match_distance: float = parameter(0.1, unit="m", ge=0, static=True, help="motion between two matches")
+    match_angle: float = parameter(math.radians(5.0), unit="rad", ge=0, static=True, help="turn between two matches")
+    key_distance: float = parameter(1.0, unit="m", ge=0, static=True, help="motion between two key scans")
+    key_angle: float = parameter(math.radians(30.0), unit="rad", ge=0, static=True, help="turn between two key scans")
+    window: float = parameter(0.2, unit="m", ge=0, le=5, static=True, help="how far the correlative stage looks")
+    window_angle: float = parameter(
+        math.radians(10.0), unit="rad", ge=0, le=math.pi, static=True, help="how far around it looks"
+    )
+    least_share: float = parameter(0.5, ge=0, le=1, static=True, help="share of points that must lie on the key scan")
+    degenerate: float = parameter(0.01, ge=0, lt=1, static=True, help="ratio of eigenvalues that counts as degenerate")
+    age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def _begin(self, who: str, context: Context) -> State:
+        """The pose and covariance, the joints, and room for the last key scan.
+
+        Raises
+        ------
+        ComponentError
+            If a sensor is missing or of another kind.
+        """
+        robot, rows = context.robot, context.rows
+        check_laser(who, robot, self.laser)
+        check_encoder(who, robot, self.encoder)
+        rate = robot.sensors[self.encoder].rate
+        if rate is not None and rate * context.dt < 1.0 - 1e-9:
+            raise ComponentError(
+                f"{who} follows the sensor {self.encoder!r} in every step of {context.dt:g} s, but it reads at "
+                f"{rate:g} Hz; give it no rate"
+            )
+        beams = robot.sensors[self.laser].size
+        pose = np.array(context.pose, dtype=np.float64)
+        state: State = {
+            "pose": pose,
+            "spread": np.zeros((rows, 3, 3)),
+            "key_pose": pose.copy(),
+            "key_covariance": np.zeros((rows, 3, 3)),
+            "last": np.full((rows, 3), np.nan),
+            "joints": np.full((rows, len(robot.drive.joints)), np.nan),
+            "match": np.full((rows, tracking.RECORD), np.nan),
+            "scan": np.full((rows, beams, 2), np.nan),
+            "scan_pose": pose.copy(),
+        }
+        state |= {f"key_{name}": array for name, array in empty_outlines(rows, beams)._asdict().items()}
+        return state
+
+    def _rules(self) -> tracking.Rules:
+        """The fields as kernels read them."""
+        return tracking.Rules(
+            float(self.match_distance),
+            float(self.match_angle),
+            float(self.key_distance),
+            float(self.key_angle),
+            min(1.0, 1.2 * float(self.least_share)),
+            float(self.least_share),
+            float(self.degenerate),
+            Window(float(self.window), float(self.window_angle), _ANGLE),
+            Search(float(self.range_std), max(0.3, 1.5 * float(self.window)), _MOST_STEPS, _TOLERANCE),
+        )
+
+    def _room(self, robot: RobotModel) -> tracking.Room:
+        sensor: Any = robot.sensors[self.laser].sensor
+        reach = min(float(np.max(sensor.range_max)), _FARTHEST)
+        return tracking.room(robot.sensors[self.laser].size, reach, _PICTURE, _BLUR)
+
+    def _follow(
+        self, who: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
+    ) -> tuple[Bools, tracking.Outlines | None]:
+        """Move the poses by the wheels and correct them by new scans; says which rows ask for a new key `(N, 2)`."""
+        before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])
+        moved = reckon(robot.drive, state["pose"], state["spread"], before, after, self.wheel_variance)
+        state["pose"], state["spread"], state["joints"] = moved.pose, moved.covariance, after
+        reading = readings[self.laser]
+        fresh = check_fresh(who, robot, self.laser, reading, self.age_max)
+        state["match"] = np.full_like(state["match"], np.nan)
+        asked = np.zeros((robot.rows, 2), dtype=bool)
+        if not fresh.any():
+            return asked, None
+        scans = self._outlines(robot, reading.measured)
+        room = self._room(robot)
+        fresh = np.ascontiguousarray(fresh)
+        tracking.track(scans, fresh, _keys(state), _tracks(state), self._rules(), room, state["match"], asked)
+        state["scan"] = np.where(fresh[:, :, None], scans.points, state["scan"])
+        state["scan_pose"] = np.where(fresh, state["pose"], state["scan_pose"])
+        return asked, scans
+
+    def _outlines(self, robot: RobotModel, ranges: Array) -> tracking.Outlines:
+        beams = beams_of(robot, self.laser)
+        found = empty_outlines(robot.rows, ranges.shape[1])
+        outlines(np.ascontiguousarray(ranges), beams.cos_b, beams.sin_b, beams.range_max, beams.mounts, *found)
+        return found
+
+    def _outlines_of(self, robot: RobotModel, row: int, ranges: Array) -> tracking.Outlines:
+        """Outlines of several scans of one row's laser `(n, k)`."""
+        beams = beams_of(robot, self.laser)
+        b, r = row % len(beams.cos_b), row % len(beams.range_max)
+        found = empty_outlines(*ranges.shape)
+        mounts = np.repeat(beams.mounts[row : row + 1], len(ranges), axis=0)
+        cos_b, sin_b, range_max = beams.cos_b[b : b + 1], beams.sin_b[b : b + 1], beams.range_max[r : r + 1]
+        outlines(np.ascontiguousarray(ranges), cos_b, sin_b, range_max, mounts, *found)
+        return found
+
+    def _take_keys(self, robot: RobotModel, scans: tracking.Outlines, asked: Bools, state: State) -> None:
+        """Let the scans of rows that ask for it be their next key."""
+        tracking.make_keys(scans, asked, _keys(state), _tracks(state), self._room(robot))
+
+    def _estimate(self, state: State) -> Estimate:
+        covariance = np.empty_like(state["spread"])
+        tracking.total_covariances(_tracks(state), covariance)
+        return Estimate(state["pose"].copy(), covariance)
+
+    def beliefs(self, state: State) -> Beliefs:
+        """Of this step's match: ``match_correction`` [m, m, rad], ``match_used``, and what tells how good it is.
+
+        ``match_share`` of points on the key scan, ``match_distance`` of these [m], ``match_fit`` of the correlative
+        stage, ``match_degenerate`` 1 or 0, ``match_weakest`` the ratio of eigenvalues, ``match_direction`` in which the
+        scan says least (x, y, and turn as a length); nan where nothing was matched. ``scan``: the last scan's points in
+        the world `(N, k, 2)` [m], as the robot believes them to be.
+        """
+        record = state["match"]
+        return {
+            "match_correction": record[:, :3].copy(),
+            "match_used": record[:, tracking.USED].copy(),
+            "match_share": record[:, tracking.SHARE].copy(),
+            "match_distance": record[:, tracking.DISTANCE].copy(),
+            "match_fit": record[:, tracking.FIT].copy(),
+            "match_degenerate": record[:, tracking.DEGENERATE].copy(),
+            "match_weakest": record[:, tracking.WEAKEST].copy(),
+            "match_direction": record[:, tracking.DIRECTION :].copy(),
+            "scan": placed(state["scan"], state["scan_pose"]),
+        }
+
+
+def empty_outlines(rows: int, beams: int) -> tracking.Outlines:
+    """Room for outlines of scans of so many beams, nan."""
+    return tracking.Outlines(
+        np.full((rows, beams, 2), np.nan), np.full((rows, beams, 4), np.nan), np.full((rows, beams, 2), np.nan)
+    )
+
+
+def _keys(state: State) -> tracking.Outlines:
+    return tracking.Outlines(state["key_points"], state["key_lines"], state["key_rays"])
+
+
+def _tracks(state: State) -> tracking.Tracks:
+    return tracking.Tracks(state["pose"], state["spread"], state["key_pose"], state["key_covariance"], state["last"])
+
+
+def placed(points: Array, poses: Array) -> Array:
+    """Points `(N, k, 2)` [m] in the world, of robots at `poses` `(N, 3)`."""
+    rows, count, _ = points.shape
+    there = np.zeros((rows * count, 3))
+    there[:, :2] = points.reshape(-1, 2)
+    return compose(np.repeat(poses, count, axis=0), there)[:, :2].reshape(rows, count, 2)

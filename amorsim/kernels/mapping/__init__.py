@@ -1,0 +1,1 @@
+"""Kernels that draw maps from scans."""

@@ -1,0 +1,1 @@
+"""Kernels that find how scans fit on one another."""

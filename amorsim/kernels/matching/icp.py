@@ -1,0 +1,249 @@
+"""Iterative closest points, from points to lines: how a scan moves to lie on another one.
+
+Each point of the scan is paired with the nearest line of the reference, and the squares of the distances across the
+lines are made least by Gauss-Newton; then points are paired again. What a scan cannot tell, such as the place along a
+corridor, is left to what was known before. Source: A. Censi, "An ICP variant using a point-to-line metric" (2008); the
+trimming of bad pairs follows its program, CSM.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel
+from amorsim.kernels.kinematics.poses import wrap
+from amorsim.kernels.matching.outlines import Outline
+from amorsim.kernels.matching.symmetric import eigen, solve
+
+__all__ = ["Prior", "Result", "Search", "Work", "align", "fisher", "no_prior", "result", "work"]
+
+Floats = npt.NDArray[np.float64]
+
+_ORDER = 0.7  # pairs farther apart than twice the distance that this part of them has are left out
+_BEYOND = 2.0
+_GRAZING = 0.05  # added to the squared cosine of the incidence, as lines are never exact
+_UNDETERMINED = 1e-8  # eigenvalues below this part of the largest tell nothing
+_SLANT = 1e-3  # least cosine of the incidence in Fisher's information
+
+
+class Search(NamedTuple):
+    """How to align."""
+
+    std: float  # [m] of a range
+    farthest: float  # [m] that a pair may be apart at first
+    iterations: int
+    tolerance: float  # [m, rad] of a step that is the last
+
+
+class Prior(NamedTuple):
+    """What was known before: a pose and its information."""
+
+    pose: Floats  # (3,)
+    information: Floats  # (3, 3)
+
+
+class Result(NamedTuple):
+    """What came of an alignment."""
+
+    pose: Floats  # (3,) of the scan's robot in the reference's frame
+    information: Floats  # (3, 3) from the scan alone
+    values: Floats  # (3,) its eigenvalues with angles in lengths (see `align`), the least first
+    vectors: Floats  # (3, 3) and their directions, in columns
+    told: Floats  # (3,) share of points that have a pair, root mean square of their distances [m], steps
+
+
+class Work(NamedTuple):
+    """Room for one alignment of scans of k beams."""
+
+    pairs: npt.NDArray[np.int64]  # (k,)
+    apart: Floats  # (k,)
+    ordered: Floats  # (k,)
+    sums: Floats  # (3, 3)
+    vectors: Floats  # (3, 3)
+    numbers: Floats  # (3, 3): values, right side, step
+
+
+def work(beams: int) -> Work:
+    """Room for one alignment."""
+    return Work(
+        np.empty(beams, np.int64),
+        np.empty(beams),
+        np.empty(beams),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+        np.empty((3, 3)),
+    )
+
+
+def result() -> Result:
+    """Room for a result."""
+    return Result(np.zeros(3), np.zeros((3, 3)), np.zeros(3), np.zeros((3, 3)), np.zeros(3))
+
+
+def no_prior() -> Prior:
+    """Nothing known before."""
+    return Prior(np.zeros(3), np.zeros((3, 3)))
+
+
+@kernel
+def _pair(reference: Outline, scan: Outline, pose: Floats, farthest: float, at: Work) -> int:
+    """Pair each point with the nearest line's point; -1 where none is near. Returns how many points there are."""
+    c = math.cos(pose[2])
+    s = math.sin(pose[2])
+    points = 0
+    found = 0
+    for i in range(scan.points.shape[0]):
+        at.pairs[i] = -1
+        px = scan.points[i, 0]
+        if math.isnan(px):
+            continue
+        points += 1
+        py = scan.points[i, 1]
+        x = pose[0] + c * px - s * py
+        y = pose[1] + s * px + c * py
+        least = farthest * farthest
+        best = -1
+        for j in range(reference.lines.shape[0]):
+            dx = x - reference.lines[j, 0]
+            dy = y - reference.lines[j, 1]
+            square = dx * dx + dy * dy
+            if square < least:  # never for nan
+                least = square
+                best = j
+        if best >= 0:
+            at.pairs[i] = best
+            at.apart[i] = least
+            at.ordered[found] = least
+            found += 1
+    if found > 0:
+        at.ordered[:found].sort()
+        most = at.ordered[int(_ORDER * (found - 1))] * _BEYOND * _BEYOND
+        for i in range(scan.points.shape[0]):
+            if at.pairs[i] >= 0 and at.apart[i] > most:
+                at.pairs[i] = -1
+    return points
+
+
+@kernel
+def _sum_up(
+    reference: Outline, scan: Outline, pose: Floats, std: float, at: Work, information: Floats
+) -> tuple[int, float]:
+    """Sum the pairs' information, and their pull into ``at.numbers[1]``; returns their number and squared distance."""
+    c = math.cos(pose[2])
+    s = math.sin(pose[2])
+    information[:] = 0.0
+    right = at.numbers[1]
+    right[:] = 0.0
+    used = 0
+    squares = 0.0
+    for i in range(scan.points.shape[0]):
+        j = at.pairs[i]
+        if j < 0:
+            continue
+        nx = reference.lines[j, 2]
+        ny = reference.lines[j, 3]
+        rx = c * scan.points[i, 0] - s * scan.points[i, 1]
+        ry = s * scan.points[i, 0] + c * scan.points[i, 1]
+        off = nx * (pose[0] + rx - reference.lines[j, 0]) + ny * (pose[1] + ry - reference.lines[j, 1])
+        turn = ny * rx - nx * ry
+        along = nx * (c * scan.rays[i, 0] - s * scan.rays[i, 1]) + ny * (s * scan.rays[i, 0] + c * scan.rays[i, 1])
+        weight = 1.0 / (std * std * (along * along + _GRAZING))
+        information[0, 0] += weight * nx * nx
+        information[0, 1] += weight * nx * ny
+        information[0, 2] += weight * nx * turn
+        information[1, 1] += weight * ny * ny
+        information[1, 2] += weight * ny * turn
+        information[2, 2] += weight * turn * turn
+        right[0] -= weight * nx * off
+        right[1] -= weight * ny * off
+        right[2] -= weight * turn * off
+        squares += off * off
+        used += 1
+    information[1, 0] = information[0, 1]
+    information[2, 0] = information[0, 2]
+    information[2, 1] = information[1, 2]
+    return used, squares
+
+
+@kernel
+def align(
+    reference: Outline, scan: Outline, start: Floats, prior: Prior, search: Search, at: Work, out: Result
+) -> None:
+    """Align a scan with a reference, from a pose `start` (3,) in the reference's frame.
+
+    For the eigenvalues, angles count as the length that the points' root mean square distance turns by, so that all
+    three have one unit. Their directions are unit vectors of (x, y, that length).
+    """
+    pose = out.pose
+    pose[:] = start
+    points = 0
+    used = 0
+    squares = 0.0
+    values, right, step = at.numbers[0], at.numbers[1], at.numbers[2]
+    farthest = search.farthest
+    count = 0
+    while count < search.iterations:
+        count += 1
+        points = _pair(reference, scan, pose, farthest, at)
+        used, squares = _sum_up(reference, scan, pose, search.std, at, out.information)
+        if used == 0:
+            break
+        off = pose[0] - prior.pose[0], pose[1] - prior.pose[1], wrap(pose[2] - prior.pose[2])
+        for i in range(3):
+            for j in range(3):
+                at.sums[i, j] = out.information[i, j] + prior.information[i, j]
+                right[i] -= prior.information[i, j] * off[j]
+        eigen(at.sums, values, at.vectors)
+        solve(values, at.vectors, right, _UNDETERMINED, step)
+        pose[0] += step[0]
+        pose[1] += step[1]
+        pose[2] = wrap(pose[2] + step[2])
+        if abs(step[0]) <= search.tolerance and abs(step[1]) <= search.tolerance and abs(step[2]) <= search.tolerance:
+            break
+    arm = 0.0
+    for i in range(scan.points.shape[0]):
+        if not math.isnan(scan.points[i, 0]):
+            arm += scan.points[i, 0] ** 2 + scan.points[i, 1] ** 2
+    arm = math.sqrt(arm / points) if points > 0 and arm > 0.0 else 1.0
+    for i in range(3):
+        for j in range(3):
+            at.sums[i, j] = out.information[i, j] / ((arm if i == 2 else 1.0) * (arm if j == 2 else 1.0))
+    eigen(at.sums, out.values, out.vectors)
+    out.told[0] = used / points if points > 0 else 0.0
+    out.told[1] = math.sqrt(squares / used) if used > 0 else math.nan
+    out.told[2] = count
+
+
+@kernel
+def fisher(ranges: Floats, normals: Floats, rays: Floats, std: float, out: Floats) -> None:
+    """Fisher's information (3, 3) of a scan on the pose of its laser, if ranges have white noise of `std` [m].
+
+    With the normal's direction α, β = α less the beam's direction and the range r, a range's slopes by the pose are
+    cos α / cos β, sin α / cos β, r tan β. Source: A. Censi, "On achievable accuracy for range-finder localization"
+    (2007). `normals` (k, 2) and `rays` (k, 2) are unit vectors in the world; beams of inf or nan count nothing.
+    """
+    out[:] = 0.0
+    for i in range(ranges.shape[0]):
+        cosine = normals[i, 0] * rays[i, 0] + normals[i, 1] * rays[i, 1]
+        if not (ranges[i] < math.inf and abs(cosine) > _SLANT):
+            continue
+        sine = normals[i, 1] * rays[i, 0] - normals[i, 0] * rays[i, 1]
+        a = normals[i, 0] / cosine
+        b = normals[i, 1] / cosine
+        d = ranges[i] * sine / cosine
+        out[0, 0] += a * a
+        out[0, 1] += a * b
+        out[0, 2] += a * d
+        out[1, 1] += b * b
+        out[1, 2] += b * d
+        out[2, 2] += d * d
+    out[1, 0] = out[0, 1]
+    out[2, 0] = out[0, 2]
+    out[2, 1] = out[1, 2]
+    for i in range(3):
+        for j in range(3):
+            out[i, j] /= std * std

@@ -1,0 +1,131 @@
+"""Scans as points and short lines: where each beam ended, and the surface around that place."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.kernels.compile import kernel, part
+
+__all__ = ["Outline", "new_outline", "outline", "outlines"]
+
+Floats = npt.NDArray[np.float64]
+
+_REACH = 0.15  # [m] around a point, from which its line is fitted ...
+_BEAMS = 2.5  # ... or so many distances between beams, if that is farther
+_FARTHEST = 0.6  # [m]
+_STRAIGHT = 0.1  # largest ratio of the spreads across and along a line
+_MOST = 12  # beams to either side
+
+
+class Outline(NamedTuple):
+    """A scan in its robot's frame; nan where a beam saw nothing, and lines also where there is no clear surface."""
+
+    points: Floats  # (k, 2) [m]
+    lines: Floats  # (k, 4) a point of the surface [m], and its unit normal towards the laser
+    rays: Floats  # (k, 2) unit directions of the beams
+
+
+def new_outline(beams: int) -> Outline:
+    """Room for an outline of so many beams."""
+    return Outline(np.empty((beams, 2)), np.empty((beams, 4)), np.empty((beams, 2)))
+
+
+@part
+def outline(ranges: Floats, cos_b: Floats, sin_b: Floats, range_max: float, mount: Floats, out: Outline) -> None:
+    """The outline of a scan (k,) of a laser at `mount` (3,) on its robot."""
+    count = ranges.shape[0]
+    c = math.cos(mount[2])
+    s = math.sin(mount[2])
+    for i in range(count):
+        dx = c * cos_b[i] - s * sin_b[i]
+        dy = s * cos_b[i] + c * sin_b[i]
+        out.rays[i, 0] = dx
+        out.rays[i, 1] = dy
+        is_seen = 0.0 < ranges[i] <= range_max and ranges[i] < math.inf
+        out.points[i, 0] = mount[0] + ranges[i] * dx if is_seen else math.nan
+        out.points[i, 1] = mount[1] + ranges[i] * dy if is_seen else math.nan
+    for i in range(count):
+        _line(ranges, i, out)
+
+
+@part
+def _line(ranges: Floats, i: int, out: Outline) -> None:
+    """Fit a line through the points around point i: their mean, and the direction in which they spread least."""
+    count = ranges.shape[0]
+    for j in range(4):
+        out.lines[i, j] = math.nan
+    x = out.points[i, 0]
+    y = out.points[i, 1]
+    if math.isnan(x):
+        return
+    other = i + 1 if i + 1 < count else i - 1
+    if other < 0:
+        return
+    turn = out.rays[i, 0] * out.rays[other, 1] - out.rays[i, 1] * out.rays[other, 0]
+    reach = min(max(_REACH, _BEAMS * ranges[i] * abs(turn)), _FARTHEST)
+    n = 1
+    sx = 0.0
+    sy = 0.0
+    sxx = 0.0
+    sxy = 0.0
+    syy = 0.0
+    for side in (-1, 1):
+        for step in range(1, _MOST + 1):
+            j = i + side * step
+            if j < 0 or j >= count:
+                break
+            dx = out.points[j, 0] - x
+            dy = out.points[j, 1] - y
+            if not dx * dx + dy * dy <= reach * reach:  # too far, or nan
+                break
+            n += 1
+            sx += dx
+            sy += dy
+            sxx += dx * dx
+            sxy += dx * dy
+            syy += dy * dy
+    if n < 3:
+        return
+    sx /= n
+    sy /= n
+    a = sxx / n - sx * sx
+    b = sxy / n - sx * sy
+    d = syy / n - sy * sy
+    # The eigenvalues of the 2 x 2 matrix of spreads.
+    half = 0.5 * (a - d)
+    root = math.sqrt(half * half + b * b)
+    mean = 0.5 * (a + d)
+    if not mean - root <= _STRAIGHT * (mean + root):
+        return
+    angle = 0.5 * math.atan2(2.0 * b, a - d)  # of the line
+    nx = -math.sin(angle)
+    ny = math.cos(angle)
+    if nx * out.rays[i, 0] + ny * out.rays[i, 1] > 0.0:
+        nx = -nx
+        ny = -ny
+    out.lines[i, 0] = x + sx
+    out.lines[i, 1] = y + sy
+    out.lines[i, 2] = nx
+    out.lines[i, 3] = ny
+
+
+@kernel
+def outlines(
+    ranges: Floats,
+    cos_b: Floats,
+    sin_b: Floats,
+    range_max: Floats,
+    mounts: Floats,
+    points: Floats,
+    lines: Floats,
+    rays: Floats,
+) -> None:
+    """Outlines of scans (N, k), into points (N, k, 2), lines (N, k, 4) and rays (N, k, 2); see `Outline`."""
+    for i in range(ranges.shape[0]):
+        b = i if cos_b.shape[0] > 1 else 0
+        reach = range_max[i if range_max.shape[0] > 1 else 0, 0]
+        outline(ranges[i], cos_b[b], sin_b[b], reach, mounts[i], Outline(points[i], lines[i], rays[i]))

@@ -1,0 +1,154 @@
+// What the robot has mapped: the growing map, the scan that was matched, and the pose graph, each with a switch.
+
+import { h } from "../shared/dom.js";
+import { coloured } from "../shared/marks.js";
+import { SceneLayer } from "../shared/world.js";
+
+/** @typedef {import("../shared/layer.js").Brush} Brush */
+/** @typedef {{estimator: string, map: {extent: number[], png: string} | null, scan: number[][] | null, poses: number[][] | null, edges: number[][] | null}} One */
+
+const SWITCHES = [
+  ["map", "map", "the map that its estimators have drawn"],
+  ["scan", "matched scan", "the last scan, where its estimator lays it"],
+  ["poses", "graph", "the pose graph: key poses, and what links them"],
+];
+const EVERY = 700; // milliseconds between two looks
+const DOT = 2; // pixels
+
+/** What was mapped, as it came last, and the switches. */
+export class Mapped {
+  /**
+   * @param {(command: object) => Promise<any>} ask
+   * @param {() => void} changed
+   */
+  constructor(ask, changed) {
+    this.ask = ask;
+    this.changed = changed;
+    /** @type {One[]} */
+    this.found = [];
+    /** @type {Map<string, {png: string, image: HTMLImageElement, extent: number[], shades: Map<string, HTMLCanvasElement>}>} */
+    this.images = new Map();
+    this.key = "";
+    this.element = h("div", { class: "tools", role: "group", "aria-label": "what is drawn of its map", hidden: true });
+    this.shows = { map: true, scan: true, poses: true };
+    this.buttons = new Map(
+      SWITCHES.map(([name, label, title]) => {
+        const button = h("button", { class: "tool", "aria-pressed": "true", title, onclick: () => this.toggle(name) }, label);
+        return [name, button];
+      }),
+    );
+    this.element.append(...this.buttons.values());
+    setInterval(() => this.look(), EVERY);
+  }
+
+  toggle(name) {
+    this.shows[name] = !this.shows[name];
+    this.buttons.get(name).setAttribute("aria-pressed", String(this.shows[name]));
+    this.changed();
+  }
+
+  /** The frame that is shown now; another robot's map is not this one's.
+   * @param {{epoch: number, tick: number, selected: number}} frame */
+  setFrame(frame) {
+    this.frame = frame;
+    if (frame.selected === this.robot) return;
+    this.robot = frame.selected;
+    this.set([]);
+    this.isDone = false; // of this robot nothing is known yet
+  }
+
+  /** Ask what was mapped, if that is another moment than the last time and the robot maps at all. */
+  async look() {
+    if (!this.frame || this.isAsking || document.hidden) return;
+    const { epoch, tick, selected } = this.frame;
+    const key = `${epoch} ${tick} ${selected}`;
+    if (key === this.key || this.isDone) return;
+    this.isAsking = true;
+    const said = await this.ask({ do: "mapped", robot: selected });
+    this.isAsking = false;
+    if (!said.ok || selected !== this.robot) return;
+    this.key = key;
+    this.isDone = !said.mapped.length; // an estimator maps from its start, or never
+    this.set(said.mapped);
+  }
+
+  /** @param {One[]} found */
+  set(found) {
+    this.found = found;
+    for (const [name, button] of this.buttons) button.hidden = !found.some((one) => one[name]);
+    this.element.hidden = !found.length;
+    for (const one of found) this.load(one);
+    this.changed();
+  }
+
+  /** The picture of a map; the one before is shown until it has come.
+   * @param {One} one */
+  load({ estimator, map }) {
+    if (!map?.png || this.images.get(estimator)?.png === map.png) return;
+    const image = new Image();
+    image.onload = () => {
+      this.images.set(estimator, { png: map.png, image, extent: map.extent, shades: new Map() });
+      this.changed();
+    };
+    image.src = `data:image/png;base64,${map.png}`;
+  }
+
+  /** The maps that have come: where they lie, and their pictures in a colour.
+   * @param {string} colour */
+  maps(colour) {
+    return this.found.flatMap(({ estimator, map }) => {
+      const had = map && this.images.get(estimator);
+      if (!had) return [];
+      if (!had.shades.has(colour)) had.shades.set(colour, coloured(had.image, colour));
+      return [{ extent: had.extent, picture: had.shades.get(colour) }];
+    });
+  }
+}
+
+/**
+ * Draws it. Of several maps, the first: that is the one of the estimator that the controller follows, or the nearest to it.
+ * @extends {SceneLayer<import("./stage.js").Stage>}
+ */
+export class MappedLayer extends SceneLayer {
+  get isShown() {
+    return super.isShown && this.stage.mapped.found.length > 0;
+  }
+
+  /** @param {Brush} brush */
+  draw({ context, camera, theme }) {
+    const { mapped } = this.stage;
+    const [map] = mapped.shows.map ? mapped.maps(theme.estimated) : [];
+    if (map) {
+      const [x0, y0, x1, y1] = map.extent;
+      context.save();
+      context.translate(x0, y1);
+      context.scale(1, -1);
+      context.imageSmoothingEnabled = false;
+      context.drawImage(map.picture, 0, 0, x1 - x0, y1 - y0);
+      context.restore();
+    }
+    for (const { scan, poses, edges } of mapped.found) {
+      if (poses && mapped.shows.poses) drawGraph(context, camera, theme, poses, edges ?? []);
+      if (scan && mapped.shows.scan) drawPoints(context, camera, theme.measured, scan);
+    }
+  }
+}
+
+function drawPoints(context, camera, colour, points) {
+  const size = DOT / camera.scale;
+  context.fillStyle = colour;
+  for (const [x, y] of points) context.fillRect(x - size / 2, y - size / 2, size, size);
+}
+
+function drawGraph(context, camera, theme, poses, edges) {
+  context.strokeStyle = theme.estimated;
+  context.lineWidth = 1 / camera.scale;
+  context.beginPath();
+  for (const [a, b] of edges) {
+    if (!poses[a] || !poses[b]) continue;
+    context.moveTo(poses[a][0], poses[a][1]);
+    context.lineTo(poses[b][0], poses[b][1]);
+  }
+  context.stroke();
+  drawPoints(context, { scale: camera.scale / 2 }, theme.estimated, poses);
+}

@@ -1,0 +1,110 @@
+"""Odometry from scans."""
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.estimators import DeadReckoning, ScanMatching
+from amorsim.testing import check_component
+from tests.estimators.slam_rig import errors_of, scenario
+from tests.kernels.matching.scenes import corridor
+
+
+def matching(**changes):
+    return ScanMatching(**({"wheel_variance": 1e-3, "range_std": 0.01, "key_distance": 0.5} | changes))
+
+
+def test_it_keeps_the_contract():
+    check_component(matching(match_distance=0.0, match_angle=0.0, window=0.05, window_angle=0.04))
+
+
+def test_it_drifts_far_less_than_the_wheels():
+    sim = am.Simulation(scenario(matched=matching(), wheels=DeadReckoning()))
+    off = errors_of(sim, 30.0)
+    assert not sim.events
+    assert off["wheels"][-1, 0] > 0.25
+    assert off["matched"].max() < 0.04
+    assert off["matched"][-1, 0] < off["wheels"][-1, 0] / 10.0
+
+
+def test_its_error_is_about_as_large_as_it_says():
+    sim = am.Simulation(scenario(matched=matching()), replicas=20)
+    errors_of(sim, 12.0)
+    frame = sim.frames()[0]
+    off = frame.estimates["matched"].pose - frame.true_pose
+    off[:, 2] = am.wrap_angle(off[:, 2])
+    squared = [
+        error @ np.linalg.solve(p, error) for error, p in zip(off, frame.estimates["matched"].covariance, strict=True)
+    ]
+    assert np.median(squared) < 30.0  # 2.4 if scans had no errors in common
+    assert (np.linalg.eigvalsh(frame.estimates["matched"].covariance) > 0.0).all()
+
+
+def test_in_a_corridor_it_says_that_nothing_tells_how_far_along_it_is():
+    way = ((30.0, 1.0), (40.0, 1.0))
+    sim = am.Simulation(scenario(corridor(), (26.0, 1.0, 0.0), way, matched=matching()))
+    sim.run(8.0)
+    seen, directions = [], []
+    for _ in range(20):
+        sim.step()
+        beliefs = sim.frames()[0].beliefs["matched"]
+        if np.isfinite(beliefs["match_degenerate"][0]):
+            seen.append(beliefs["match_degenerate"][0])
+            directions.append(np.abs(beliefs["match_direction"][0, 0]))
+    assert len(seen) > 3
+    assert np.mean(seen) == 1.0
+    assert min(directions) > 0.99
+    # Along the corridor the wheels count alone; across it, and in heading, the scans do.
+    frame = sim.frames()[0]
+    error = frame.estimates["matched"].pose[0] - frame.true_pose[0]
+    assert abs(error[1]) < 0.02
+    assert abs(error[2]) < 0.01
+    # One wheel is 1 % larger than the robot believes.
+    assert error[0] == pytest.approx(-0.005 * (frame.true_pose[0, 0] - 26.0), abs=0.01)
+    covariance = frame.estimates["matched"].covariance[0]
+    assert covariance[0, 0] > 10.0 * covariance[1, 1]
+
+
+def test_in_a_room_it_is_determined():
+    sim = am.Simulation(scenario(matched=matching()))
+    seen = []
+    for _ in range(60):
+        sim.step()
+        seen.append(sim.frames()[0].beliefs["matched"]["match_degenerate"][0])
+    assert np.nanmax(seen) == 0.0
+
+
+def test_the_matched_scan_lies_on_the_walls():
+    sim = am.Simulation(scenario(matched=matching()))
+    errors_of(sim, 6.0)
+    points = sim.frames()[0].beliefs["matched"]["scan"][0]
+    points = points[np.isfinite(points[:, 0])]
+    inside = (points > 0.05).all(axis=1) & (points < (5.95, 3.95)).all(axis=1)
+    assert len(points) > 60
+    assert inside.mean() < 0.4  # the niche and the column
+
+
+def test_a_match_with_few_points_on_the_key_is_refused():
+    sim = am.Simulation(scenario(matched=matching(least_share=1.0)))
+    used = []
+    for _ in range(40):
+        sim.step()
+        used.append(sim.frames()[0].beliefs["matched"]["match_used"][0])
+    assert np.nanmin(used) == 0.0
+
+
+def test_a_replica_alone_and_among_others_has_the_same_bits():
+    given = scenario(matched=matching())
+    many, one = am.Simulation(given, replicas=4), am.Simulation(given, replicas=[2])
+    for sim in (many, one):
+        sim.run(3.0)
+    every, alone = many.frames()[0], one.frames()[0]
+    assert every.estimates["matched"].pose[2:3].tobytes() == alone.estimates["matched"].pose.tobytes()
+    assert every.estimates["matched"].covariance[2:3].tobytes() == alone.estimates["matched"].covariance.tobytes()
+    for name, array in alone.beliefs["matched"].items():
+        assert array.tobytes() == every.beliefs["matched"][name][2:3].tobytes(), name
+
+
+def test_without_its_sensors_it_is_refused():
+    with pytest.raises(am.ComponentError, match="scan_matching reads scans of the sensor 'encoder'"):
+        am.Simulation(scenario(matched=matching(laser="encoder")))
