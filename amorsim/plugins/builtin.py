@@ -109,6 +109,8 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("pursuit", "amorsim.controllers.pursuit:Pursuit")
     registry.controller("follow", "amorsim.controllers.follow:Follow")
     registry.controller("braitenberg", "amorsim.controllers.braitenberg:Braitenberg")
+    registry.controller("dwa", "amorsim.controllers.dwa:Dwa")
+    registry.controller("navigate", "amorsim.controllers.navigate:Navigate")
     registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
 
     registry.planner("dijkstra", "amorsim.planners.dijkstra:Dijkstra")
@@ -133,6 +135,7 @@ def amorsim_register(registry: Registry) -> None:
         "car",
         "turtlebot3_burger",
         "youbot",
+        "jackal",
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
     for scenario in (
@@ -148,6 +151,7 @@ def amorsim_register(registry: Registry) -> None:
             "doors",
             "swarm",
             "landmarks",
+            "find-the-way",
         ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from amorsim.contracts import Mount
-from amorsim.controllers import Pursuit
+from amorsim.controllers import Dwa, Navigate, Pursuit
 from amorsim.motions import Loop, Oscillate, Pedestrian, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.noise import Bump
+from amorsim.planners import AStar
 from amorsim.plugins.manager import make_registry
 from amorsim.scenario.spec import Pose
 from amorsim.sensors.fiducial import Fiducial
@@ -60,6 +61,8 @@ EXAMPLES: dict[type, Any] = {
     Loop: Loop(**_ROUTE, blocked="skip"),
     Oscillate: Oscillate(**_ROUTE),
     Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
+    Dwa: Dwa(goals=((6.0, 4.0), (4.0, 4.0)), loop=True),
+    Navigate: Navigate(goals=((6.0, 4.0), (4.0, 4.0)), planner=AStar(cell=0.1)),
     Pedestrian: Pedestrian(goals=((4.0, 4.0), (6.0, 3.0)), order="random", blocked="skip"),
     SwingDoor: SwingDoor(**_DOOR),
     SlidingDoor: SlidingDoor(**_DOOR, blocked="skip"),
