@@ -12,7 +12,7 @@ import numpy.typing as npt
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.avoider import Avoider, body_of, sight_of
 from amorsim.controllers.driving import Course
-from amorsim.kernels.avoidance.dynamic_window import Abilities, Taste, choose_twists
+from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Taste, choose_twists, keep_behind
 from amorsim.kernels.avoidance.guide import Guide
 
 __all__ = ["Dwa"]
@@ -21,6 +21,8 @@ Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 _WORK = 600  # cost of one decision for a robot, in rays
+_LOOK = 40  # the same for a look round
+_BEHIND = 96  # places beside its way that it keeps in mind
 
 
 @attrs.frozen(kw_only=True)
@@ -34,7 +36,8 @@ class Dwa(Avoider):
     1997. Arcs are exact. The footprint is taken as a disc if it is one, or else as the rectangle that holds it, cut off
     by the circle that it sweeps as it turns.
 
-    It sees only what its sensor sees now and knows no way round: a dead end stops it, which it reports. `Navigate`
+    It goes by what its sensor sees now, and keeps in mind for some seconds what it passed, so that its rear does not
+    swing into what it no longer sees. It knows no way round: a dead end stops it, which it reports. `Navigate`
     leads it along a planned path. It drives backwards only if `back` allows it, and only as far as its sensor shows
     that the way is free.
 
@@ -74,9 +77,11 @@ class Dwa(Avoider):
     calm: float = parameter(0.05, unit="m", ge=0, help="cost of the largest change of turning")
 
     def start_steering(self, context: Context) -> State:
-        """The sensor's beams, the drive's limits, and room for the arcs."""
+        """The sensor's beams, the drive's limits, what it passed, and room for the arcs."""
+        behind = np.full((context.rows, _BEHIND, 3), -1e30)
         return {
             **super().start_steering(context),
+            "behind": behind,
             "arcs": np.full((context.rows, self.speeds, self.turns, 3), np.nan),
         }
 
@@ -99,7 +104,9 @@ class Dwa(Avoider):
         reading = readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state)
         twist = np.empty((robot.rows, 3))
-        mine = sight, reading.age, course.poses, box, guide, able, taste, active, clock.dt, state["moving"]
+        scene = Scene(sight, reading.age, state["behind"], clock.time)
+        draws.share(_LOOK, lambda first, end: keep_behind(scene, course.poses, state["moving"], first, end))
+        mine = scene, course.poses, box, guide, able, taste, active, clock.dt, state["moving"]
         draws.share(_WORK, lambda first, end: choose_twists(*mine, first, end, state["arcs"], twist))
         return twist
 

@@ -44,6 +44,7 @@ class Ways(NamedTuple):
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array]:
         """The status of the plan from a robot's pose to its goal, and the path's points (M, 2)."""
         world = self._world(pose, goal, window, row, since)
+        straight = float(np.hypot(*(goal - pose[:2])))
         found: dict[float, tuple[float, Array]] = {}
         status = "unreachable"
         for room in (self.wide, self.narrow):
@@ -52,6 +53,8 @@ class Ways(NamedTuple):
             status, points, length = self._with_room(world, pose, goal, room)
             if status == "found":
                 found[room] = (length, points)
+                if length <= _DETOUR * straight:  # none is much shorter
+                    break
         if self.wide in found and found[self.wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
             return "found", found[self.wide][1]
         if found:

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.avoidance.arcs import Box, free_time, keep_room
+from amorsim.kernels.avoidance.arcs import Box, distance_to_box, free_time, keep_room
 from amorsim.kernels.avoidance.guide import Guide, ahead_on, find_leg, to_go
 from amorsim.kernels.behaviours.free_space import Sight, see_points
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["Abilities", "Taste", "braking_time", "choose_twists", "moved_on", "slowed"]
+__all__ = ["Abilities", "Scene", "Taste", "braking_time", "choose_twists", "keep_behind", "moved_on", "slowed"]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -22,6 +22,26 @@ Column = Any
 
 _LEAST_NOSE = 0.05  # [m] near the goal it is the base point that is to come there
 _FAR = 3.0  # [m] along its path within which a robot looks for where it is
+
+
+_LEAST_ROOM = 1e-3  # [m] less than their distance is kept from places that are known from before
+_HELD = 10.0  # [s] for which what is out of sight is kept
+_BESIDE = 0.8  # [m] from the base point within which it is
+_APART = 0.02  # [m] between points that are kept
+_EDGE = 0.01  # [rad] beyond the outermost beams that is still seen
+
+
+class Scene(NamedTuple):
+    """What N robots see, and what they passed."""
+
+    sight: Sight
+    """What range finders read."""
+    age: Floats
+    """[s] of these readings, (N, 1)."""
+    behind: Floats
+    """(N, E, 3) places x, y [m] in the world near the robot's way, and when each was seen [s]."""
+    time: Floats
+    """[s] now, (N, 1)."""
 
 
 class Abilities(NamedTuple):
@@ -94,9 +114,73 @@ def moved_on(points: Floats, v: float, w: float, age: float) -> None:
 
 
 @kernel
+def keep_behind(scene: Scene, pose: Floats, moving: Floats, first: int, end: int) -> None:
+    """Keep the places that robots at `pose` (N, 3) see beside them in `scene.behind`, in place of the oldest there."""
+    sight, behind = scene.sight, scene.behind
+    points = np.empty((3, sight.ranges.shape[1] * sight.samples))
+    room = behind.shape[1]
+    for i in range(first, end):
+        see_points(sight.ranges[i], sight.beams[i], sight.half_angle[i, 0], points)
+        moved_on(points, moving[i, 0], moving[i, 1], scene.age[i, 0])
+        c = math.cos(pose[i, 2])
+        s = math.sin(pose[i, 2])
+        for n in range(points.shape[1]):
+            px, py = points[0, n], points[1, n]
+            # What is ahead will be seen again.
+            if not (abs(px) < math.inf and abs(py) < math.inf) or px > 0.5 * abs(py):
+                continue
+            if px * px + py * py > _BESIDE * _BESIDE:
+                continue
+            x = pose[i, 0] + c * px - s * py
+            y = pose[i, 1] + s * px + c * py
+            oldest = 0
+            found = -1
+            for k in range(room):
+                dx, dy = behind[i, k, 0] - x, behind[i, k, 1] - y
+                if dx * dx + dy * dy < _APART * _APART:
+                    found = k
+                    break
+                if behind[i, k, 2] < behind[i, oldest, 2]:
+                    oldest = k
+            if found < 0:
+                found = oldest
+                behind[i, found, 0] = x
+                behind[i, found, 1] = y
+            behind[i, found, 2] = scene.time[i, 0]
+
+
+@part
+def _add_behind(
+    behind: Floats, beams: Floats, pose: Floats, since: float, box: Box, room: float, count: int, out: Floats
+) -> int:
+    """Add what is out of sight (E, 3) to `count` points of `keep_room`; returns their number."""
+    low, high = math.inf, -math.inf
+    for j in range(beams.shape[1]):
+        low = min(low, beams[2, j])
+        high = max(high, beams[2, j])
+    c = math.cos(pose[2])
+    s = math.sin(pose[2])
+    for k in range(behind.shape[0]):
+        if behind[k, 2] < since or count >= out.shape[1]:
+            continue
+        dx, dy = behind[k, 0] - pose[0], behind[k, 1] - pose[1]
+        x = c * dx + s * dy
+        y = c * dy - s * dx
+        if x * x + y * y > 2.0 * _BESIDE * _BESIDE:
+            continue
+        bearing = math.atan2(y - beams[1, 0], x - beams[0, 0])
+        if low - _EDGE <= bearing <= high + _EDGE:
+            continue
+        out[0, count] = x
+        out[1, count] = y
+        out[2, count] = max(0.0, min(room, distance_to_box(x, y, box) - _LEAST_ROOM))
+        count += 1
+    return count
+
+
+@kernel
 def choose_twists(
-    sight: Sight,
-    age: Floats,
+    scene: Scene,
     pose: Floats,
     box: Box,
     guide: Guide,
@@ -118,10 +202,8 @@ def choose_twists(
 
     Parameters
     ----------
-    sight
-        What range finders read.
-    age
-        [s] of these readings, (N, 1).
+    scene
+        What they see, and what they passed.
     pose
         Where the robots believe to be, (N, 3), with the heading in which they go.
     box
@@ -137,9 +219,10 @@ def choose_twists(
     arcs
         (N, V, W, 3) v, w and cost of each twist that was looked at; nan for the cost of one not admissible.
     """
+    sight, age = scene.sight, scene.age
     points = np.empty((3, sight.ranges.shape[1] * sight.samples))
-    kept = np.empty((3, points.shape[1]))
-    near = np.empty((3, points.shape[1]))
+    kept = np.empty((3, points.shape[1] + scene.behind.shape[1]))
+    near = np.empty((3, kept.shape[1]))
     speeds = arcs.shape[1]
     turns = arcs.shape[2]
     half = turns // 2
@@ -176,6 +259,9 @@ def choose_twists(
             lag = able.lag[i, 0]
             most = max(horizon, dt + lag + braking_time(fastest, min(able.turn_rate[i, 0], limits[1]), limits))
             kept_count = keep_room(points, box, margin, margin + fastest * most + 2.0 * reach, kept)
+            kept_count = _add_behind(
+                scene.behind[i], sight.beams[i], pose[i], scene.time[i, 0] - _HELD, box, margin, kept_count, kept
+            )
             gain = limits[2] * dt
             low = max(v0 - gain, -min(able.back[i, 0], limits[0]))
             high = max(min(v0 + gain, fastest), low)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from amorsim.kernels.avoidance.arcs import Box, distance_to_box
-from amorsim.kernels.avoidance.dynamic_window import Abilities, Taste, choose_twists
+from amorsim.kernels.avoidance.dynamic_window import Abilities, Scene, Taste, choose_twists, keep_behind
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.behaviours.free_space import Sight
 
@@ -20,7 +20,9 @@ def column(rows, value):
     return np.full((rows, 1), value)
 
 
-def choose(ranges, bearings, moving, goal, *, back=0.0, limits=LIMITS, curvature=math.inf, lag=0.0, box=BOX):
+def choose(
+    ranges, bearings, moving, goal, *, back=0.0, limits=LIMITS, curvature=math.inf, lag=0.0, box=BOX, behind=None
+):
     """The twists of robots at the origin; `moving` is changed."""
     rows, k = ranges.shape
     beams = np.zeros((rows, 5, k))
@@ -28,9 +30,10 @@ def choose(ranges, bearings, moving, goal, *, back=0.0, limits=LIMITS, curvature
     beams[:, 3], beams[:, 4] = np.cos(bearings), np.sin(bearings)
     out = np.empty((rows, 3))
     arcs = np.empty((rows, 7, 21, 3))
+    sight = Sight(ranges, beams, column(rows, 0.0), 1)
+    behind = np.full((rows, 4, 3), -1e30) if behind is None else behind
     choose_twists(
-        Sight(ranges, beams, column(rows, 0.0), 1),
-        column(rows, 0.0),
+        Scene(sight, column(rows, 0.0), behind, column(rows, 0.0)),
         np.zeros((rows, 3)),
         box,
         Guide(goal[:, None, :].copy(), np.zeros((rows, 1)), np.ones(rows, np.int64), np.zeros(rows, np.int64)),
@@ -146,3 +149,36 @@ def test_a_row_does_not_depend_on_others():
     for i in range(6):
         alone, _ = choose(ranges[i : i + 1], bearings, moving[i : i + 1].copy(), goals[i : i + 1])
         assert alone.tobytes() == together[i].tobytes()
+
+
+def test_what_it_passed_is_not_forgotten():
+    """A place behind its rear corner, out of sight: it does not turn into it."""
+    bearings = np.linspace(-1.0, 1.0, 21)
+    ranges = np.full((1, 21), math.inf)
+    goal = np.array([[0.0, 3.0]])
+    free, _ = choose(ranges, bearings, np.zeros((1, 2)), goal)
+    assert free[0, 2] > 0.1
+    behind = np.array([[[-0.27, -0.24, 0.0], [9.0, 9.0, 0.0]]])
+    held, arcs = choose(ranges, bearings, np.zeros((1, 2)), goal, behind=behind)
+    poses = braked(held[0, 0], held[0, 2], LIMITS)
+    assert nearest(poses, [(-0.27, -0.24)]) >= nearest(poses[:1], [(-0.27, -0.24)]) - 2e-3
+    assert np.isnan(arcs[..., 2]).any()
+    # An old place counts no more.
+    behind[:, :, 2] = -60.0
+    assert choose(ranges, bearings, np.zeros((1, 2)), goal, behind=behind)[0].tolist() == free.tolist()
+
+
+def test_what_is_beside_it_is_kept():
+    bearings = np.linspace(-2.0, 2.0, 41)
+    beams = np.zeros((1, 5, 41))
+    beams[0, 2:5] = bearings, np.cos(bearings), np.sin(bearings)
+    ranges = np.full((1, 41), math.inf)
+    ranges[0, 2], ranges[0, 20] = 0.5, 0.5
+    behind = np.full((1, 3, 3), -1e30)
+    pose = np.array([[1.0, 2.0, 0.5 * math.pi]])
+    for time in (3.0, 4.0):
+        scene = Scene(Sight(ranges, beams, column(1, 0.0), 1), column(1, 0.0), behind, column(1, time))
+        keep_behind(scene, pose, np.zeros((1, 2)), 0, 1)
+        place = 1.0 - 0.5 * math.sin(bearings[2]), 2.0 + 0.5 * math.cos(bearings[2])
+        np.testing.assert_allclose(behind[0, 0], (*place, time), atol=1e-9)
+        assert (behind[0, 1:, 2] < 0.0).all()  # what is ahead will be seen again
