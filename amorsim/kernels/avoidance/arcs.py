@@ -204,6 +204,12 @@ def free_time(points: Floats, count: int, v: float, w: float, box: Box, enough: 
     wide = max(abs(left - radius), abs(right - radius))
     long = max(abs(front), abs(rear))
     outer = min(math.sqrt(wide * wide + long * long), radius + box.reach)
+    within = min(math.sqrt(long * long + max(abs(left), abs(right)) ** 2), box.reach)
+    # How far about the centre the body lies ahead of the base point, and behind it.
+    whole = 2.0 * math.pi
+    is_outside = left < radius
+    lead = max(math.atan2(front, radius - left), math.atan2(front, radius - right))
+    lag = min(math.atan2(rear, radius - left), math.atan2(rear, radius - right))
     for n in range(count):
         x = points[0, n] * flip_x
         y = points[1, n] * flip_y
@@ -214,6 +220,15 @@ def free_time(points: Floats, count: int, v: float, w: float, box: Box, enough: 
         most_way = outer + room
         if square > most_way * most_way or square < least_way * least_way:
             continue
+        # Farther than the base point comes until then, and the body reaches.
+        far = speed * found + within + room
+        if x * x + y * y > far * far:
+            continue
+        if is_outside:
+            # The body's foremost place has farther to turn than it does.
+            ahead = math.atan2(x, -py) - lead - 0.5 * math.pi * room / inner
+            if ahead > rate * found or (ahead < lag - lead - math.pi * room / inner and ahead + whole > rate * found):
+                continue
         if distance_to_box(x, y, shape) <= 0.0:
             return 0.0
         found = min(found, max(_turn_until(x, y, room, radius, shape), 0.0) / rate)
