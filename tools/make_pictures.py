@@ -19,7 +19,7 @@ __all__ = ["make"]
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 WIDTH = 1200  # pixels
 COLOURS = 256
-SCENARIOS = ("car-park", "synchro-hall", "khepera-maze", "convoy", "yard", "landmarks", "find-the-way")
+SCENARIOS = ("car-park", "synchro-hall", "khepera-maze", "convoy", "yard", "landmarks", "find-the-way", "crossing")
 
 
 def make(folder: Path) -> None:

@@ -38,6 +38,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.sensor("infrared", "amorsim.sensors.infrared:Infrared")
     registry.sensor("light", "amorsim.sensors.light:Light")
     registry.sensor("line", "amorsim.sensors.line:Line")
+    registry.sensor("neighbours", "amorsim.sensors.neighbours:Neighbours")
     registry.sensor("cliff", "amorsim.sensors.cliff:Cliff")
 
     registry.noise("gaussian", "amorsim.noise.gaussian:Gaussian")
@@ -110,6 +111,16 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("follow", "amorsim.controllers.follow:Follow")
     registry.controller("braitenberg", "amorsim.controllers.braitenberg:Braitenberg")
     registry.controller("dwa", "amorsim.controllers.dwa:Dwa")
+    registry.controller("vfh_plus", "amorsim.controllers.headed:VfhPlus")
+    registry.controller("potential_field", "amorsim.controllers.headed:PotentialField")
+    registry.controller("mppi", "amorsim.controllers.mppi:Mppi")
+    registry.controller("nearness_diagram", "amorsim.controllers.bugs:NearnessDiagram")
+    registry.controller("bug2", "amorsim.controllers.bugs:Bug2")
+    registry.controller("tangent_bug", "amorsim.controllers.bugs:TangentBug")
+    registry.controller("orca", "amorsim.controllers.among:Orca")
+    registry.controller("hrvo", "amorsim.controllers.among:Hrvo")
+    registry.controller("social_force", "amorsim.controllers.among:SocialForce")
+    registry.controller("human_like", "amorsim.controllers.among:HumanLike")
     registry.controller("navigate", "amorsim.controllers.navigate:Navigate")
     registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
 
@@ -152,6 +163,7 @@ def amorsim_register(registry: Registry) -> None:
             "swarm",
             "landmarks",
             "find-the-way",
+            "crossing",
         ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")
