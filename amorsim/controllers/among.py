@@ -157,7 +157,8 @@ class Orca(Among):
         """The velocities nearest to those that are wanted."""
         wanted = _wanted(target, self.speed)
         out = np.empty_like(wanted)
-        asked: Any = (others, own, wanted, radius, self.speed, self.horizon, dt)
+        mine: Any = self
+        asked = others, own, wanted, radius, mine.speed, mine.horizon, dt
         draws.share(_WORK, lambda first, end: reciprocal_velocities(*asked, first, end, state["borders"], out))
         return out
 
@@ -207,7 +208,8 @@ class HumanLike(Among):
     ) -> Array:
         """The velocities towards the best directions."""
         out = np.empty((len(own), 2))
-        asked: Any = (others, target, radius, self.speed, self.reaction, self.horizon, self.directions)
+        mine: Any = self
+        asked = others, target, radius, mine.speed, mine.reaction, mine.horizon, self.directions
         draws.share(_WORK, lambda first, end: human_velocities(*asked, first, end, state["ways"], out))
         return out
 
@@ -238,7 +240,8 @@ class Hrvo(Among):
         """The velocities nearest to those that are wanted."""
         wanted = _wanted(target, self.speed)
         out = np.empty_like(wanted)
-        asked: Any = (others, own, wanted, radius, self.speed)
+        mine: Any = self
+        asked = others, own, wanted, radius, mine.speed
         draws.share(_WORK, lambda first, end: hybrid_velocities(*asked, first, end, state["cones"], out))
         return out
 

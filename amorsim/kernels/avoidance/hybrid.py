@@ -59,7 +59,9 @@ def _obstacle(x: float, y: float, vx: float, vy: float, own: Floats, both: float
 def _is_inside(cone: Floats, x: float, y: float) -> bool:
     """Whether a velocity is in a cone."""
     dx, dy = x - cone[0], y - cone[1]
-    return cone[2] * dy - cone[3] * dx > _SPARE and cone[4] * dy - cone[5] * dx < -_SPARE
+    left_of_right = cone[2] * dy - cone[3] * dx
+    left_of_left = cone[4] * dy - cone[5] * dx
+    return bool(left_of_right > _SPARE and left_of_left < -_SPARE)
 
 
 @kernel
