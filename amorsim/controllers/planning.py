@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import numpy.typing as npt
@@ -110,7 +111,7 @@ class Ways(NamedTuple):
             if not len(places):
                 return self.known
             side = max(self.known.resolution, window.side)
-            cells = self.known.to_array(resolution=side).copy()
+            cells = _cells_of(self.known, side).copy()
             origin = self.known.origin
         else:
             side = window.side
@@ -127,6 +128,18 @@ class Ways(NamedTuple):
         inside = (i >= 0) & (j >= 0) & (i < cells.shape[0]) & (j < cells.shape[1])
         cells[i[inside], j[inside]] = 1
         return Map.from_array(cells, resolution=side, origin=origin)
+
+
+# Maps never change, so their cells are looked up once.
+_known: WeakKeyDictionary[Map, dict[float, npt.NDArray[np.uint8]]] = WeakKeyDictionary()
+
+
+def _cells_of(world: Map, side: float) -> npt.NDArray[np.uint8]:
+    """The cells of a map, 1 where occupied; do not change them."""
+    kept = _known.setdefault(world, {})
+    if side not in kept:
+        kept[side] = world.to_array(resolution=side)
+    return kept[side]
 
 
 def no_path(pose: Array) -> State:
