@@ -29,6 +29,8 @@ SCENARIOS = (
     "find-yourself",
     "kidnapped",
     "loop",
+    "find-the-way",
+    "crossing",
 )
 MAPS = {"map-the-office": "rover-slam"}  # of each scenario, which of the maps that it leaves
 

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from amorsim.controllers.among import Among, Hrvo, HumanLike, Orca, SocialForce
+from amorsim.controllers.avoider import Avoider
 from amorsim.controllers.braitenberg import Braitenberg
+from amorsim.controllers.bugs import Bug2, NearnessDiagram, TangentBug
+from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.follow import Follow
 from amorsim.controllers.goto import GoTo
+from amorsim.controllers.headed import Headed, PotentialField, VfhPlus
 from amorsim.controllers.manual import Manual
+from amorsim.controllers.mppi import Mppi
+from amorsim.controllers.navigate import Navigate
 from amorsim.controllers.pursuit import Pursuit
 from amorsim.controllers.square import Square
 from amorsim.controllers.user import Twist, UserController, WheelSpeeds
@@ -13,15 +20,30 @@ from amorsim.controllers.wall import FollowWall
 from amorsim.controllers.wander import Wander
 
 __all__ = [
+    "Among",
+    "Avoider",
     "Braitenberg",
+    "Bug2",
+    "Dwa",
     "Follow",
     "FollowWall",
     "GoTo",
+    "Headed",
+    "Hrvo",
+    "HumanLike",
     "Manual",
+    "Mppi",
+    "Navigate",
+    "NearnessDiagram",
+    "Orca",
+    "PotentialField",
     "Pursuit",
+    "SocialForce",
     "Square",
+    "TangentBug",
     "Twist",
     "UserController",
+    "VfhPlus",
     "Wander",
     "WheelSpeeds",
 ]

@@ -38,6 +38,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.sensor("infrared", "amorsim.sensors.infrared:Infrared")
     registry.sensor("light", "amorsim.sensors.light:Light")
     registry.sensor("line", "amorsim.sensors.line:Line")
+    registry.sensor("neighbours", "amorsim.sensors.neighbours:Neighbours")
     registry.sensor("cliff", "amorsim.sensors.cliff:Cliff")
 
     registry.noise("gaussian", "amorsim.noise.gaussian:Gaussian")
@@ -115,6 +116,18 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("pursuit", "amorsim.controllers.pursuit:Pursuit")
     registry.controller("follow", "amorsim.controllers.follow:Follow")
     registry.controller("braitenberg", "amorsim.controllers.braitenberg:Braitenberg")
+    registry.controller("dwa", "amorsim.controllers.dwa:Dwa")
+    registry.controller("vfh_plus", "amorsim.controllers.headed:VfhPlus")
+    registry.controller("potential_field", "amorsim.controllers.headed:PotentialField")
+    registry.controller("mppi", "amorsim.controllers.mppi:Mppi")
+    registry.controller("nearness_diagram", "amorsim.controllers.bugs:NearnessDiagram")
+    registry.controller("bug2", "amorsim.controllers.bugs:Bug2")
+    registry.controller("tangent_bug", "amorsim.controllers.bugs:TangentBug")
+    registry.controller("orca", "amorsim.controllers.among:Orca")
+    registry.controller("hrvo", "amorsim.controllers.among:Hrvo")
+    registry.controller("social_force", "amorsim.controllers.among:SocialForce")
+    registry.controller("human_like", "amorsim.controllers.among:HumanLike")
+    registry.controller("navigate", "amorsim.controllers.navigate:Navigate")
     registry.controller("follow_wall", "amorsim.controllers.wall:FollowWall")
 
     registry.planner("dijkstra", "amorsim.planners.dijkstra:Dijkstra")
@@ -162,6 +175,7 @@ def amorsim_register(registry: Registry) -> None:
         "car",
         "turtlebot3_burger",
         "youbot",
+        "jackal",
     ):
         registry.robot(robot, _PACKAGE / "robots" / f"{robot}.toml")
     for scenario in (
@@ -181,6 +195,8 @@ def amorsim_register(registry: Registry) -> None:
             "kidnapped",
             "loop",
             "map-the-office",
+            "find-the-way",
+            "crossing",
         ),
     ):
         registry.scenario(scenario, _PACKAGE / "scenarios" / f"{scenario}.toml")

@@ -15,6 +15,7 @@ from amorsim.sensors.infrared import Infrared
 from amorsim.sensors.laser import Laser
 from amorsim.sensors.light import Light
 from amorsim.sensors.line import Line
+from amorsim.sensors.neighbours import Neighbours
 from amorsim.sensors.sonar import Sonar
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "Laser",
     "Light",
     "Line",
+    "Neighbours",
     "Sector",
     "Sonar",
 ]

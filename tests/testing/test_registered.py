@@ -9,14 +9,30 @@ import numpy as np
 import pytest
 
 from amorsim.contracts import Mount
-from amorsim.controllers import Pursuit
+from amorsim.controllers import (
+    Bug2,
+    Dwa,
+    Hrvo,
+    HumanLike,
+    Mppi,
+    Navigate,
+    NearnessDiagram,
+    Orca,
+    PotentialField,
+    Pursuit,
+    SocialForce,
+    TangentBug,
+    VfhPlus,
+)
 from amorsim.estimators import GraphSlam, GridMapping, GridSlam, MonteCarlo
 from amorsim.motions import Loop, Oscillate, Pedestrian, SlidingDoor, SwingDoor, Track, Waypoints
 from amorsim.noise import Bump
+from amorsim.planners import AStar
 from amorsim.plugins.manager import make_registry
 from amorsim.scenario.spec import Pose
 from amorsim.sensors.fiducial import Fiducial
 from amorsim.sensors.infrared import Infrared
+from amorsim.sensors.neighbours import Neighbours
 from amorsim.sensors.sonar import Sonar
 from amorsim.testing import check_component
 from tests import building
@@ -45,6 +61,15 @@ SETTINGS: dict[tuple[str, str], dict[str, Any]] = {
     ("controller", "braitenberg"): {
         "sensors": {"infrared": Infrared(elements=tuple(Mount(heading=0.8 * i) for i in range(8)))}
     },
+    **{
+        ("controller", name): {"sensors": {"neighbours": Neighbours()}}
+        for name in ("orca", "hrvo", "human_like", "social_force")
+    },
+    ("sensor", "neighbours"): {
+        "scene": building.scenario(
+            building.robot(pose=Pose(x=2.0, y=2.0)), building.robot(name="other", pose=Pose(x=4.0, y=3.0))
+        )
+    },
     ("controller", "follow"): {"sensors": {"fiducial": Fiducial()}},
     # It sees some centimetres: the wall is so near.
     ("sensor", "infrared"): {"scene": building.scenario(building.robot(pose=Pose(x=5.92, y=2.0)))},
@@ -63,6 +88,23 @@ EXAMPLES: dict[type, Any] = {
     Loop: Loop(**_ROUTE, blocked="skip"),
     Oscillate: Oscillate(**_ROUTE),
     Pursuit: Pursuit(waypoints=((4.0, 4.0), (6.0, 4.0), (6.0, 5.0)), loop=True),
+    Navigate: Navigate(goals=((6.0, 4.0), (4.0, 4.0)), planner=AStar(cell=0.1)),
+    Mppi: Mppi(goals=((6.0, 4.0),), runs=20, steps=10),
+    **{
+        kind: kind(goals=((6.0, 4.0), (4.0, 4.0)), loop=True)
+        for kind in (
+            Bug2,
+            Dwa,
+            Hrvo,
+            HumanLike,
+            NearnessDiagram,
+            Orca,
+            PotentialField,
+            SocialForce,
+            TangentBug,
+            VfhPlus,
+        )
+    },
     Pedestrian: Pedestrian(goals=((4.0, 4.0), (6.0, 3.0)), order="random", blocked="skip"),
     SwingDoor: SwingDoor(**_DOOR),
     MonteCarlo: MonteCarlo(wheel_variance=1e-4, particles_min=10, particles_max=60),  # as many in each of 1,000 rows

@@ -1,0 +1,329 @@
+"""Avoiders among robots that tell one another where they are and how fast they go."""
+
+from __future__ import annotations
+
+import abc
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
+from amorsim.controllers.avoider import Avoider, start_moving
+from amorsim.controllers.driving import Course
+from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.kernels.avoidance.guide import Guide
+from amorsim.kernels.avoidance.human_like import human_velocities
+from amorsim.kernels.avoidance.hybrid import hybrid_velocities
+from amorsim.kernels.avoidance.reciprocal import reciprocal_velocities
+from amorsim.kernels.avoidance.steering import aims, twists_towards
+from amorsim.kernels.behaviours.social_force import Passers, Walls, social_forces
+
+__all__ = ["Among", "Hrvo", "HumanLike", "Orca", "SocialForce"]
+
+Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+_TABLE = ["range", "x", "y", "vx", "vy", "radius"]
+_WORK = 60  # cost of one decision for a robot, in rays
+
+
+@attrs.frozen(kw_only=True)
+class Among(Avoider):
+    """The base of avoiders that know where the others are: they choose a velocity, and turn towards it.
+
+    They know of the others what their `neighbours` sensor tells, and nothing of walls.
+    """
+
+    blocked_word: ClassVar[str] = "deadlock"
+
+    sensor: str = parameter(
+        "neighbours", refers="sensors", help="name of the sensor that tells of the others, a 'neighbours'"
+    )
+    look_ahead: float = parameter(1.0, unit="m", gt=0, help="how far ahead on its path it looks")
+    rotation_time: float = parameter(0.5, unit="s", gt=0, help="in which it turns towards the velocity that it chose")
+
+    @property
+    def slowness(self) -> Any:
+        """The time constant [s] with which its twist follows what it wants, a number or `(N, 1)`."""
+        return 0.0
+
+    @abc.abstractmethod
+    def choose(
+        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
+    ) -> Array:
+        """The velocities `(N, 2)` [m/s] of the robots in their own frames.
+
+        `others` `(N, M, 5)` are x, y [m], vx, vy [m/s] and radius [m] from each robot, inf for none; `own` `(N, 2)` is
+        its velocity, `target` `(N, 2)` [m] where it is led, `radius` `(N, 1)` [m] its own with its clearance.
+        """
+
+    def start_steering(self, context: Context) -> State:
+        """The robot's account of its twist.
+
+        Raises
+        ------
+        ComponentError
+            If the robot has no such sensor.
+        """
+        robot = context.robot
+        model = robot.sensors.get(self.sensor)
+        name = type(self).__name__.lower()
+        if model is None or list(model.sensor.columns()) != _TABLE:
+            known = [other for other, one in robot.sensors.items() if list(one.sensor.columns()) == _TABLE]
+            raise ComponentError(
+                f"{name} goes by the sensor {self.sensor!r}, which is no 'neighbours' of {robot.who(0)}; it has: "
+                f"{', '.join(map(repr, known)) or 'none'}.{did_you_mean(self.sensor, known)} Give it one, and name it "
+                "in the field 'sensor'."
+            )
+        slots = model.size // len(_TABLE)
+        return {**start_moving(context), "others": np.full((context.rows, slots, 5), np.nan)}
+
+    def steer(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        course: Course,
+        guide: Guide,
+        active: Bools,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
+        rows = robot.rows
+        reading = readings[self.sensor]
+        table = reading.measured.reshape(rows, -1, len(_TABLE))
+        others = np.ascontiguousarray(table[:, :, 1:])
+        # Where they are by now.
+        others[:, :, 0] += others[:, :, 2] * reading.age
+        others[:, :, 1] += others[:, :, 3] * reading.age
+        state["others"] = np.where(np.isfinite(others[:, :, :1]), others, np.nan)
+        own = np.zeros((rows, 2))
+        own[:, 0] = state["moving"][:, 0]
+        target = np.empty((rows, 2))
+        aims(course.poses, guide, self.look_ahead, target)
+        radius: Any = np.zeros((rows, 1)) + robot.shape.reach + self.clearance
+        chosen = self.choose(others, own, target, radius, clock.dt, state, draws)
+        twist = np.empty((rows, 3))
+        twists_towards(
+            np.ascontiguousarray(np.where(active, chosen, 0.0)),
+            self.speed,
+            self.turn_rate,
+            self.rotation_time,
+            np.zeros((rows, 1)) + self.slowness,
+            state["limits"],
+            clock.dt,
+            state["moving"],
+            twist,
+        )
+        return twist
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The others as the robot knows of them, in its own frame: x, y, vx, vy and radius of each."""
+        return {"twist": state["moving"].copy(), "others": state["others"].copy()}
+
+
+@attrs.frozen(kw_only=True)
+class Orca(Among):
+    """Drives to goals among robots that do the same, by optimal reciprocal collision avoidance (ORCA).
+
+    Of the velocities that keep it apart from every other robot for `horizon`, if both do half of it, it takes the one
+    nearest to that which leads to the goal. If there is none, it takes the one that breaks the worst least. After J.
+    van den Berg, S. J. Guy, M. Lin and D. Manocha, "Reciprocal n-body collision avoidance", ISRR 2009.
+
+    It assumes that a robot moves any way at once. One on wheels does not, so give it a `clearance`. Robots may come to
+    stand in one another's way for ever; they report a ``deadlock``.
+
+    Parameters
+    ----------
+    horizon
+        Time for which it keeps apart from others [s].
+    """
+
+    horizon: float = parameter(5.0, unit="s", gt=0, help="for which it keeps apart from others")
+
+    def start_steering(self, context: Context) -> State:
+        """The robot's account of its twist, and the borders of what it may do."""
+        state = super().start_steering(context)
+        return {**state, "borders": np.full((*state["others"].shape[:2], 4), np.nan)}
+
+    def choose(
+        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
+    ) -> Array:
+        """The velocities nearest to those that are wanted."""
+        wanted = _wanted(target, self.speed)
+        out = np.empty_like(wanted)
+        mine: Any = self
+        asked = others, own, wanted, radius, mine.speed, mine.horizon, dt
+        draws.share(_WORK, lambda first, end: reciprocal_velocities(*asked, first, end, state["borders"], out))
+        return out
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The others, and the border of the velocities that each permits: a point and a direction [m/s]."""
+        return {**super().beliefs(state), "borders": state["borders"].copy()}
+
+
+@attrs.frozen(kw_only=True)
+class HumanLike(Among):
+    """Drives to goals among others as people do: where the free way ahead leads nearest to the goal.
+
+    It looks in all directions up to about a right angle from the goal, sees how far it could go in each at its speed,
+    as the others go on, and takes the best; it is no faster than lets it stop within `reaction`. After J. Guzzi and
+    others, "Human-friendly robot navigation in dynamic environments", ICRA 2013. Robots may come to stand in one
+    another's way for ever; they report a ``deadlock``.
+
+    Parameters
+    ----------
+    horizon
+        How far ahead it looks [m].
+    reaction
+        Time in which it could cover the free way ahead [s].
+    relaxation
+        Time constant with which its speeds follow what it wants [s].
+    directions
+        How many directions there are in a full circle.
+    """
+
+    horizon: float = parameter(5.0, unit="m", gt=0, help="how far ahead it looks")
+    reaction: float = parameter(0.5, unit="s", gt=0, help="in which it could cover the free way ahead")
+    relaxation: float = parameter(0.125, unit="s", ge=0, help="with which its speeds follow what it wants")
+    directions: int = parameter(101, ge=8, le=10_000, static=True, help="how many there are in a full circle")
+
+    @property
+    def slowness(self) -> Any:
+        """Its relaxation."""
+        return self.relaxation
+
+    def start_steering(self, context: Context) -> State:
+        """The robot's account of its twist, and the free ways."""
+        count = 2 * int(1.6 / (2.0 * math.pi / self.directions)) + 1
+        return {**super().start_steering(context), "ways": np.full((context.rows, count, 2), np.nan)}
+
+    def choose(
+        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
+    ) -> Array:
+        """The velocities towards the best directions."""
+        out = np.empty((len(own), 2))
+        mine: Any = self
+        asked = others, target, radius, mine.speed, mine.reaction, mine.horizon, self.directions
+        draws.share(_WORK, lambda first, end: human_velocities(*asked, first, end, state["ways"], out))
+        return out
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The others, and the directions from the target's [rad] with the free way in each [m]."""
+        return {**super().beliefs(state), "ways": state["ways"].copy()}
+
+
+@attrs.frozen(kw_only=True)
+class Hrvo(Among):
+    """Drives to goals among robots that do the same, by hybrid reciprocal velocity obstacles (HRVO).
+
+    The velocities that lead into another robot make a cone. Its apex is set so that both do half of the avoiding, and
+    keep to the side on which they pass already. The robot takes the velocity nearest to the one that leads to the goal
+    that is in no cone; if there is none, one that is in none of the nearest robots'. After J. Snape and others, "The
+    hybrid reciprocal velocity obstacle", IEEE Transactions on Robotics 27 (4), 2011. It looks ahead without end, so it
+    is timid in crowds. Robots may come to stand in one another's way for ever; they report a ``deadlock``.
+    """
+
+    def start_steering(self, context: Context) -> State:
+        """The robot's account of its twist, and the cones."""
+        state = super().start_steering(context)
+        return {**state, "cones": np.full((*state["others"].shape[:2], 6), np.nan)}
+
+    def choose(
+        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
+    ) -> Array:
+        """The velocities nearest to those that are wanted."""
+        wanted = _wanted(target, self.speed)
+        out = np.empty_like(wanted)
+        mine: Any = self
+        asked = others, own, wanted, radius, mine.speed
+        draws.share(_WORK, lambda first, end: hybrid_velocities(*asked, first, end, state["cones"], out))
+        return out
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The others, and the cone of velocities that lead into each: apex, right and left side [m/s]."""
+        return {**super().beliefs(state), "cones": state["cones"].copy()}
+
+
+@attrs.frozen(kw_only=True)
+class SocialForce(Among):
+    """Drives to goals among others as pedestrians do, by the social force model.
+
+    It speeds up towards the goal within `relaxation`, and is pushed away by the others, the more the nearer their next
+    step leads them. After D. Helbing and P. Molnar, "Social force model for pedestrian dynamics", Physical Review E 51,
+    1995; as the motion `pedestrian` does. It promises nothing: robots may touch.
+
+    Parameters
+    ----------
+    relaxation
+        Time in which it gets to the speed that it wants [s].
+    strength, range
+        Of the repulsion by others [m^2/s^2] and [m].
+    ahead
+        How far ahead it sees the others' steps [s].
+    sight
+        Angle of sight [rad]; what is out of it counts `behind`.
+    """
+
+    relaxation: float = parameter(0.5, unit="s", gt=0, help="in which it gets to the speed that it wants")
+    strength: float = parameter(2.1, unit="m^2/s^2", ge=0, help="of the repulsion by others")
+    range: float = parameter(0.3, unit="m", gt=0, help="of the repulsion by others")
+    ahead: float = parameter(2.0, unit="s", gt=0, help="for which it sees the others' steps")
+    sight: float = parameter(200.0 / 180.0 * math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="its angle of sight")
+    behind: float = parameter(0.5, ge=0, le=1, help="what counts that is out of sight")
+
+    def choose(
+        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
+    ) -> Array:
+        """The velocities after this step's acceleration."""
+        rows, slots = others.shape[:2]
+        away = np.sqrt(target[:, :1] ** 2 + target[:, 1:] ** 2)
+        towards = target / np.maximum(away, 1e-9)
+        there = np.isfinite(others[:, :, 0])
+        # All bodies in a line: the others of each robot, then the robots, each at its own origin.
+        told = np.where(there[:, :, None], others, 0.0).reshape(-1, 5)
+        poses, twists = np.zeros((2, rows * slots + rows, 3))
+        poses[: rows * slots, :2], twists[: rows * slots, :2] = told[:, :2], told[:, 2:4]
+        twists[rows * slots :, :2] = own
+        reach = np.concatenate((told[:, 4], np.zeros(rows))) + np.concatenate(
+            (np.repeat(radius[:, 0], slots), np.zeros(rows))
+        )
+        first = np.zeros(rows + 1, dtype=np.int64)
+        first[1:] = np.cumsum(np.count_nonzero(there, axis=1))
+        body = np.flatnonzero(there)
+        numbers = np.zeros((rows, 10))
+        cosine = np.cos(0.5 * np.asarray(self.sight))
+        for column, value in ((0, self.strength), (1, self.range), (2, self.ahead), (5, cosine), (6, self.behind)):
+            numbers[:, column : column + 1] = value
+        numbers[:, 4] = 1.0
+        numbers[:, 9] = 1.0
+        force = np.empty((rows, 2))
+        social_forces(
+            Passers(poses, twists, reach, np.ones(len(reach), dtype=bool)),
+            np.arange(rows) + rows * slots,
+            first,
+            body,
+            own,
+            np.ascontiguousarray(towards),
+            Walls(np.full((rows, 1), np.inf), np.array([[1.0, 0.0]])),
+            numbers,
+            0,
+            rows,
+            force,
+        )
+        wanted = _wanted(target, self.speed)
+        found = own + dt * ((wanted - own) / self.relaxation + force)
+        size = np.sqrt(found[:, :1] ** 2 + found[:, 1:] ** 2)
+        speed: Any = self.speed
+        return np.asarray(found * np.minimum(1.0, speed / np.maximum(size, 1e-9)))
+
+
+def _wanted(target: Array, speed: Any) -> Array:
+    """The velocities `(N, 2)` [m/s] straight to the targets, slower within a second of them."""
+    away = np.sqrt(target[:, :1] ** 2 + target[:, 1:] ** 2)
+    return np.ascontiguousarray(target * (speed / np.maximum(away, speed)))

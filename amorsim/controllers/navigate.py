@@ -1,0 +1,322 @@
+"""Navigation: driving to goals along paths that a planner finds, past what is in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.contracts import (
+    Beliefs,
+    Clock,
+    Context,
+    Controller,
+    Draws,
+    Estimate,
+    Measurement,
+    Planner,
+    RobotModel,
+    State,
+    parameter,
+)
+from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
+from amorsim.controllers.driving import Course
+from amorsim.controllers.dwa import Dwa
+from amorsim.controllers.planning import STATUSES, Ways, lay_path, no_path
+from amorsim.core.parameters import ParameterError
+from amorsim.kernels.avoidance.guide import Guide
+from amorsim.kernels.avoidance.memory import Window, guard, look_along, remember
+
+__all__ = ["Navigate"]
+
+Array = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
+
+DRIVING, RECOVERING, ARRIVED, GAVE_UP = range(4)
+_MODES = ("driving", "recovering", "arrived", "gave_up")
+_RECOVERIES = ("stop", "turn", "back")
+_TIMES = (2.0, 4.0, 2.0)  # [s] that they take
+_BACK = 0.15  # [m/s]
+_STAYS = 0.25  # [m] within which a robot counts as standing
+_LEAVES = 1.0  # [m] from the place of its trouble where the trouble is over
+_WORK = 100  # cost of one look round for a robot, in rays
+
+
+@attrs.frozen(kw_only=True)
+class Navigate(Controller):
+    """Drives to one goal after another: a planner finds the way, an avoider drives along it.
+
+    The planner plans on the map that the robot was given (`knowledge.map`), and on open ground if it was given none, as
+    far as it has not seen anything there. The path keeps the reach of the footprint from walls, so that the robot can
+    turn anywhere on it; where no such way leads to the goal, or it is much longer, `least_clearance`. The robot
+    remembers what it sees around itself, and plans again if that blocks its path.
+
+    If it does not get away from a place, it tries the `recovery` in turn, plans again after each, and gives up the
+    goal after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery``
+    and ``gave_up`` as events, with their time.
+
+    Parameters
+    ----------
+    goals
+        Places in the world [m], in order.
+    planner
+        The planner, as ``{ use = "theta_star" }``.
+    avoider
+        The controller that drives along the path, as ``{ use = "dwa", speed = 0.4 }``. Its own goals are not used.
+    sensor
+        Name of the range sensor whose readings it remembers.
+    tolerance
+        Distance from a goal at which it counts as reached [m].
+    least_clearance
+        Distance [m] that paths keep from walls at the least; by default half the width of the footprint.
+    recovery
+        What it tries where it cannot go on: ``"stop"`` and wait, ``"turn"`` in place, ``"back"`` up.
+    rounds
+        How often it tries all of them before it gives up the goal.
+    stuck_after
+        Time at a place after which it cannot go on [s].
+    replan_after
+        Least time between two plans [s].
+    look_ahead
+        How far ahead on its path it looks for what blocks it [m].
+    memory
+        How long it remembers what it saw [s].
+    window
+        Side of the square around itself of which it remembers what it saw [m].
+    cell
+        Side of the cells of this memory [m].
+    """
+
+    goals: tuple[tuple[float, float], ...] = parameter(unit="m", frame="world", help="places in the world, in order")
+    planner: Planner = parameter(static=True, component="planner", help="what finds the way")
+    avoider: Avoider = parameter(Dwa(), component="controller", help="what drives along it")
+    sensor: str = parameter("laser", refers="sensors", help="name of the range sensor whose readings it remembers")
+    tolerance: float = parameter(0.2, unit="m", gt=0, help="distance from a goal at which it counts as reached")
+    least_clearance: float | None = parameter(
+        None, unit="m", ge=0, static=True, help="kept from walls at the least; half the footprint's width if not given"
+    )
+    recovery: tuple[str, ...] = parameter(
+        ("stop", "turn", "back"), choices=_RECOVERIES, static=True, help="what it tries where it cannot go on, in turn"
+    )
+    rounds: int = parameter(3, ge=0, le=1000, help="how often it tries all of them before it gives up a goal")
+    stuck_after: float = parameter(4.0, unit="s", gt=0, help="time at a place after which it cannot go on")
+    replan_after: float = parameter(1.0, unit="s", gt=0, help="least time between two plans")
+    look_ahead: float = parameter(3.0, unit="m", ge=0, help="how far ahead on its path it looks for what blocks it")
+    memory: float = parameter(20.0, unit="s", ge=0, help="how long it remembers what it saw")
+    window: float = parameter(10.0, unit="m", gt=0, le=200, static=True, help="side of the square that it remembers")
+    cell: float = parameter(0.05, unit="m", gt=0, static=True, help="side of the cells of its memory")
+
+    def __attrs_post_init__(self) -> None:
+        if not self.goals:
+            raise ParameterError("goals", "expected one goal at least, got none")
+        if self.window / self.cell > 2000:
+            raise ParameterError("cell", f"expected at most 2000 cells across the window of {self.window:g} m")
+
+    def goal_points(self) -> Sequence[tuple[str, float, float]]:
+        """The goals."""
+        return [(f"goals.{i}", x, y) for i, (x, y) in enumerate(self.goals)]
+
+    def start(self, context: Context) -> State:
+        """The state of the avoider, an empty memory, and no path yet.
+
+        Raises
+        ------
+        ComponentError
+            If the robot has no range sensor of that name.
+        """
+        rows = context.rows
+        size = max(int(np.ceil(self.window / self.cell)), 2)
+        return {
+            **self.avoider.start_steering(context),
+            **start_sight(context, self.sensor, "navigate", "look_"),
+            **no_path(context.pose),
+            "seen": np.full((rows, size, size), -1e30, dtype=np.float32),
+            "corner": np.full((rows, 2), -(2**40), dtype=np.int64),
+            "mode": np.full((rows, 1), DRIVING, dtype=np.int64),
+            "goal": np.zeros((rows, 1), dtype=np.int64),
+            "status": np.full((rows, 1), -1, dtype=np.int64),
+            "wanted": np.ones((rows, 1), dtype=bool),  # a plan
+            "planned": np.full((rows, 1), -1e30),  # [s] when it planned last
+            "plans": np.zeros((rows, 1), dtype=np.int64),
+            "anchor": context.pose[:, :2].copy(),  # the place at which it has been
+            "anchored": np.zeros((rows, 1)),  # [s] since when
+            "trouble": np.full((rows, 2), np.inf),  # where it last had to recover
+            "tries": np.zeros((rows, 1), dtype=np.int64),
+            "until": np.zeros((rows, 1)),  # [s] the end of a recovery
+            "news": np.zeros((rows, 1), dtype=np.int64),
+        }
+
+    def command(
+        self,
+        robot: RobotModel,
+        readings: Mapping[str, Measurement],
+        estimate: Estimate,
+        clock: Clock,
+        state: State,
+        draws: Draws,
+    ) -> Array:
+        """The command `(N, c)` of this step; that of standing still after the last goal."""
+        course = Course.of(robot, readings, estimate)
+        reading = readings[self.sensor]
+        sight = sight_of(robot, reading, self.sensor, course.joints, state, "look_")
+        window = Window(state["seen"], state["corner"], self.cell)
+        fresh = reading.fresh[:, 0].astype(np.int64)
+        asked = sight, course.poses, clock.time, fresh, window
+        draws.share(_WORK, lambda first, end: remember(*asked, first, end))
+        state["news"] = np.zeros((robot.rows, 1), dtype=np.int64)
+        self._arrive(estimate.pose, clock.time, state)
+        self._recover(estimate.pose, clock.time, state)
+        guide = self._way(robot, estimate.pose, clock.time, window, state)
+        driving = (state["mode"] == DRIVING) & (state["status"] == 0)
+        before = state["moving"].copy()
+        twist = self.avoider.steer(robot, readings, course, guide, driving, clock, state, draws)
+        recovering = state["mode"] == RECOVERING
+        if recovering.any():
+            state["moving"] = np.where(recovering, before, state["moving"])
+            box, margin = body_of(robot, self.avoider.clearance)
+            guard(
+                sight,
+                reading.age,
+                course.poses,
+                box,
+                margin,
+                state["limits"],
+                window,
+                clock.time - self.memory,
+                self._wanted(state),
+                recovering,
+                clock.dt,
+                state["moving"],
+                twist,
+            )
+        return course.command(twist)
+
+    def _goal(self, state: State) -> Array:
+        """The goal that each robot is after `(N, 2)`."""
+        goals = np.asarray(self.goals)
+        chosen: Array = goals[np.arange(len(goals)), np.minimum(state["goal"][:, 0], goals.shape[1] - 1)]
+        return chosen
+
+    def _arrive(self, pose: Array, time: Array, state: State) -> None:
+        """Go on to the next goal where one is reached."""
+        off = self._goal(state) - pose[:, :2]
+        there = (state["mode"] < ARRIVED) & (np.sqrt(off[:, :1] ** 2 + off[:, 1:] ** 2) <= self.tolerance)
+        if there.any():
+            state["news"] = np.where(there, 1 + state["goal"], state["news"])
+            self._next(there, ARRIVED, pose, time, state)
+
+    def _next(self, which: Bools, at_the_end: int, pose: Array, time: Array, state: State) -> None:
+        count = np.asarray(self.goals).shape[1]
+        state["goal"] = state["goal"] + which
+        is_last = which & (state["goal"] >= count)
+        state["mode"] = np.where(is_last, at_the_end, np.where(which, DRIVING, state["mode"]))
+        state["wanted"] = state["wanted"] | which
+        state["planned"] = np.where(which, -1e30, state["planned"])
+        state["status"] = np.where(which, -1, state["status"])
+        state["tries"] = np.where(which, 0, state["tries"])
+        self._anchor(which, pose, time, state)
+
+    def _anchor(self, which: Bools, pose: Array, time: Array, state: State) -> None:
+        state["anchor"] = np.where(which, pose[:, :2], state["anchor"])
+        state["anchored"] = np.where(which, time, state["anchored"])
+
+    def _recover(self, pose: Array, time: Array, state: State) -> None:
+        """Begin and end recoveries, and give up."""
+        ended = (state["mode"] == RECOVERING) & (time >= state["until"])
+        if ended.any():
+            state["mode"] = np.where(ended, DRIVING, state["mode"])
+            state["wanted"] = state["wanted"] | ended
+            self._anchor(ended, pose, time, state)
+        self._anchor(_apart(pose, state["anchor"]) > _STAYS, pose, time, state)
+        gone = _apart(pose, state["trouble"]) > _LEAVES
+        state["tries"] = np.where(gone & np.isfinite(state["trouble"][:, :1]), 0, state["tries"])
+        stuck = (state["mode"] == DRIVING) & (time - state["anchored"] >= self.stuck_after)
+        if not stuck.any():
+            return
+        kinds = len(self.recovery)
+        hopeless = stuck & (state["tries"] >= self.rounds * kinds)
+        tries = stuck & ~hopeless
+        if tries.any():
+            taken = np.array([_RECOVERIES.index(name) for name in self.recovery])[state["tries"] % kinds]
+            state["news"] = np.where(tries, -1 - taken, state["news"])
+            state["mode"] = np.where(tries, RECOVERING, state["mode"])
+            state["until"] = np.where(tries, time + np.array(_TIMES)[taken], state["until"])
+            state["trouble"] = np.where(tries, pose[:, :2], state["trouble"])
+            state["tries"] = state["tries"] + tries
+        if hopeless.any():
+            state["news"] = np.where(hopeless, -100 - state["status"], state["news"])
+            self._next(hopeless, GAVE_UP, pose, time, state)
+
+    def _wanted(self, state: State) -> Array:
+        """The twists `(N, 2)` of recoveries."""
+        wanted = np.zeros((len(state["mode"]), 2))
+        if not self.recovery:
+            return wanted
+        count = np.maximum(state["tries"] - 1, 0)
+        taken = np.array([_RECOVERIES.index(name) for name in self.recovery])[count % len(self.recovery)]
+        side = np.where((count // len(self.recovery)) % 2 == 0, 1.0, -1.0)
+        wanted[:, :1] = np.where(taken == 2, -_BACK, 0.0)
+        wanted[:, 1:] = np.where(taken == 1, 0.5 * side * self.avoider.turn_rate, 0.0)
+        return wanted
+
+    def _way(self, robot: RobotModel, pose: Array, time: Array, window: Window, state: State) -> Guide:
+        """The paths, planned again where that is due."""
+        rows = robot.rows
+        ways = Ways.of(robot, self.planner, self.least_clearance)
+        since = time - self.memory
+        look = np.empty((rows, 3))
+        room = np.full((rows, 1), max(ways.narrow - self.cell, 0.5 * self.cell))
+        far: Any = np.zeros((rows, 1)) + self.look_ahead
+        look_along(pose, state["path"], state["along"], state["count"], state["leg"], window, since, room, far, look)
+        blocked = np.isfinite(look[:, 2:]) & (state["status"] == 0)
+        due = (state["mode"] == DRIVING) & (time - state["planned"] >= self.replan_after)
+        due &= state["wanted"] | blocked | (state["status"] > 0)
+        for row in np.flatnonzero(due).tolist():
+            status, points = ways.plan(pose[row], self._goal(state)[row], window, row, float(since[row, 0]))
+            state["status"][row] = STATUSES.index(status)
+            state["planned"][row] = time[row]
+            state["plans"][row] += 1
+            state["wanted"][row] = False
+            if status == "found":
+                lay_path(points, row, state)
+        return Guide(state["path"], state["along"], state["count"], state["leg"])
+
+    def reports(self, state: State) -> Sequence[tuple[int, str, object]]:
+        """Goals that were reached or given up, and recoveries."""
+        news = state["news"][:, 0]
+        if not news.any():
+            return ()
+        count = np.asarray(self.goals).shape[1]
+        found: list[tuple[int, str, object]] = []
+        for row in np.flatnonzero(news).tolist():
+            code = int(news[row])
+            if code > 0:
+                found.append((row, "goal_reached", f"{code} of {count}"))
+            elif code <= -99:
+                status = -100 - code
+                why = "it does not get on" if status <= 0 else f"no path: {STATUSES[status].replace('_', ' ')}"
+                found.append((row, "gave_up", f"goal {int(state['goal'][row, 0])} of {count}: {why}"))
+            else:
+                found.append((row, "recovery", _RECOVERIES[-1 - code]))
+        return found
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The path (nan beyond its end), the goal's number, what it does, and what its avoider believes."""
+        beyond = np.arange(state["path"].shape[1])[None, :] >= state["count"]
+        no = (state["status"] != 0) | (state["mode"] >= ARRIVED)
+        path = np.where((beyond | no)[:, :, None], np.nan, state["path"])
+        return {
+            "path": path,
+            "goal": state["goal"].copy(),
+            "mode": state["mode"].copy(),
+            "plans": state["plans"].copy(),
+            **self.avoider.beliefs(state),
+        }
+
+
+def _apart(pose: Array, place: Array) -> Array:
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt((pose[:, :1] - place[:, :1]) ** 2 + (pose[:, 1:2] - place[:, 1:2]) ** 2))

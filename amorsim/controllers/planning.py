@@ -1,0 +1,181 @@
+"""Plans of a robot that navigates: on the map that it was given, and on what it saw."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.algorithms.cells import free_cells
+from amorsim.contracts import Planner, RobotModel, State
+from amorsim.core.errors import PlanError
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape
+from amorsim.kernels.avoidance.memory import Window
+
+__all__ = ["STATUSES", "Ways", "lay_path", "no_path"]
+
+Array = npt.NDArray[np.float64]
+
+STATUSES = ("found", "unreachable", "start_blocked", "goal_blocked", "budget", "refused")
+_PLACES = 192  # corners of a path
+_AROUND = 3.0  # [m] of open ground around all that matters, without a map
+_DETOUR = 1.3  # a way with room to turn may be so many times longer than a narrow one
+_STEP_OUT = 0.5  # [m] from the robot to the nearest place that a plan may start from
+
+
+class Ways(NamedTuple):
+    """How robots of a group plan."""
+
+    planner: Planner
+    known: Map | None
+    wide: float
+    """[m] the reach of the footprint."""
+    narrow: float
+    """[m] kept from walls at the least."""
+
+    @classmethod
+    def of(cls, robot: RobotModel, planner: Planner, least_clearance: float | None) -> Ways:
+        """For these robots; by default paths keep half the width of the footprint."""
+        half = float(np.abs(robot.shape.outline[:, 1]).max()) if least_clearance is None else least_clearance
+        return cls(planner, robot.map, float(robot.shape.reach), min(half, float(robot.shape.reach)))
+
+    def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array]:
+        """The status of the plan from a robot's pose to its goal, and the path's points (M, 2)."""
+        world = self._world(pose, goal, window, row, since)
+        straight = float(np.hypot(*(goal - pose[:2])))
+        found: dict[float, tuple[float, Array]] = {}
+        status = "unreachable"
+        for room in (self.wide, self.narrow):
+            if room in found:
+                continue
+            status, points, length = self._with_room(world, pose, goal, room)
+            if status == "found":
+                found[room] = (length, points)
+                if length <= _DETOUR * straight:  # none is much shorter
+                    break
+        if self.wide in found and found[self.wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
+            return "found", found[self.wide][1]
+        if found:
+            return "found", min(found.values(), key=lambda one: one[0])[1]
+        return status, np.empty((0, 2))
+
+    def _with_room(self, world: Map, pose: Array, goal: Array, room: float) -> tuple[str, Array, float]:
+        start = (float(pose[0]), float(pose[1]))
+        out = self._way_out(world, start, room)
+        footprint = Shape.circle(room) if room > 1e-6 else None
+        try:
+            plan = self.planner.plan(world, out, (float(goal[0]), float(goal[1])), footprint=footprint)
+        except PlanError:
+            return "refused", np.empty((0, 2)), np.inf
+        if plan.status != "found":
+            return plan.status, np.empty((0, 2)), np.inf
+        return "found", plan.points if out == start else np.concatenate(([start], plan.points)), plan.length
+
+    def _way_out(self, world: Map, start: tuple[float, float], room: float) -> tuple[float, float]:
+        """The place nearest to the start from which a plan may lead; the start if there is none near."""
+        side = getattr(self.planner, "cell", None)
+        try:
+            cells = free_cells(
+                world, room, side=side, avoid_unknown=bool(getattr(self.planner, "avoid_unknown", False))
+            )
+        except PlanError:
+            return start
+        place = cells.cell_at(*start)
+        if place is None or cells.free[place]:
+            return start
+        most = int(_STEP_OUT / cells.side) + 1
+        row, col = divmod(place, cells.width)
+        rows = np.arange(max(row - most, 0), min(row + most + 1, len(cells.free) // cells.width))
+        cols = np.arange(max(col - most, 0), min(col + most + 1, cells.width))
+        near = (rows[:, None] * cells.width + cols).ravel()
+        near = near[cells.free[near] != 0]
+        if not len(near):
+            return start
+        places = cells.places(near)
+        x, y = places[np.argmin((places[:, 0] - start[0]) ** 2 + (places[:, 1] - start[1]) ** 2)].tolist()
+        return x, y
+
+    def _world(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Map:
+        """The map to plan on: what is known, and what was seen since a time."""
+        size = window.seen.shape[1]
+        up, across = np.nonzero(window.seen[row] >= since)
+        corner = window.corner[row]
+        # The cells of the world that stand there.
+        col = corner[0] + (across - corner[0]) % size
+        line = corner[1] + (up - corner[1]) % size
+        places = (np.stack((col, line), axis=1) + 0.5) * window.side
+        if self.known is not None:
+            if not len(places):
+                return self.known
+            side = max(self.known.resolution, window.side)
+            cells = _cells_of(self.known, side).copy()
+            origin = self.known.origin
+        else:
+            side = window.side
+            both = np.stack((pose[:2], goal))
+            low = np.floor((np.concatenate((both, places)).min(axis=0) - _AROUND) / side) * side
+            high = np.concatenate((both, places)).max(axis=0) + _AROUND
+            shape = np.ceil((high - low) / side).astype(int)
+            cells = np.zeros((shape[1], shape[0]), np.uint8)
+            origin = (float(low[0]), float(low[1]), 0.0)
+        c, s = np.cos(origin[2]), np.sin(origin[2])
+        off = places - np.array(origin[:2])
+        i = np.floor((c * off[:, 1] - s * off[:, 0]) / side).astype(int)
+        j = np.floor((c * off[:, 0] + s * off[:, 1]) / side).astype(int)
+        inside = (i >= 0) & (j >= 0) & (i < cells.shape[0]) & (j < cells.shape[1])
+        cells[i[inside], j[inside]] = 1
+        return Map.from_array(cells, resolution=side, origin=origin)
+
+
+# Maps never change, so their cells are looked up once.
+_known: WeakKeyDictionary[Map, dict[float, npt.NDArray[np.uint8]]] = WeakKeyDictionary()
+
+
+def _cells_of(world: Map, side: float) -> npt.NDArray[np.uint8]:
+    """The cells of a map, 1 where occupied; do not change them."""
+    kept = _known.setdefault(world, {})
+    if side not in kept:
+        kept[side] = world.to_array(resolution=side)
+    return kept[side]
+
+
+def no_path(pose: Array) -> State:
+    """State that holds a path for each robot: none yet, so the place where it stands."""
+    rows = len(pose)
+    path = np.zeros((rows, _PLACES, 2))
+    path[:, 0] = pose[:, :2]
+    return {
+        "path": path,
+        "along": np.zeros((rows, _PLACES)),
+        "count": np.ones(rows, dtype=np.int64),
+        "leg": np.zeros(rows, dtype=np.int64),
+    }
+
+
+def lay_path(points: Array, row: int, state: State) -> None:
+    """Put the corners of a path into the state; a path with too many ends before its goal."""
+    kept = _corners(points)[:_PLACES]
+    steps = np.diff(kept, axis=0)
+    state["path"][row, : len(kept)] = kept
+    state["along"][row, : len(kept)] = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+    state["count"][row] = len(kept)
+    state["leg"][row] = 0
+
+
+def _corners(points: Array) -> Array:
+    """The points of a path without those that lie straight between their neighbours, or repeat one."""
+    if len(points) < 3:
+        return points
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    far = np.concatenate(([True], lengths > 1e-9))
+    points = points[far]
+    steps = np.diff(points, axis=0)
+    if len(points) < 3:
+        return points
+    cross = steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0]
+    turns = np.abs(cross) > 1e-9 * np.hypot(*steps[:-1].T) * np.hypot(*steps[1:].T)
+    return np.asarray(points[np.concatenate(([True], turns, [True]))])

@@ -1,0 +1,1 @@
+"""Choosing twists that keep clear of what was seen, and of others."""

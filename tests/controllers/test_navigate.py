@@ -1,0 +1,151 @@
+"""Navigation: planned paths, what blocks them, recovery, and giving up."""
+
+import math
+
+import attrs
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.core.parameters import ParameterError
+from amorsim.scenario.resolved import resolved_table
+from tests.controllers.test_dwa import ROOM, make, said, simulate
+
+WALL = (3.0, -3.0, 3.0, 1.5)  # a door of 1.5 m at the top
+
+
+def navigate(*goals, **changes):
+    given = {"planner": am.planners.ThetaStar(cell=0.05), "avoider": am.controllers.Dwa(speed=0.6, clearance=0.03)}
+    return am.controllers.Navigate(goals=goals, **(given | changes))
+
+
+def knowing(robot, *walls):
+    """The robot with a map of the room and some walls."""
+    return attrs.evolve(robot, knowledge=am.Knowledge(map=am.Map.from_segments([*ROOM, *walls], resolution=0.05)))
+
+
+def test_it_reaches_one_goal_after_another_on_the_map_that_it_was_given():
+    robot = knowing(make(navigate((6.0, -1.0), (0.0, 1.0))), WALL)
+    simulation = simulate([robot], [WALL], duration=60.0)
+    assert said(simulation) == [("rover", "goal_reached", "1 of 2"), ("rover", "goal_reached", "2 of 2")]
+    assert 0.0 < simulation.events[0].time < simulation.events[1].time < 55.0
+    assert not [event for event in simulation.events if event.kind == "collision"]
+    beliefs = simulation.frames()[0].beliefs["controller"]
+    assert beliefs["goal"].tolist() == [[2]]
+    assert beliefs["plans"][0, 0] >= 2
+
+
+def test_its_path_is_a_belief_and_keeps_the_reach_of_the_footprint():
+    robot = knowing(make(navigate((6.0, -1.0))), WALL)
+    simulation = simulate([robot], [WALL], duration=1.0)
+    path = simulation.frames()[0].beliefs["controller"]["path"][0]
+    path = path[np.isfinite(path[:, 0])]
+    assert math.dist(path[0], (0.0, 0.0)) < 0.1
+    assert path[-1].tolist() == [6.0, -1.0]
+    corner = np.array([3.0, 1.5])
+    legs = np.diff(path, axis=0)
+    t = np.clip(((corner - path[:-1]) * legs).sum(axis=1) / (legs**2).sum(axis=1), 0.0, 1.0)
+    assert np.hypot(*(path[:-1] + t[:, None] * legs - corner).T).min() >= robot.shape.reach - 1e-6
+
+
+def test_it_plans_again_where_the_map_is_wrong():
+    """The map shows a straight way; there is a wall, which leaves a door. It is seen only from near."""
+    short = am.sensors.Laser(beams=121, fov=math.radians(240.0), range_max=2.0)
+    simulation = simulate([knowing(make(navigate((6.0, -1.0)), sensor=short))], [WALL], duration=60.0)
+    assert said(simulation) == [("rover", "goal_reached", "1 of 1")]
+    assert simulation.frames()[0].beliefs["controller"]["plans"][0, 0] > 1
+
+
+def test_without_a_map_it_plans_on_what_it_sees():
+    simulation = simulate([make(navigate((6.0, -1.0)))], [WALL], duration=60.0)
+    assert said(simulation) == [("rover", "goal_reached", "1 of 1")]
+
+
+def test_it_gives_up_a_goal_that_it_cannot_reach_and_goes_on():
+    closed = [(5.0, -2.9, 5.0, -1.0), (5.0, -1.0, 7.0, -1.0), (7.0, -1.0, 7.0, -2.9), (5.0, -2.9, 7.0, -2.9)]
+    controller = navigate((6.0, -2.0), (4.0, 1.0), rounds=1, stuck_after=4.0, recovery=("stop", "turn"))
+    simulation = simulate([knowing(make(controller), *closed)], closed, duration=60.0)
+    assert said(simulation) == [
+        ("rover", "recovery", "stop"),
+        ("rover", "recovery", "turn"),
+        ("rover", "gave_up", "goal 1 of 2: no path: unreachable"),
+        ("rover", "goal_reached", "2 of 2"),
+    ]
+
+
+def test_backing_up_meets_nothing_and_moves_away():
+    controller = navigate((6.0, -2.0), rounds=1, stuck_after=1.0, recovery=("back",))
+    closed = [(5.0, -2.9, 5.0, -1.0), (5.0, -1.0, 7.0, -1.0), (7.0, -1.0, 7.0, -2.9), (5.0, -2.9, 7.0, -2.9)]
+    simulation = simulate([knowing(make(controller), *closed)], closed, duration=10.0)
+    assert simulation.true_pose[0, 0] < -0.1
+    assert not [event for event in simulation.events if event.kind == "collision"]
+
+
+@pytest.mark.parametrize("goal", [(20.0, 0.0), (3.0, 0.0)])
+def test_goals_outside_or_in_walls_are_given_up(goal):
+    controller = navigate(goal, rounds=0, stuck_after=1.0)
+    simulation = simulate([knowing(make(controller), WALL)], [WALL], duration=3.0)
+    assert said(simulation) == [("rover", "gave_up", "goal 1 of 1: no path: goal blocked")]
+
+
+def test_rows_and_threads_change_nothing():
+    robots = [
+        knowing(make(navigate((5.5, y)), name=f"r{n}", start=am.Pose(y=y)), WALL)
+        for n, y in enumerate((-2.0, 0.0, 2.0))
+    ]
+    together = simulate(robots, [WALL], duration=5.0, replicas=2)
+    assert simulate(robots, [WALL], duration=5.0, replicas=2, threads=2).digest() == together.digest()
+    assert simulate(robots, [WALL], duration=5.0, replicas=[1]).digest(1) == together.digest(1)
+
+
+def test_a_snapshot_goes_on_to_the_same_bits():
+    robot = knowing(make(navigate((5.5, 0.0))), WALL)
+    simulation = simulate([robot], [WALL], duration=3.0)
+    kept = simulation.snapshot()
+    simulation.run(3.0)
+    digest = simulation.digest()
+    simulation.restore(kept)
+    simulation.run(3.0)
+    assert simulation.digest() == digest
+
+
+def test_it_needs_a_goal():
+    with pytest.raises(ParameterError, match="goals: expected one goal at least, got none"):
+        navigate()
+
+
+def test_a_file_names_planner_and_avoider(tmp_path):
+    (tmp_path / "room.wld").write_text("0 0 9000 0\n9000 0 9000 9000\n9000 9000 0 9000\n0 9000 0 0\n")
+    text = """format = 1
+[world]
+map = "room.wld"
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+pose = { x = 4.0, y = 4.0 }
+[robots.controller]
+use = "navigate"
+goals = [[1.0, 2.0], [3.0, 4.0]]
+planner = { use = "theta_star", lazy = true }
+avoider = { use = "dwa", turn_rate_deg = 90.0 }
+"""
+    path = tmp_path / "one.toml"
+    path.write_text(text)
+    controller = am.load(path).robots[0].controller
+    assert controller.planner == am.planners.ThetaStar(lazy=True)
+    assert controller.avoider == am.controllers.Dwa(turn_rate=math.radians(90.0))
+    written = resolved_table(am.load(path))["robots"][0]["controller"]
+    assert written["planner"]["use"] == "theta_star"
+    assert written["avoider"]["turn_rate_deg"] == pytest.approx(90.0)
+    for given, wrong in (
+        ('{ use = "theta_stra" }', "theta_star"),
+        ('{ use = "theta_star", sell = 1.0 }', "sell"),
+        ('"theta_star"', "a table with use = one of"),
+        ("{ cell = 1.0 }", "the name of a planner"),
+    ):
+        path.write_text(text.replace('{ use = "theta_star", lazy = true }', given))
+        with pytest.raises(am.ScenarioError, match=wrong):
+            am.load(path)
+    path.write_text(text.replace('use = "dwa", turn_rate_deg = 90.0', 'use = "wander"'))
+    with pytest.raises(am.ScenarioError, match="the controller 'wander' cannot be used here"):
+        am.load(path)
