@@ -123,6 +123,8 @@ if TYPE_CHECKING:
     from amorsim.simulation.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.phases import PHASES
     from amorsim.simulation.simulation import Simulation
+    from amorsim.sweeps.sweep import sweep
+    from amorsim.sweeps.table import Study, read_study
     from amorsim.ui.view import view
 
 _MODULES = {
@@ -165,6 +167,8 @@ _MODULES = {
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
+    "amorsim.sweeps.sweep": "sweep",
+    "amorsim.sweeps.table": "Study read_study",
     "amorsim.ui.view": "view",
 }
 _PACKAGES = (
@@ -254,6 +258,7 @@ __all__ = [
     "SnapshotError",
     "Stage",
     "State",
+    "Study",
     "StudyError",
     "Twist",
     "View",
@@ -280,6 +285,7 @@ __all__ = [
     "open_document",
     "parameter",
     "planners",
+    "read_study",
     "record",
     "relative",
     "reproduce",
@@ -289,6 +295,7 @@ __all__ = [
     "save_robot",
     "sensors",
     "stack",
+    "sweep",
     "testing",
     "view",
     "worlds",

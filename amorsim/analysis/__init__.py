@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from amorsim.algorithms.map_scores import MapScores, map_scores
     from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
     from amorsim.algorithms.trajectories import Transform, umeyama
+    from amorsim.analysis.comparison import Comparison, Difference, compare
     from amorsim.analysis.consistency import run_nees, run_nis
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
@@ -33,6 +34,7 @@ _MODULES = {
     "amorsim.algorithms.map_scores": "MapScores map_scores",
     "amorsim.algorithms.resampling": "bootstrap_interval holm paired_effect permutation_p",
     "amorsim.algorithms.trajectories": "Transform umeyama",
+    "amorsim.analysis.comparison": "Comparison Difference compare",
     "amorsim.analysis.consistency": "run_nees run_nis",
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
@@ -44,7 +46,9 @@ _MODULES = {
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
+    "Comparison",
     "Consistency",
+    "Difference",
     "MapScores",
     "PoseErrors",
     "RunFiles",
@@ -53,6 +57,7 @@ __all__ = [
     "Transform",
     "ape",
     "bootstrap_interval",
+    "compare",
     "holm",
     "map_scores",
     "measure",

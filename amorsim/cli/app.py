@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 from amorsim.cli import (
     calibrate,
     check,
+    compare,
     compile_,
     convert,
     edit,
@@ -24,6 +25,7 @@ from amorsim.cli import (
     plugins,
     reproduce,
     run,
+    sweep,
     umbmark,
     view,
 )
@@ -68,6 +70,8 @@ app.command("check", short_help="Report all that is wrong with a scenario.")(che
 app.command("convert", short_help="Write a map in another format.")(convert.command)
 app.command("generate", short_help="Make a random world, such as an office or a maze.")(generate.command)
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
+app.command("sweep", short_help="Run a study: a scenario over axes, seeds and replicas.")(sweep.command)
+app.command("compare", short_help="Compare systems on the same noise, and say what may be claimed.")(compare.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
 app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)
 app.command("calibrate", short_help="Find the errors of a gyro, a compass or a range sensor.")(calibrate.command)
