@@ -87,6 +87,7 @@ if TYPE_CHECKING:
     from amorsim.core.shapes import Shape
     from amorsim.plugins.hooks import hookimpl
     from amorsim.plugins.registry import Registry
+    from amorsim.reports.report import report
     from amorsim.runs.reproduce import reproduce
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
@@ -161,6 +162,7 @@ _MODULES = {
     ),
     "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",
+    "amorsim.reports.report": "report",
     "amorsim.runs.reproduce": "reproduce",
     "amorsim.runs.run": "run",
     "amorsim.runs.session": "RunSession RunSummary record",
@@ -288,6 +290,7 @@ __all__ = [
     "read_study",
     "record",
     "relative",
+    "report",
     "reproduce",
     "run",
     "save_device",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from amorsim.algorithms.trajectories import Transform, umeyama
     from amorsim.analysis.comparison import Comparison, Difference, compare
     from amorsim.analysis.consistency import run_nees, run_nis
+    from amorsim.analysis.export import export_run
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
     from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, rpe
@@ -36,6 +37,7 @@ _MODULES = {
     "amorsim.algorithms.trajectories": "Transform umeyama",
     "amorsim.analysis.comparison": "Comparison Difference compare",
     "amorsim.analysis.consistency": "run_nees run_nis",
+    "amorsim.analysis.export": "export_run",
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
     "amorsim.analysis.pose_errors": "PoseErrors Statistics ape rpe",
@@ -58,6 +60,7 @@ __all__ = [
     "ape",
     "bootstrap_interval",
     "compare",
+    "export_run",
     "holm",
     "map_scores",
     "measure",

@@ -17,6 +17,7 @@ import attrs
 import pytest
 
 from amorsim.cli import main
+from amorsim.grading.rubric import read_rubric
 from amorsim.scenario.read import loads
 from amorsim.sweeps.read import read_plan
 
@@ -118,6 +119,9 @@ def check_toml(block: Block) -> None:
     given = tomllib.loads(block.text)
     if "metrics" in given:
         read_plan(block.file or given)
+        return
+    if "criteria" in given:
+        read_rubric(block.file)
         return
     text = block.text
     if "drive" in given:
