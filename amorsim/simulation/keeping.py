@@ -132,7 +132,7 @@ def _pick(simulation: Simulated, name: str) -> Pick:
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")
     if name in _OF_FRAME:
-        return lambda frame: getattr(frame, name)  # type: ignore[no-any-return]
+        return lambda frame: getattr(frame, name)
     frames = simulation.frames()
     if kind == "readings" and whose:
         _expect(name, whose, {sensor for frame in frames for sensor in frame.readings}, "sensor")

@@ -106,12 +106,19 @@ def sweep(
         pass
     except StudyError as error:
         error.add_note(f"what was done is in {folder.path}; the same command goes on")
+        with contextlib.suppress(AmorsimError):  # the first error is the one to report
+            _end(folder, plan, scenario, status)
         raise
     finally:
         outcomes.close()  # type: ignore[attr-defined]
-        write_tables(folder.path, plan, scenario.seed, folder.outcomes())
-        folder.write_about(status)
+    _end(folder, plan, scenario, status)
     return read_study(folder.path)
+
+
+def _end(folder: StudyFolder, plan: Plan, scenario: Scenario, status: str) -> None:
+    """Write the table of what is done, and how the study ended."""
+    write_tables(folder.path, plan, scenario.seed, folder.outcomes())
+    folder.write_about(status)
 
 
 def _kept(keep: str | Collection[int], plan: Plan) -> Collection[int]:
