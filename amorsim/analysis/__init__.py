@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from amorsim.algorithms.consistency import Consistency, nees, nis, verdict
-    from amorsim.algorithms.map_scores import MapScores, map_scores
+    from amorsim.algorithms.map_scores import MapScores, distances_to_walls, map_scores
     from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
     from amorsim.algorithms.trajectories import Transform, umeyama
     from amorsim.analysis.comparison import Comparison, Difference, compare
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from amorsim.analysis.export import export_run
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
-    from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, rpe
+    from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
     from amorsim.analysis.trajectory import (
         Trajectory,
         read_csv,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.algorithms.consistency": "Consistency nees nis verdict",
-    "amorsim.algorithms.map_scores": "MapScores map_scores",
+    "amorsim.algorithms.map_scores": "MapScores distances_to_walls map_scores",
     "amorsim.algorithms.resampling": "bootstrap_interval holm paired_effect permutation_p",
     "amorsim.algorithms.trajectories": "Transform umeyama",
     "amorsim.analysis.comparison": "Comparison Difference compare",
@@ -40,7 +40,7 @@ _MODULES = {
     "amorsim.analysis.export": "export_run",
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
-    "amorsim.analysis.pose_errors": "PoseErrors Statistics ape rpe",
+    "amorsim.analysis.pose_errors": "PoseErrors Statistics ape relation_errors rpe",
     "amorsim.analysis.trajectory": (
         "Trajectory read_csv read_kitti read_tum run_trajectories write_csv write_kitti write_tum"
     ),
@@ -60,6 +60,7 @@ __all__ = [
     "ape",
     "bootstrap_interval",
     "compare",
+    "distances_to_walls",
     "export_run",
     "holm",
     "map_scores",
@@ -71,6 +72,7 @@ __all__ = [
     "read_csv",
     "read_kitti",
     "read_tum",
+    "relation_errors",
     "rpe",
     "run_nees",
     "run_nis",
