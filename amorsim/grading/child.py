@@ -60,8 +60,8 @@ Answer = Callable[[Mapping[str, Any]], tuple[str, Any]]
 def _loaded(path: Path, name: str, role: str) -> Answer:
     """What answers each line."""
     if role == "controller":
-        found = load_controller(path, name, {})
-        command = found().command if inspect.isclass(found) else found
+        found: Any = load_controller(path, name, {})
+        command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
         return lambda said: _told(command(*_arguments(said)))
     made = load_controller(path, name, {"start": None})
     if not callable(getattr(made, "update", None)):

@@ -31,7 +31,7 @@ def _estimate_of(estimator: str | None) -> str:
 def _distances(episode: Episode, estimator: str | None) -> Array:
     """Between estimated and true position at every time, `(S, R)` [m]."""
     apart = episode.kept[_estimate_of(estimator)][..., :2] - episode.kept["true_pose"][..., :2]
-    return np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2)
+    return np.asarray(np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2))
 
 
 @attrs.frozen(kw_only=True)

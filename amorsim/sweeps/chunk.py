@@ -186,7 +186,7 @@ class _Still:
 
 _STILL = 1.0  # [s]
 _STANDS = 1e-6  # [m, rad] in a step: motors with a lag come to rest only in the limit
-_ENDED = {"collision": _Collided, "still": _Still}
+_ENDED: Mapping[str, type[_Collided] | type[_Still]] = {"collision": _Collided, "still": _Still}
 
 
 def episode_at(
@@ -216,7 +216,7 @@ def episode_at(
     return Episode(
         robot=robot,
         replicas=replicas,
-        time=np.arange(end + 1) * dt,
+        time=np.arange(end + 1, dtype=np.float64) * dt,
         kept={name: np.ascontiguousarray(arrays[name][: end + 1, places]) for name in needs},
         events=[
             event

@@ -159,7 +159,8 @@ class StudyFolder:
                 digests=content.get("digests", []),
                 error=content.get("error", ""),
             )
-            counts = {len(values) for values in (*outcome.values.values(), outcome.digests)}
+            parts: list[list[Any]] = [*outcome.values.values(), outcome.digests]
+            counts = set(map(len, parts))
             is_whole = counts == {self._plan.replicas} and set(outcome.values) == {m.name for m in self._plan.metrics}
             if outcome.index != index or not (outcome.error or is_whole):
                 raise ValueError("it is not of this study")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import attrs
 
@@ -40,7 +40,8 @@ class Measured:
     robot: str = ""
 
 
-class Chunk(NamedTuple):
+@attrs.frozen(kw_only=True)
+class Chunk:
     """What is computed at once: all replicas of a point for one seed."""
 
     index: int
@@ -108,11 +109,11 @@ class Plan:
         places.reverse()
         pairs = list(zip(self.axes, places, strict=True))
         return Chunk(
-            index,
-            point,
-            self.seeds[seed],
-            tuple(axis.labels[place] for axis, place in pairs),
-            tuple(itertools.chain.from_iterable(axis.settings[place] for axis, place in pairs)),
+            index=index,
+            point=point,
+            seed=self.seeds[seed],
+            labels=tuple(axis.labels[place] for axis, place in pairs),
+            settings=tuple(itertools.chain.from_iterable(axis.settings[place] for axis, place in pairs)),
         )
 
     def settings_of(self, labels: Mapping[str, int]) -> Iterator[str]:
