@@ -13,7 +13,6 @@ from typing import Any
 import pytest
 
 import amorsim as am
-from amorsim.core.processes import python_command
 from tests.sweeps.studies import TRACK, needs_extra, study_file, tables
 
 pytestmark = needs_extra
@@ -47,7 +46,7 @@ def test_a_process_that_dies_costs_its_chunk_only(tmp_path: Path, always: bool) 
         "import os\nfrom pathlib import Path\n\nimport amorsim as am\n\nMARK = Path("
         + repr(str(tmp_path / "mark"))
         + ")\n\n\n"
-        "def step():\n"
+        "def step(readings, estimate, clock):\n"
         f"    if {always} or not MARK.exists():\n"
         "        MARK.touch()\n"
         "        os.kill(os.getpid(), 9)\n"
@@ -91,10 +90,10 @@ def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
     given = small(tmp_path / "s", 40)
     path = study_file(tmp_path / "s" / "study.toml", given)
     am.sweep(path, tmp_path / "whole")
-    code = "from amorsim.cli import main; main()"
-    command = [*python_command(code), "sweep", str(path), "--jobs", "2", "--out", str(tmp_path / "out")]
+    command = [sys.executable, "-m", "amorsim", "sweep", str(path), "--jobs", "2", "--out", str(tmp_path / "out")]
+    env = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     with subprocess.Popen(
-        command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        command, env=env, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     ) as process:
         until = time.monotonic() + 50.0
         while len(list((tmp_path / "out").glob("chunks/*/*.json"))) < 5 and time.monotonic() < until:
