@@ -89,6 +89,8 @@ def _pictures(page: Page, files: RunFiles) -> None:
     sensors = 0
     for robot in files.robots[:_MOST_ROBOTS]:
         for kind, (what, draw) in pictures_of(files, robot, None).items():
+            if kind == "path" and picture.exists() and len(files.replicas) == 1:
+                continue  # the run's own picture has it
             sensors += kind.startswith("sensor-")
             if kind.startswith("sensor-") and sensors > _MOST_SENSORS:
                 continue

@@ -25,7 +25,8 @@ def study_page(folder: Path) -> Page:
     points = np.unique(study["point"])
     page = Page(
         f"Study {about['name']}",
-        f"{len(points)} of {about['points']} points x {len(about['seeds'])} seeds x {about['replicas']} replicas, "
+        f"{len(points)} of {about['points']} points, {about['replicas']} replicas for each of "
+        f"{len(about['seeds'])} seed{'s' if len(about['seeds']) > 1 else ''}, "
         f"{about['duration']:g} s each; status: {about['status']}",
     )
     page.heading("Figures")
@@ -150,6 +151,6 @@ def comparison_page(folder: Path) -> Page:
     page.paragraph(
         "Differences are of pairs that met the same noise. Intervals are by the bootstrap (BCa), p-values by permuting "
         "the signs of the differences, corrected for their number (Holm). The gain is the variance of the difference "
-        "of independent values over that of the pairs: so many times fewer replicas were needed."
+        "of independent values over that of the pairs: pairs need that many times fewer replicas."
     )
     return page
