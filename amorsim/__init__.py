@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from amorsim.core.shapes import Shape
     from amorsim.plugins.hooks import hookimpl
     from amorsim.plugins.registry import Registry
+    from amorsim.reports.report import report
     from amorsim.runs.reproduce import reproduce
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
@@ -128,6 +129,8 @@ if TYPE_CHECKING:
     from amorsim.simulation.noise_stages import KeptStages, Stage, keep_stages
     from amorsim.simulation.phases import PHASES
     from amorsim.simulation.simulation import Simulation
+    from amorsim.sweeps.sweep import sweep
+    from amorsim.sweeps.table import Study, read_study
     from amorsim.ui.view import view
 
 _MODULES = {
@@ -165,12 +168,15 @@ _MODULES = {
     ),
     "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",
+    "amorsim.reports.report": "report",
     "amorsim.runs.reproduce": "reproduce",
     "amorsim.runs.run": "run",
     "amorsim.runs.session": "RunSession RunSummary record",
     "amorsim.simulation.phases": "PHASES",
     "amorsim.simulation.simulation": "Simulation",
     "amorsim.simulation.noise_stages": "KeptStages Stage keep_stages",
+    "amorsim.sweeps.sweep": "sweep",
+    "amorsim.sweeps.table": "Study read_study",
     "amorsim.ui.view": "view",
 }
 _PACKAGES = (
@@ -263,6 +269,7 @@ __all__ = [
     "SnapshotError",
     "Stage",
     "State",
+    "Study",
     "StudyError",
     "Twist",
     "View",
@@ -291,8 +298,10 @@ __all__ = [
     "open_document",
     "parameter",
     "planners",
+    "read_study",
     "record",
     "relative",
+    "report",
     "reproduce",
     "run",
     "save_device",
@@ -300,6 +309,7 @@ __all__ = [
     "save_robot",
     "sensors",
     "stack",
+    "sweep",
     "testing",
     "view",
     "worlds",

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["MapScores", "area_under_curve", "map_scores"]
+__all__ = ["MapScores", "area_under_curve", "distances_to_walls", "map_scores"]
 
 Array = npt.NDArray[np.float64]
 
@@ -123,6 +123,23 @@ def area_under_curve(scores: Array, positive: npt.NDArray[np.bool_]) -> float:
     last = np.cumsum(counts)
     ranks = (last - 0.5 * (counts - 1))[place]
     return float((ranks[positive].sum() - 0.5 * positives * (positives + 1)) / (positives * negatives))
+
+
+def distances_to_walls(points: Array, walls: Array) -> Array:
+    """Distance [m] of each point `(N, 2)` to the nearest wall `(M, 4)`, x0, y0, x1, y1 [m]; inf without walls.
+
+    For points of an estimated map, such as the middles of cells that it calls occupied, and `Map.segments`.
+    """
+    points, walls = np.asarray(points, np.float64), np.asarray(walls, np.float64).reshape(-1, 4)
+    nearest = np.full(len(points), np.inf)
+    for x0, y0, x1, y1 in walls.tolist():  # one after another: all at once would take much memory
+        dx, dy = x1 - x0, y1 - y0
+        square = dx * dx + dy * dy
+        along = ((points[:, 0] - x0) * dx + (points[:, 1] - y0) * dy) / square if square else np.zeros(len(points))
+        along = np.clip(along, 0.0, 1.0)
+        apart = (points[:, 0] - x0 - along * dx) ** 2 + (points[:, 1] - y0 - along * dy) ** 2
+        nearest = np.minimum(nearest, np.sqrt(apart))
+    return nearest
 
 
 def _distances(cells: npt.NDArray[np.bool_], to: npt.NDArray[np.bool_], resolution: float) -> Array:

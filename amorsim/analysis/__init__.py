@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from amorsim.algorithms.consistency import Consistency, nees, nis, verdict
-    from amorsim.algorithms.map_scores import MapScores, map_scores
+    from amorsim.algorithms.map_scores import MapScores, distances_to_walls, map_scores
     from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
     from amorsim.algorithms.trajectories import Transform, umeyama
+    from amorsim.analysis.comparison import Comparison, Difference, compare
     from amorsim.analysis.consistency import run_nees, run_nis
+    from amorsim.analysis.export import export_run
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
-    from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, rpe
+    from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
     from amorsim.analysis.trajectory import (
         Trajectory,
         read_csv,
@@ -30,13 +32,15 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.algorithms.consistency": "Consistency nees nis verdict",
-    "amorsim.algorithms.map_scores": "MapScores map_scores",
+    "amorsim.algorithms.map_scores": "MapScores distances_to_walls map_scores",
     "amorsim.algorithms.resampling": "bootstrap_interval holm paired_effect permutation_p",
     "amorsim.algorithms.trajectories": "Transform umeyama",
+    "amorsim.analysis.comparison": "Comparison Difference compare",
     "amorsim.analysis.consistency": "run_nees run_nis",
+    "amorsim.analysis.export": "export_run",
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
-    "amorsim.analysis.pose_errors": "PoseErrors Statistics ape rpe",
+    "amorsim.analysis.pose_errors": "PoseErrors Statistics ape relation_errors rpe",
     "amorsim.analysis.trajectory": (
         "Trajectory read_csv read_kitti read_tum run_trajectories write_csv write_kitti write_tum"
     ),
@@ -44,7 +48,9 @@ _MODULES = {
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
+    "Comparison",
     "Consistency",
+    "Difference",
     "MapScores",
     "PoseErrors",
     "RunFiles",
@@ -53,6 +59,9 @@ __all__ = [
     "Transform",
     "ape",
     "bootstrap_interval",
+    "compare",
+    "distances_to_walls",
+    "export_run",
     "holm",
     "map_scores",
     "measure",
@@ -63,6 +72,7 @@ __all__ = [
     "read_csv",
     "read_kitti",
     "read_tum",
+    "relation_errors",
     "rpe",
     "run_nees",
     "run_nis",

@@ -19,7 +19,9 @@ from amorsim.analysis.time_plots import draw_error, draw_heading, draw_speed, dr
 from amorsim.analysis.traces import read_trace
 from amorsim.core.errors import RunError
 
-__all__ = ["plot_run", "unfinished"]
+__all__ = ["pictures_of", "plot_run", "unfinished"]
+
+Drawn = dict[str, tuple[str, Callable[[], Figure | None]]]
 
 _LONGEST = 60  # of a name within a file's name
 
@@ -54,7 +56,7 @@ def plot_run(
     """
     files = RunFiles(Path(folder))
     name = robot or files.robots[0]
-    drawn = _of_all(files, name) if replica is None and len(files.replicas) > 1 else _of_one(files, name, replica)
+    drawn = pictures_of(files, name, replica)
     target = Path(out) if out is not None else Path(folder) / "plots"
     stem, who = _file_name(files, name, replica), _who(files, name, replica)
     try:
@@ -72,6 +74,14 @@ def plot_run(
     return made
 
 
+def pictures_of(files: RunFiles, robot: str, replica: int | None) -> Drawn:
+    """The pictures of a robot in one replica, or in all together: of each, what it is of, and what draws it.
+
+    What draws returns None where there is nothing to draw.
+    """
+    return _of_all(files, robot) if replica is None and len(files.replicas) > 1 else _of_one(files, robot, replica)
+
+
 def unfinished(files: RunFiles) -> str:
     """That a run did not end, and how far it came, in words; nothing if it did."""
     status = files.about["status"]
@@ -80,9 +90,6 @@ def unfinished(files: RunFiles) -> str:
     time = files.table("poses", replica="all")["time"]
     how = "did not end in order" if status == "running" else f"was {status}"
     return f"{how}; its files end at {time.max() if len(time) else 0.0:g} s"
-
-
-Drawn = dict[str, tuple[str, Callable[[], Figure | None]]]
 
 
 def _of_one(files: RunFiles, name: str, replica: int | None) -> Drawn:

@@ -24,7 +24,7 @@ from amorsim.analysis.trajectory import Trajectory
 from amorsim.core.errors import AnalysisError
 from amorsim.core.trouble import in_words
 
-__all__ = ["PoseErrors", "Statistics", "ape", "rpe"]
+__all__ = ["PoseErrors", "Statistics", "ape", "relation_errors", "rpe"]
 
 Array = npt.NDArray[np.float64]
 
@@ -226,6 +226,53 @@ def rpe(
         heading=heading,
         transform=transform,
         dropped=dropped,
+    )
+
+
+def relation_errors(estimate: Trajectory, relations: npt.ArrayLike, *, most_apart: float = 0.05) -> PoseErrors:
+    """The errors of an estimated trajectory in known relations between its poses (Kümmerle et al. 2009).
+
+    Of data without a true trajectory, somebody has said how far apart the robot was at two times, from scans matched
+    by hand. Nothing is aligned: only motions are compared.
+
+    Parameters
+    ----------
+    relations
+        (M, 5): two times [s], and the true motion (x [m], y [m], heading [rad]) from the pose at the first to that at
+        the second, in the frame of the first.
+    most_apart
+        How far from these times a pose may be [s].
+
+    Raises
+    ------
+    AnalysisError
+        If these are no relations, or none has poses at its times.
+    """
+    given = np.asarray(relations, dtype=np.float64)
+    if given.ndim != 2 or given.shape[1] != 5:
+        raise AnalysisError(f"relations: expected (M, 5), two times and x, y, heading, got the shape {given.shape}")
+    if len(estimate) < 1:
+        raise AnalysisError(f"{estimate.name}: expected poses, got none")
+    places = [np.abs(estimate.time[:, None] - given[:, column]).argmin(axis=0) for column in (0, 1)]
+    near = [np.abs(estimate.time[place] - given[:, i]) <= most_apart + 1e-9 for i, place in enumerate(places)]
+    there = np.flatnonzero(near[0] & near[1])
+    if not len(there):
+        raise AnalysisError(f"{estimate!r} has no poses at the times of these relations, to {most_apart:g} s")
+    first, last = places[0][there], places[1][there]
+    count = len(there)
+    # The true motions as poses seen from the origin.
+    reference = np.concatenate((np.zeros((count, 3)), given[there, 2:5]))
+    believed = np.concatenate((estimate.poses[first], estimate.poses[last]))
+    pairs = np.arange(count), count + np.arange(count)
+    position, heading = relative_errors(reference, believed, pairs)
+    return PoseErrors(
+        what="error of known relations",
+        time=estimate.time[last],
+        travelled=path_lengths(estimate.poses)[last],
+        position=position,
+        heading=heading,
+        transform=Transform(),
+        dropped=len(given) - count,
     )
 
 

@@ -14,17 +14,22 @@ from typer.core import TyperGroup
 from amorsim.cli import (
     calibrate,
     check,
+    compare,
     compile_,
     convert,
     edit,
     explain,
+    export,
     generate,
+    grade,
     new,
     plan,
     plot,
     plugins,
+    report,
     reproduce,
     run,
+    sweep,
     umbmark,
     view,
 )
@@ -70,7 +75,12 @@ app.command("convert", short_help="Write a map in another format.")(convert.comm
 app.command("generate", short_help="Make a random world, such as an office or a maze.")(generate.command)
 app.command("plan", short_help="Find a path on a map, and draw it.")(plan.command)
 app.command("compile", short_help="Compile the kernels ahead of the first run.")(compile_.command)
+app.command("sweep", short_help="Run a study: a scenario over axes, seeds and replicas.")(sweep.command)
+app.command("compare", short_help="Compare systems on the same noise, and say what may be claimed.")(compare.command)
 app.command("plot", short_help="Draw a run, from its files.")(plot.command)
+app.command("report", short_help="Write one HTML file about a run, a study or a comparison.")(report.command)
+app.command("export", short_help="Write a run as TUM, KITTI, CSV, Parquet or MCAP.")(export.command)
+app.command("grade", short_help="Grade controllers in files, by a rubric.")(grade.command)
 app.command("umbmark", short_help="Measure and correct a differential drive by squares.")(umbmark.command)
 app.command("calibrate", short_help="Find the errors of a gyro, a compass or a range sensor.")(calibrate.command)
 app.command("explain-errors", short_help="Show what each error does to odometry.")(explain.command)

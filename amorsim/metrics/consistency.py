@@ -31,7 +31,9 @@ class Nees(Metric):
     better: ClassVar[str] = "neither"
 
     at: str = parameter("end", choices=AT, help="of all times at which it has a value")
-    estimator: str = parameter("", refers="estimators", help="whose; empty: the one that the controller receives")
+    estimator: str | None = parameter(
+        None, refers="estimators", help="whose; none: the one that the controller receives"
+    )
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""

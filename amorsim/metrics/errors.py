@@ -20,18 +20,18 @@ Array = npt.NDArray[np.float64]
 _HELP = "of all times: the last, the mean, the root mean square, the largest, the median"
 
 
-_WHOSE = "whose estimate; empty: the one that the controller receives"
+_WHOSE = "whose estimate; none: the one that the controller receives"
 
 
-def _estimate_of(estimator: str) -> str:
+def _estimate_of(estimator: str | None) -> str:
     """The quantity that an estimator's poses are."""
     return f"estimates.{estimator}.pose" if estimator else "estimated_pose"
 
 
-def _distances(episode: Episode, estimator: str) -> Array:
+def _distances(episode: Episode, estimator: str | None) -> Array:
     """Between estimated and true position at every time, `(S, R)` [m]."""
     apart = episode.kept[_estimate_of(estimator)][..., :2] - episode.kept["true_pose"][..., :2]
-    return np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2)
+    return np.asarray(np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2))
 
 
 @attrs.frozen(kw_only=True)
@@ -42,7 +42,7 @@ class PositionError(Metric):
     better: ClassVar[str] = "lower"
 
     at: str = parameter("end", choices=AT, help=_HELP)
-    estimator: str = parameter("", refers="estimators", help=_WHOSE)
+    estimator: str | None = parameter(None, refers="estimators", help=_WHOSE)
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""
@@ -61,7 +61,7 @@ class HeadingError(Metric):
     better: ClassVar[str] = "lower"
 
     at: str = parameter("end", choices=AT, help=_HELP)
-    estimator: str = parameter("", refers="estimators", help=_WHOSE)
+    estimator: str | None = parameter(None, refers="estimators", help=_WHOSE)
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""
@@ -86,7 +86,7 @@ class RecoveryTime(Metric):
 
     within: float = parameter(0.5, unit="m", gt=0, help="how near counts as recovered")
     hold: float = parameter(0.0, unit="s", ge=0, help="how long it must stay so")
-    estimator: str = parameter("", refers="estimators", help=_WHOSE)
+    estimator: str | None = parameter(None, refers="estimators", help=_WHOSE)
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""

@@ -23,7 +23,7 @@ def total(values: Array) -> Array:
 def at(values: Array, what: str) -> Array:
     """The ``end``, ``mean``, ``rms``, ``max`` or ``median`` of values `(S, R)` over time, `(R,)`."""
     if what == "end":
-        return values[-1].copy()
+        return np.array(values[-1])
     if what == "mean":
         return total(values) / len(values)
     if what == "rms":

@@ -39,7 +39,7 @@ class Clearance(Metric):
         for poses in episode.kept["true_pose"]:
             gaps, _ = wall_gaps(episode.map, shapes, poses, self.most)
             least = np.minimum(least, gaps)
-        return np.maximum(least, 0.0)
+        return np.asarray(np.maximum(least, 0.0))
 
 
 @attrs.frozen(kw_only=True)

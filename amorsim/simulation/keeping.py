@@ -121,7 +121,8 @@ def _whole(simulation: Simulated, frames: Sequence[Frame], pick: Pick) -> Array:
             replicas[number] * len(robots) + robots[name]
             for number, name in zip(frame.replica.tolist(), frame.names, strict=True)
         ]
-        whole[(row, *(slice(size) for size in part.shape[1:]))] = part
+        place: tuple[Any, ...] = (row, *(slice(size) for size in part.shape[1:]))
+        whole[place] = part
     return whole
 
 
@@ -132,7 +133,7 @@ def _pick(simulation: Simulated, name: str) -> Pick:
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")
     if name in _OF_FRAME:
-        return lambda frame: getattr(frame, name)  # type: ignore[no-any-return]
+        return lambda frame: getattr(frame, name)
     frames = simulation.frames()
     if kind == "readings" and whose:
         _expect(name, whose, {sensor for frame in frames for sensor in frame.readings}, "sensor")
@@ -166,7 +167,7 @@ def _reading(frame: Frame, sensor: str, what: str) -> Array | None:
     if sensor not in frame.readings:
         return None
     true, reading = frame.readings[sensor]
-    return true if what == "true" else getattr(reading, what)  # type: ignore[no-any-return]
+    return true if what == "true" else getattr(reading, what)
 
 
 def _belief(beliefs: Mapping[str, Mapping[str, Array]], estimator: str, what: str) -> Array | None:

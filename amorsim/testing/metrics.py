@@ -58,7 +58,7 @@ def _measured(who: Who, metric: Metric, episode: Episode) -> Any:
 def _episode(needs: Any) -> Episode:
     """Robots that go round in circles in a hall, the even ones until they hit something."""
     random = np.random.default_rng(5)
-    time = _DT * np.arange(_STEPS)
+    time = _DT * np.arange(_STEPS, dtype=np.float64)
     turn = 0.3 + 0.1 * np.arange(_ROWS)
     angle = time[:, None] * turn
     true = np.stack((3.0 + np.sin(angle), 2.0 + 0.5 * np.cos(angle), -angle), axis=2)
@@ -80,7 +80,7 @@ def _episode(needs: Any) -> Episode:
             kept[name] = random.uniform(0.1, 3.0, (_STEPS, _ROWS, 3))
     events = []
     for replica in range(0, _ROWS, 2):
-        at = {"tick": 20 + replica, "time": (20.5 + replica) * _DT, "replica": replica, "name": "rover"}
+        at: dict[str, Any] = {"tick": 20 + replica, "time": (20.5 + replica) * _DT, "replica": replica, "name": "rover"}
         events.append(Event(kind="collision", other="wall", point=(3.0, 2.0), speed=0.2, **at))
         events.append(Event(kind="controller_ended", **at))
     walls = np.array([(0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 4.0), (6.0, 4.0, 0.0, 4.0), (0.0, 4.0, 0.0, 0.0)])

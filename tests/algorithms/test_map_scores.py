@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from amorsim.algorithms.map_scores import area_under_curve, map_scores
+from amorsim.algorithms.map_scores import area_under_curve, distances_to_walls, map_scores
 
 
 def truth() -> np.ndarray:
@@ -66,3 +66,15 @@ def test_what_cannot_be_compared_is_refused() -> None:
         map_scores(np.zeros((2, 2)), np.zeros((2, 3), np.int64), 0.1)
     with pytest.raises(ValueError, match="between 0 and 1"):
         map_scores(np.full((2, 2), 1.5), np.zeros((2, 2), np.int64), 0.1)
+
+
+def test_distances_to_walls_are_those_of_shapely() -> None:
+    import shapely
+
+    random = np.random.default_rng(2)
+    points, walls = random.uniform(-3.0, 3.0, (50, 2)), random.uniform(-3.0, 3.0, (7, 4))
+    walls[3, 2:] = walls[3, :2]  # a wall of one point
+    lines = shapely.multilinestrings([shapely.linestrings(wall.reshape(2, 2)) for wall in np.delete(walls, 3, axis=0)])
+    whole = shapely.union(lines, shapely.points(walls[3, :2]))
+    assert distances_to_walls(points, walls) == pytest.approx(shapely.distance(shapely.points(points), whole))
+    assert np.isinf(distances_to_walls(points, np.empty((0, 4)))).all()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
-from amorsim.analysis import Trajectory, Transform, ape, read_tum, rpe
+from amorsim.analysis import Trajectory, Transform, ape, read_tum, relation_errors, rpe
 
 TRAJECTORIES = Path(__file__).resolve().parents[3] / "shared" / "maps" / "trajectories"
 # What evo 1.38.1 gives for the same files, their poses projected to z = 0 and yaw; poses are associated up to 10 ms.
@@ -155,3 +155,17 @@ def test_wrong_options_are_told(options: dict[str, object], words: str) -> None:
 def test_wrong_stretches_are_told(options: dict[str, object], words: str) -> None:
     with pytest.raises(am.AnalysisError, match=words):
         rpe(line(), line(), **options)  # type: ignore[arg-type]
+
+
+def test_relations_are_judged_without_a_true_trajectory() -> None:
+    estimate = line(21)
+    turned = Trajectory(time=estimate.time, poses=Transform(3.0, 1.0, 2.0).apply(estimate.poses))
+    relations = [(0.0, 1.0, 1.0, 0.0, 0.0), (0.52, 1.5, 0.9, 0.0, 0.1), (0.0, 9.0, 1.0, 0.0, 0.0)]
+    found = relation_errors(turned, relations)
+    assert found.position == pytest.approx([0.0, 0.1], abs=1e-12)
+    assert found.heading == pytest.approx([0.0, 0.1], abs=1e-12)
+    assert found.dropped == 1
+    with pytest.raises(am.AnalysisError, match=r"expected \(M, 5\)"):
+        relation_errors(turned, [(0.0, 1.0)])
+    with pytest.raises(am.AnalysisError, match=r"no poses at the times"):
+        relation_errors(turned, [(50.0, 60.0, 0.0, 0.0, 0.0)])

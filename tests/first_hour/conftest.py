@@ -17,7 +17,9 @@ import attrs
 import pytest
 
 from amorsim.cli import main
+from amorsim.grading.rubric import read_rubric
 from amorsim.scenario.read import loads
+from amorsim.sweeps.read import read_plan
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -115,6 +117,12 @@ def check_toml(block: Block) -> None:
         Path(block.file).parent.mkdir(parents=True, exist_ok=True)
         Path(block.file).write_text(block.text, encoding="utf-8")
     given = tomllib.loads(block.text)
+    if "metrics" in given:
+        read_plan(block.file or given)
+        return
+    if "criteria" in given:
+        read_rubric(block.file)
+        return
     text = block.text
     if "drive" in given:
         return  # a robot's model, which is read by the scenario that names it

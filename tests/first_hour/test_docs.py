@@ -21,7 +21,11 @@ DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.rglob("*.md"), *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))])
 # Written by others, with tests of their own.
 ELSEWHERE = {DOCS / "how-to" / "write-a-plugin.md", DOCS / "how-to" / "write-a-controller.md", ROOT / "README.md"}
-EXAMPLES = sorted((DOCS / "examples").glob("*.py"))
+_LONG = {"crowd_crossing"}  # examples that simulate for more than some seconds
+EXAMPLES = [
+    pytest.param(path, marks=pytest.mark.long) if path.stem in _LONG else path
+    for path in sorted((DOCS / "examples").glob("*.py"))
+]
 
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 
@@ -50,7 +54,7 @@ def test_a_page_does_what_it_says(path: Path, page: Page) -> None:
     assert page.ran
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=_name)
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_prints_what_stands_beside_it(path: Path) -> None:
     check_output(path.with_suffix(".out").read_text(encoding="utf-8"), _tool("make_example_outputs").output_of(path))
 
@@ -69,8 +73,8 @@ def test_the_page_of_python_is_up_to_date() -> None:
 
 def test_every_public_name_is_on_the_page_of_python() -> None:
     text = (DOCS / "reference" / "python.md").read_text(encoding="utf-8")
-    packages = {"controllers", "drives", "estimators", "motions", "noise", "planners", "sensors", "worlds"}
-    for name in set(am.__all__) - packages - {"testing", "algorithms"}:
+    packages = {"controllers", "drives", "estimators", "metrics", "motions", "noise", "planners", "sensors", "worlds"}
+    for name in set(am.__all__) - packages - {"algorithms", "analysis", "testing"}:
         assert f"### `am.{name}`\n" in text, name
     for name in packages:
         for public in getattr(am, name).__all__:

@@ -1,0 +1,97 @@
+"""Pictures of comparisons and of studies: intervals of differences, and metrics along axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+
+from amorsim.algorithms.intervals import mean_interval
+from amorsim.analysis.comparison import Comparison
+from amorsim.analysis.figures import tidy
+from amorsim.sweeps.table import Study
+
+__all__ = ["draw_comparison", "draw_metric"]
+
+Array = npt.NDArray[np.float64]
+
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_MARKERS = "osD^vP"
+_MOST_LINES = 6  # along a second axis
+
+
+def draw_comparison(found: Comparison) -> Figure:
+    """The paired differences of each pair of systems, a panel for each metric: mean, 95 % interval, and every pair."""
+    metrics = list(dict.fromkeys(each.metric for each in found.differences))
+    pairs = max(sum(each.metric == metric for each in found.differences) for metric in metrics)
+    figure = Figure(figsize=(9.0, len(metrics) * (0.9 + 0.55 * pairs) + 0.6), layout="constrained")
+    axes = figure.subplots(len(metrics), 1, squeeze=False)[:, 0]
+    for axis, metric in zip(axes, metrics, strict=True):
+        tidy(axis)
+        axis.axvline(0.0, color="#6b7280", linewidth=1.0)
+        of = [each for each in found.differences if each.metric == metric]
+        for place, each in enumerate(of):
+            values = found.differences_of[metric, each.first, each.second]
+            spread = 0.12 * np.sin(2.4 * np.arange(len(values)))  # the same in every picture
+            axis.plot(values, place + 0.18 + spread, ".", color="#9ca3af", markersize=3, zorder=1)
+            colour = _COLOURS[0] if each.is_significant else "#374151"
+            axis.plot([each.unpaired_low, each.unpaired_high], [place, place], color=colour, linewidth=1.0, alpha=0.5)
+            axis.plot([each.low, each.high], [place, place], color=colour, linewidth=4.0)
+            axis.plot(each.mean, place, "o", color=colour, markersize=8, markeredgecolor="white")
+        unit = f" [{of[0].unit}]" if of[0].unit else ""
+        axis.set_yticks(range(len(of)), [f"{each.second}\nless {each.first}" for each in of], fontsize=8)
+        axis.set_ylim(len(of) - 0.4, -0.6)
+        axis.set_xlabel(f"difference of {metric}{unit}", fontsize=9)
+    figure.suptitle(
+        "paired differences: mean, 95 % interval (thick), without pairing (thin), every pair (dots)",
+        x=0.01,
+        ha="left",
+        fontsize=10,
+    )
+    return figure
+
+
+def draw_metric(study: Study, metric: str) -> Figure:
+    """A metric along the study's first axis: mean and 95 % interval, a line for each value of the second axis."""
+    figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    axis = figure.subplots()
+    tidy(axis)
+    unit = study.about["metrics"][metric]["unit"]
+    axis.set_ylabel(f"{metric} [{unit}]" if unit else metric)
+    first = study.axes[0] if study.axes else ""
+    labels = study.about["axes"][first] if first else ["all"]
+    is_number = bool(first) and all(type(label) in (int, float) for label in labels)
+    others = [name for name in study.axes[1:2] if len(study.about["axes"][name]) <= _MOST_LINES]
+    lines = study.about["axes"][others[0]] if others else [None]
+    for number, line in enumerate(lines):
+        of_line = (
+            np.ones(len(study["point"]), bool) if line is None else study[others[0]] == _told(study, others[0], line)
+        )
+        places, values, halves = [], [], []
+        for place, label in enumerate(labels):
+            chosen = of_line & (study[first] == _told(study, first, label)) if first else of_line
+            there: Array = study[metric][chosen]
+            there = there[~np.isnan(there)]
+            if not len(there):
+                continue
+            interval = mean_interval(there) if len(there) > 1 else None
+            places.append(float(label) if is_number else float(place))
+            values.append(float(np.mean(there)))
+            halves.append(interval.half_width if interval else 0.0)
+        style: dict[str, Any] = {"color": _COLOURS[number % 6], "marker": _MARKERS[number % 6]}
+        label = None if line is None else f"{others[0].rpartition('.')[2]} = {line}"
+        axis.errorbar(places, values, yerr=halves, capsize=3, linewidth=1.4, label=label, **style)
+    if not is_number:
+        axis.set_xticks(range(len(labels)), [str(label)[:30] for label in labels])
+    axis.set_xlabel(first, fontsize=9)
+    if others:
+        axis.legend(frameon=False, fontsize=9)
+    axis.set_title("mean over replicas, seeds and further axes, with its 95 % interval", loc="left", fontsize=9)
+    return figure
+
+
+def _told(study: Study, axis: str, label: Any) -> Any:
+    """A label as it stands in the table."""
+    return str(label) if study[axis].dtype == object else label

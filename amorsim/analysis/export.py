@@ -1,0 +1,99 @@
+"""A run's results in the formats of other programs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from amorsim.analysis.files import RunFiles
+from amorsim.analysis.trajectory import Trajectory, run_trajectories, write_csv, write_kitti, write_tum
+from amorsim.core.errors import AnalysisError, RunError
+from amorsim.core.whole_files import replacing
+
+__all__ = ["FORMATS", "export_run"]
+
+FORMATS = ("tum", "kitti", "csv", "parquet", "mcap")
+
+_WRITERS: Mapping[str, Callable[[Trajectory, Path], None]] = {"tum": write_tum, "kitti": write_kitti, "csv": write_csv}
+
+
+def export_run(
+    run: str | os.PathLike[str],
+    kind: str,
+    out: str | os.PathLike[str] | None = None,
+) -> list[Path]:
+    """Write a run's results in another format; returns where the files lie.
+
+    =============  ==================================================================================================
+    ``"tum"``      true and estimated trajectories of each robot, replica and estimator, as the TUM benchmark has them
+    ``"kitti"``    the same as KITTI has them
+    ``"csv"``      the same as ``time,x,y,heading``
+    ``"parquet"``  every table of the run, column by column (needs pyarrow, the extra ``sweep``)
+    ``"mcap"``     one file for Foxglove: poses, ranges and events of the first replica (needs the extra ``mcap``)
+    =============  ==================================================================================================
+
+    Parameters
+    ----------
+    out
+        The folder, made if it is not there; without it, ``export`` in the run's.
+
+    Raises
+    ------
+    RunError
+        If the folder is none of a run, a file in it is damaged, or a file cannot be written.
+    AnalysisError
+        If there is no such format, or what it needs is not installed.
+    """
+    if kind not in FORMATS:
+        raise AnalysisError(f"kind: expected one of {', '.join(FORMATS)}, got {kind!r}")
+    files = RunFiles(Path(run))
+    folder = files.folder / "export" if out is None else Path(out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RunError(f"{folder}: cannot be written ({error.strerror or error})") from None
+    if kind == "parquet":
+        return _tables(files, folder)
+    if kind == "mcap":
+        from amorsim.analysis.mcap_file import write_mcap
+
+        path = folder / f"{files.folder.resolve().name}.mcap"
+        write_mcap(files, path)
+        return [path]
+    return _trajectories(files, folder, kind)
+
+
+def _trajectories(files: RunFiles, folder: Path, kind: str) -> list[Path]:
+    made = []
+    for replica, robot in files.rows:
+        stem = f"{robot}-{replica}" if len(files.replicas) > 1 else robot
+        own = next(each for each in files.scenario.robots if each.name == robot).estimators
+        for estimator in own:
+            true, estimated = run_trajectories(files, robot=robot, replica=replica, estimator=estimator)
+            parts = {f"{stem}-true": true, f"{stem}-{estimator}": estimated}
+            for name, trajectory in parts.items():
+                path = folder / f"{name}.{kind}"
+                if path not in made:
+                    _WRITERS[kind](trajectory, path)
+                    made.append(path)
+    return made
+
+
+def _tables(files: RunFiles, folder: Path) -> list[Path]:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ModuleNotFoundError:
+        raise AnalysisError('Parquet needs pyarrow: python -m pip install "amorsim[sweep]"') from None
+    made = []
+    for file in sorted((*files.folder.glob("*.csv"), *files.folder.glob("*/*.csv"))):
+        name = file.relative_to(files.folder).with_suffix("").as_posix()
+        if name.partition("/")[0] in ("export", "plots"):
+            continue
+        path = folder / f"{name}.parquet"
+        path.parent.mkdir(exist_ok=True)
+        with replacing(path) as new:
+            parquet.write_table(pyarrow.table(dict(files.table(name, replica="all"))), new)
+        made.append(path)
+    return made

@@ -1,0 +1,160 @@
+"""``amorsim compare``: two or more systems on the same seeds, worlds and noise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from amorsim.cli.console import compile_once, complain, say
+
+if TYPE_CHECKING:
+    from amorsim.analysis.comparison import Comparison
+    from amorsim.sweeps.table import Study
+
+__all__ = ["command"]
+
+
+def command(
+    systems: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="A B ...",
+            help="Folders of studies, or scenarios, which are then simulated; or one study's folder, with --axis.",
+        ),
+    ],
+    axis: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of one study: compare the values of this axis.")
+    ] = None,
+    metric: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Which metric; may be given again. [default: all of the studies; position_error for scenarios]",
+        ),
+    ] = None,
+    replicas: Annotated[int, typer.Option(metavar="N", help="Of scenarios: how many replicas of each.")] = 100,
+    seeds: Annotated[str, typer.Option(metavar="N,N", help="Of scenarios: the seeds, the same for all.")] = "1",
+    duration: Annotated[float | None, typer.Option(metavar="SECONDS", help="Of scenarios: simulated time.")] = None,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", metavar="N", help="Of scenarios: how many processes.")] = 1,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/comparison-<number>]"),
+    ] = None,
+) -> None:
+    """Compare systems on the same seeds, worlds and noise, and say what may be claimed.
+
+    Draws depend on seed, replica and names alone, so each system meets the same noise: differences are taken pair by
+    pair. Intervals are by the bootstrap, p-values by permutation, corrected for the number of differences (Holm).
+    """
+    from amorsim.analysis.comparison import compare
+    from amorsim.core.errors import AnalysisError
+    from amorsim.runs.folder import check_free, new_folder
+
+    check_free(out)
+    are_studies = [(Path(name) / "study.json").exists() for name in systems]
+    if not any(are_studies) and axis is None:
+        if len(systems) < 2:
+            raise AnalysisError("expected two scenarios at least")
+        folder = out or new_folder("comparison")
+        studies: list[Any] = _simulated(systems, metric or ["position_error"], replicas, seeds, duration, jobs, folder)
+        found = compare(*studies, labels=[study.folder.name for study in studies])
+    else:
+        found = compare(*systems, axis=axis, metrics=metric or ())
+        folder = out or new_folder("comparison")
+    folder.mkdir(parents=True, exist_ok=True)
+    _report(found)
+    made = found.save(folder)
+    if picture := _draw(found, folder):
+        made.append(picture)
+    say("\n" + ", ".join(map(str, made)))
+
+
+def _simulated(
+    systems: list[str], metrics: list[str], replicas: int, seeds: str, duration: float | None, jobs: int, folder: Path
+) -> list[Study]:
+    """A study of each scenario, with the same seeds and replicas."""
+    from amorsim.core.errors import AnalysisError
+    from amorsim.runs.asked import look_up
+    from amorsim.sweeps.sweep import sweep
+
+    try:
+        numbers = [int(part) for part in seeds.split(",")]
+    except ValueError:
+        raise AnalysisError(f"--seeds: expected whole numbers, as 1,2,3, got {seeds!r}") from None
+    for name in systems:
+        look_up(name)
+    compile_once(lambda: None)
+    stems = [Path(name).stem for name in systems]
+    labels = [stem if stems.count(stem) == 1 else f"{stem}-{number}" for number, stem in enumerate(stems, start=1)]
+    studies = []
+    for name, label in zip(systems, labels, strict=True):
+        tables: dict[str, Any] = {
+            "format": 1,
+            "scenario": name,
+            "replicas": replicas,
+            "seeds": numbers,
+            "metrics": {metric: {"use": metric} for metric in metrics},
+        }
+        if duration is not None:
+            tables["duration"] = duration
+        say(f"{label}: {len(numbers)} x {replicas} replicas")
+        study = sweep(tables, folder / label, jobs=jobs)
+        if not study.is_complete:
+            complain("interrupted; the same command with another --out begins again")
+            raise typer.Exit(130)
+        for _, error in study.failures[:1]:
+            raise AnalysisError(f"{label}: {error}")
+        studies.append(study)
+    return studies
+
+
+def _report(found: Comparison) -> None:
+    from amorsim.cli.study import significant, table
+
+    head = ["metric", "system", "mean", "95 % from", "to", "median", "values"]
+    rows = [
+        [
+            each.metric,
+            each.label,
+            *(significant(v) for v in (each.mean, each.low, each.high, each.median)),
+            str(each.count),
+        ]
+        for each in found.summaries
+    ]
+    say(table(head, rows))
+    head = ["difference", "of", "mean", "95 % from", "to", "unpaired from", "to", "p (Holm)", "d", "gain of pairing"]
+    rows = []
+    for each in found.differences:
+        figures = (each.mean, each.low, each.high, each.unpaired_low, each.unpaired_high)
+        rows.append(
+            [
+                f"{each.second} - {each.first}",
+                each.metric,
+                *(significant(value) for value in figures),
+                f"{each.p_corrected:.4f}",
+                f"{each.effect:.2f}",
+                f"{each.gain:.1f}",
+            ]
+        )
+    say("\n" + table(head, rows) + "\n")
+    for each in found.differences:
+        say(str(each))
+    for each in found.differences:
+        if each.left_out:
+            complain(f"{each.metric}: {each.left_out} pairs of {each.first} and {each.second} have no value")
+
+
+def _draw(found: Comparison, folder: Path) -> Path | None:
+    try:
+        from amorsim.analysis.comparison_plots import draw_comparison
+        from amorsim.analysis.figures import save_figure
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != "matplotlib":
+            raise
+        complain('comparison.png is left out: plots need matplotlib: python -m pip install "amorsim[plot]"')
+        return None
+    path = folder / "comparison.png"
+    save_figure(draw_comparison(found), path, dpi=110)
+    return path

@@ -1,0 +1,221 @@
+"""The folder of a study: what it is, a file for each chunk that is done, and the table made of them."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from amorsim.core.errors import AmorsimError, RunError, StudyError
+from amorsim.core.whole_files import write_text
+from amorsim.runs.folder import check_free, circumstances, fingerprints
+from amorsim.scenario.spec import Scenario
+from amorsim.scenario.write import table_text, with_copies
+from amorsim.sweeps.chunk import Outcome
+from amorsim.sweeps.plan import Plan
+
+__all__ = ["ABOUT", "FORMAT", "StudyFolder", "read_study_about"]
+
+FORMAT = 1
+ABOUT = "study.json"
+STUDY = "study.toml"
+CHUNKS = "chunks"
+_EACH = 1000  # chunks in a folder of their own, so that no folder holds a million files
+
+
+class StudyFolder:
+    """The folder of a study that is computed now: new, or of the same study that was begun before.
+
+    Parameters
+    ----------
+    path
+        The folder.
+    plan, scenario
+        The study, and its scenario before anything is set.
+
+    Raises
+    ------
+    StudyError
+        If the folder holds something else, another study, or one of another version; or cannot be made.
+    """
+
+    def __init__(self, path: Path, plan: Plan, scenario: Scenario) -> None:
+        self.path = path
+        self._plan = plan
+        inputs = _inputs(plan, scenario)
+        if (path / ABOUT).exists():
+            self.about = read_study_about(path)
+            self._check_same(inputs)
+        else:
+            self.about = {
+                "format": FORMAT,
+                "status": "running",
+                "name": plan.name,
+                "scenario": plan.scenario,
+                "inputs": inputs,
+                "points": plan.points,
+                "chunks": plan.chunks,
+                "replicas": plan.replicas,
+                "seeds": [scenario.seed if seed < 0 else seed for seed in plan.seeds],
+                "duration": scenario.duration if plan.duration is None else plan.duration,
+                "stop": plan.stop,
+                "axes": {axis.name: list(axis.labels) for axis in plan.axes},
+                "metrics": {
+                    each.name: {"unit": each.metric.unit, "better": each.metric.better, "robot": each.robot}
+                    for each in plan.metrics
+                },
+                **circumstances(),
+            }
+            self._begin()
+
+    def _begin(self) -> None:
+        try:
+            check_free(self.path)
+            (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
+            write_text(self.path / STUDY, table_text(self._plan.tables))
+            self.write_about("running")
+        except OSError as error:
+            raise StudyError(
+                f"{self.path}: cannot make this folder for the study ({error.strerror or error})"
+            ) from None
+        except RunError as error:
+            raise StudyError(str(error).replace("for the run", "for the study")) from None
+
+    def _check_same(self, inputs: Mapping[str, str]) -> None:
+        """Raise unless the folder is of this very study, by the same version."""
+        were = self.about.get("inputs", {})
+        changed = [name for name in {**were, **inputs} if were.get(name) != inputs.get(name)]
+        if changed:
+            raise StudyError(
+                f"{self.path}: this study was begun with another {', '.join(sorted(changed))}; its results would not "
+                "belong together. Take back the change, or name another folder with --out"
+            )
+        now = circumstances()
+        for key in ("amorsim", "python", "packages", "processor"):
+            if self.about.get(key) != now[key]:
+                raise StudyError(
+                    f"{self.path}: this study was begun with another version: {key} was {_shown(self.about.get(key))} "
+                    f"and is {_shown(now[key])}; go on with the same, or name another folder with --out"
+                )
+
+    def write_about(self, status: str) -> None:
+        """Write ``study.json``; raises `RunError` as `write_text`."""
+        self.about["status"] = status
+        write_text(self.path / ABOUT, json.dumps(self.about, indent=2) + "\n")
+
+    def _file(self, index: int) -> Path:
+        return self.path / CHUNKS / f"{index // _EACH:05d}" / f"{index:08d}.json"
+
+    def marker(self, index: int) -> Path:
+        """A file that is there while a local process computes a chunk."""
+        return self.path / CHUNKS / f"{index:08d}.begun"
+
+    def forget_begun(self) -> None:
+        """Remove the markers of an earlier run."""
+        for file in (self.path / CHUNKS).glob("*.begun"):
+            file.unlink(missing_ok=True)
+
+    def run_folder(self, index: int) -> Path:
+        """The folder of a run that is kept."""
+        chunk = self._plan.chunk(index)
+        return self.path / "runs" / f"point-{chunk.point:06d}-seed-{max(chunk.seed, 0)}"
+
+    def missing(self) -> list[int]:
+        """The chunks that are not done."""
+        return [index for index in range(self._plan.chunks) if not self._file(index).exists()]
+
+    def write(self, outcome: Outcome) -> None:
+        """Write down what came of a chunk; raises `StudyError` if it cannot be written."""
+        file = self._file(outcome.index)
+        content: dict[str, Any] = {"index": outcome.index}
+        content |= {"error": outcome.error} if outcome.error else {"values": outcome.values, "digests": outcome.digests}
+        try:
+            file.parent.mkdir(exist_ok=True)
+            write_text(file, json.dumps(content) + "\n")
+        except (OSError, RunError) as error:
+            raise StudyError(
+                f"{error}; what was done before is in {self.path}. Make room, and give the same command again"
+            ) from None
+        with contextlib.suppress(OSError):
+            self.marker(outcome.index).unlink()
+
+    def outcomes(self) -> Iterator[Outcome]:
+        """What came of the chunks that are done, in their order."""
+        for index in range(self._plan.chunks):
+            if self._file(index).exists():
+                yield self._read(index)
+
+    def _read(self, index: int) -> Outcome:
+        file = self._file(index)
+        try:
+            content = json.loads(file.read_text(encoding="utf-8"))
+            outcome = Outcome(
+                index=content["index"],
+                values=content.get("values", {}),
+                digests=content.get("digests", []),
+                error=content.get("error", ""),
+            )
+            parts: list[list[Any]] = [*outcome.values.values(), outcome.digests]
+            counts = set(map(len, parts))
+            is_whole = counts == {self._plan.replicas} and set(outcome.values) == {m.name for m in self._plan.metrics}
+            if outcome.index != index or not (outcome.error or is_whole):
+                raise ValueError("it is not of this study")
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise StudyError(f"{file}: is damaged ({error}); remove it, and give the same command again") from None
+        return outcome
+
+
+def read_study_about(folder: Path) -> dict[str, Any]:
+    """The content of a study's ``study.json``.
+
+    Raises
+    ------
+    StudyError
+        If it is no study's folder, of another version, or damaged.
+    """
+    path = folder / ABOUT
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise StudyError(f"{folder}: expected the folder of a study, with a {ABOUT} in it") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise StudyError(f"{path}: cannot be read ({error})") from None
+    if not isinstance(about, dict) or about.get("format") != FORMAT:
+        found = about.get("format") if isinstance(about, dict) else None
+        raise StudyError(
+            f"{path}: expected a study of format {FORMAT}, which this amorsim reads, got {found!r}; take the amorsim "
+            f"that wrote it ({about.get('amorsim', 'unknown') if isinstance(about, dict) else 'unknown'})"
+        )
+    for key, kind in (("axes", dict), ("metrics", dict), ("replicas", int), ("status", str), ("chunks", int)):
+        if not isinstance(about.get(key), kind):
+            raise StudyError(f"{path}: is damaged: expected {kind.__name__} under {key!r}, got {about.get(key)!r}")
+    return about
+
+
+def _inputs(plan: Plan, scenario: Scenario) -> dict[str, str]:
+    """A fingerprint of the study, and of each file that it depends on."""
+    study = json.dumps(plan.tables, sort_keys=True, default=str).encode()
+    found = {"study": hashlib.blake2b(study, digest_size=16).hexdigest()}
+    with tempfile.TemporaryDirectory(prefix="amorsim-") as place:
+        folder = Path(place)
+        try:
+            text = table_text(with_copies(scenario, folder))
+        except AmorsimError as error:
+            raise StudyError(str(error)) from None
+        found["scenario"] = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+        files = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+        found |= fingerprints(folder, files)
+    for name in plan.files:
+        path = Path(name)
+        found[name] = fingerprints(path.parent, [path.name]).get(path.name, "")
+    return found
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {version}" for name, version in value.items())
+    return str(value)

@@ -1,0 +1,196 @@
+"""A study, from its file to its table."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from amorsim.core.errors import AmorsimError, StudyError
+from amorsim.scenario.read import load
+from amorsim.scenario.spec import Scenario
+from amorsim.simulation.keeping import Keeper
+from amorsim.simulation.simulation import Simulation
+from amorsim.sweeps.chunk import Outcome, quantities, robot_of
+from amorsim.sweeps.folder import StudyFolder
+from amorsim.sweeps.plan import Axis, Plan
+from amorsim.sweeps.read import read_plan
+from amorsim.sweeps.spread import Work, in_processes, in_this_process, on_cluster
+from amorsim.sweeps.table import Study, read_study, write_tables
+
+__all__ = ["Progress", "sweep"]
+
+_TRIES = 20  # values of an axis that are tried beforehand
+
+
+class Progress(NamedTuple):
+    """How far a study is: chunks done, of all, failed ones, and an estimate of the time left [s] or None."""
+
+    done: int
+    total: int
+    failed: int
+    left: float | None
+
+
+def sweep(
+    study: str | os.PathLike[str] | Mapping[str, Any],
+    out: str | os.PathLike[str] | None = None,
+    *,
+    jobs: int = 1,
+    dask: Any = None,
+    keep: str | Collection[int] = "none",
+    progress: Callable[[Progress], None] | None = None,
+) -> Study:
+    """Run a study: its scenario at every point of its axes, in all replicas and for all seeds; measure, and tabulate.
+
+    The same call again goes on where it stopped; results do not depend on where and how they were computed. Ctrl-C
+    ends it with what is done: the table then has that, and `Study.is_complete` is false.
+
+    Parameters
+    ----------
+    study
+        The path of its file, or its tables.
+    out
+        The folder, new or of this study; without it, ``amorsim-runs/<study>``.
+    jobs
+        The number of processes.
+    dask
+        The address of a Dask scheduler, or a client, in place of `jobs`. Workers must find the study's files under the
+        same paths.
+    keep
+        Which points leave the folders of their runs in ``runs``: ``"none"``, ``"all"``, or their numbers.
+    progress
+        Called at the beginning and after every chunk.
+
+    Raises
+    ------
+    StudyError
+        If the study is not right, the folder is another's, a file cannot be written, or a cluster goes away. What was
+        done stays. A point that fails is no error: its rows say why.
+    """
+    plan = read_plan(study)
+    if not isinstance(jobs, int) or jobs < 1:
+        raise StudyError(f"jobs: expected a number of processes >= 1, got {jobs!r}")
+    kept = _kept(keep, plan)
+    scenario = _checked(plan)
+    folder = StudyFolder(Path(out) if out is not None else Path("amorsim-runs") / plan.name, plan, scenario)
+    missing = folder.missing()
+    folder.forget_begun()
+
+    def work_of(index: int) -> Work:
+        run = folder.run_folder(index).absolute() if plan.chunk(index).point in kept else ""
+        return Work(index=index, begun=str(folder.marker(index).absolute()), folder=str(run))
+
+    status, begun, done, failed = "interrupted", time.monotonic(), plan.chunks - len(missing), 0
+    if progress is not None:
+        progress(Progress(done, plan.chunks, failed, None))
+    outcomes: Iterator[Outcome]
+    if dask is not None:
+        outcomes = on_cluster(plan, missing, work_of, dask)
+    elif jobs > 1:
+        outcomes = in_processes(plan, missing, work_of, jobs)
+    else:
+        outcomes = in_this_process(plan, missing, work_of)
+    try:
+        for count, outcome in enumerate(outcomes, start=1):
+            folder.write(outcome)
+            failed += bool(outcome.error)
+            left = (time.monotonic() - begun) / count * (len(missing) - count)
+            if progress is not None:
+                progress(Progress(done + count, plan.chunks, failed, left))
+        status = "finished"
+    except KeyboardInterrupt:
+        pass
+    except StudyError as error:
+        error.add_note(f"what was done is in {folder.path}; the same command goes on")
+        with contextlib.suppress(AmorsimError):  # the first error is the one to report
+            _end(folder, plan, scenario, status)
+        raise
+    finally:
+        outcomes.close()  # type: ignore[attr-defined]
+    _end(folder, plan, scenario, status)
+    return read_study(folder.path)
+
+
+def _end(folder: StudyFolder, plan: Plan, scenario: Scenario, status: str) -> None:
+    """Write the table of what is done, and how the study ended."""
+    write_tables(folder.path, plan, scenario.seed, folder.outcomes())
+    folder.write_about(status)
+
+
+def _kept(keep: str | Collection[int], plan: Plan) -> Collection[int]:
+    if keep == "none":
+        return ()
+    if keep == "all":
+        return range(plan.points)
+    if isinstance(keep, str) or any(not isinstance(point, int) or not 0 <= point < plan.points for point in keep):
+        raise StudyError(f"keep: expected 'none', 'all', or numbers of points below {plan.points}, got {keep!r}")
+    return frozenset(keep)
+
+
+# --------------------------------------------------------------------------------------------------------- beforehand
+
+
+def _checked(plan: Plan) -> Scenario:
+    """The scenario as it is without the axes, after a look at what the study names.
+
+    An axis none of whose values can be set names nothing; so does a metric that fits none of the points looked at. A
+    single value that cannot be set is a point that fails.
+    """
+    try:
+        scenario = load(plan.scenario)
+    except AmorsimError as error:
+        raise StudyError(f"scenario: {error}") from None
+    problems: list[AmorsimError] = []
+    try:
+        simulations = [_tried(plan, axis, scenario) for axis in plan.axes] or [_simulated(plan, {})]
+    except StudyError:
+        raise
+    except AmorsimError as error:
+        raise StudyError(f"scenario: {error}") from None
+    for simulation in simulations:
+        try:
+            _check_metrics(plan, simulation)
+        except AmorsimError as error:
+            problems.append(error)
+    if len(problems) == len(simulations):
+        raise problems[0] if isinstance(problems[0], StudyError) else StudyError(f"metrics: {problems[0]}")
+    return scenario
+
+
+def _tried(plan: Plan, axis: Axis, scenario: Scenario) -> Simulation:
+    """A simulation with a value of an axis; one that changes the scenario, if there is one that can be set."""
+    problem: AmorsimError | None = None
+    neutral = None
+    places = range(min(len(axis), _TRIES))
+    for place in places:
+        try:
+            simulation = _simulated(plan, {axis.name: place})
+        except AmorsimError as error:
+            problem = problem or error
+            continue
+        # A default may be said of anything, also of what there is not: it is left out.
+        if simulation.scenario.resolved != scenario.resolved:
+            return simulation
+        neutral = simulation
+    if neutral is not None and problem is None:
+        return neutral
+    firsts = {each.name: 0 for each in plan.axes}
+    for place in places if neutral is None and len(plan.axes) > 1 else ():
+        with contextlib.suppress(AmorsimError):  # it may need what another axis sets
+            return _simulated(plan, {**firsts, axis.name: place})
+    raise StudyError(f"no value of this axis can be set: {problem}")
+
+
+def _simulated(plan: Plan, places: Mapping[str, int]) -> Simulation:
+    seed = None if plan.seeds[0] < 0 else plan.seeds[0]
+    return Simulation(load(plan.scenario, tuple(plan.settings_of(places))), seed=seed, replicas=[0])
+
+
+def _check_metrics(plan: Plan, simulation: Simulation) -> None:
+    for each in plan.metrics:
+        robot_of(each, simulation.names)
+    Keeper(simulation, quantities(plan), 1)

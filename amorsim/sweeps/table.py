@@ -1,0 +1,262 @@
+"""The table of a study: a line for each point, seed and replica; written in parts, read as arrays."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import StudyError
+from amorsim.core.whole_files import replacing
+from amorsim.sweeps.chunk import Outcome
+from amorsim.sweeps.folder import read_study_about
+from amorsim.sweeps.plan import Plan
+
+__all__ = ["Study", "read_study", "write_tables"]
+
+PARQUET, CSV = "table.parquet", "table.csv"
+_ROWS = 50_000  # of a part that is written at once
+_WHOLE = ("point", "seed", "replica")
+_TEXT = ("digest", "error")
+
+
+class Study(dict[str, npt.NDArray[Any]]):
+    """The table of a study, as a dict of arrays `(rows,)`, a row for each point, seed and replica.
+
+    Its columns are ``point``, the axes, ``seed``, ``replica``, the metrics, ``digest`` and ``error``. Where a point
+    failed, metrics are nan, and `error` says why.
+
+    Attributes
+    ----------
+    folder
+        Where it lies.
+    about
+        The content of its ``study.json``: versions, metrics with their units, and so on.
+    """
+
+    def __init__(self, folder: Path, about: dict[str, Any], columns: dict[str, npt.NDArray[Any]]) -> None:
+        super().__init__(columns)
+        self.folder = folder
+        self.about = about
+
+    def __repr__(self) -> str:
+        rows = len(self["point"])
+        return f"<study {self.about.get('name', '')!r}: {rows} rows of {', '.join(self)}; {self.about['status']}>"
+
+    @property
+    def axes(self) -> list[str]:
+        """The names of the axes."""
+        return list(self.about["axes"])
+
+    @property
+    def metrics(self) -> list[str]:
+        """The names of the metrics."""
+        return list(self.about["metrics"])
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all points are done; failed ones are."""
+        return bool(self.about["status"] == "finished")
+
+    @property
+    def failures(self) -> list[tuple[int, str]]:
+        """The points that failed, with their errors."""
+        there = np.flatnonzero(self["error"] != "")
+        return list(dict.fromkeys((int(self["point"][row]), str(self["error"][row])) for row in there.tolist()))
+
+    def to_pandas(self) -> Any:
+        """The table as a pandas frame; raises `StudyError` without pandas."""
+        return _module("pandas").DataFrame(dict(self))
+
+    def to_polars(self) -> Any:
+        """The table as a polars frame; raises `StudyError` without polars."""
+        return _module("polars").DataFrame(
+            {name: values.tolist() if values.dtype == object else values for name, values in self.items()}
+        )
+
+
+def _module(name: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
+        raise StudyError(
+            f"this needs {name}: python -m pip install {name}; the study itself is a dict of arrays"
+        ) from None
+
+
+def read_study(folder: str | os.PathLike[str]) -> Study:
+    """The table of a study in a folder that `sweep` made, as arrays by column.
+
+    Of a study that has not ended, or was killed, the table has what was done when it last stopped.
+
+    Raises
+    ------
+    StudyError
+        If the folder is none of a study, is of another version, or its table cannot be read.
+    """
+    folder = Path(folder)
+    about = read_study_about(folder)
+    path = next((folder / name for name in (PARQUET, CSV) if (folder / name).exists()), None)
+    if path is None:
+        raise StudyError(
+            f"{folder}: this study has no table yet; it is being computed, or was killed: give its command again"
+        )
+    kinds = _kinds(about["axes"], about["metrics"])
+    columns = _read_parquet(path) if path.name == PARQUET else _read_csv(path, kinds)
+    if set(columns) != set(kinds):
+        raise StudyError(f"{path}: is damaged: expected the columns {', '.join(kinds)}, got {', '.join(columns)}")
+    return Study(folder, about, {name: _as_array(columns[name], kind) for name, kind in kinds.items()})
+
+
+def _as_array(values: Sequence[Any], kind: str) -> npt.NDArray[Any]:
+    if kind == "text":
+        found = np.empty(len(values), dtype=object)
+        found[:] = list(values)
+        return found
+    dtype = {"whole": np.int64, "flag": np.bool_}.get(kind, np.float64)
+    return np.array([math.nan if value is None else value for value in values], dtype=dtype)
+
+
+def _kinds(axes: dict[str, list[Any]], metrics: Iterable[str]) -> dict[str, str]:
+    """What each column holds: whole numbers, numbers, flags or texts."""
+    found = {"point": "whole"}
+    for name, labels in axes.items():
+        kinds = {type(label) for label in labels}
+        found[name] = (
+            "flag" if kinds == {bool} else "whole" if kinds == {int} else "number" if kinds <= {int, float} else "text"
+        )
+        if found[name] == "whole" and any(abs(label) >= 2**63 for label in labels):
+            found[name] = "text"
+    return (
+        found
+        | dict.fromkeys(("seed", "replica"), "whole")
+        | dict.fromkeys(metrics, "number")
+        | dict.fromkeys(_TEXT, "text")
+    )
+
+
+# ------------------------------------------------------------------------------------------------------------- writing
+
+
+def write_tables(folder: Path, plan: Plan, own_seed: int, outcomes: Iterable[Outcome]) -> Path:
+    """Write the table from the outcomes of chunks, in their order; as Parquet where pyarrow is installed, else CSV.
+
+    Parameters
+    ----------
+    own_seed
+        The scenario's, where the study names none.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be written; the old one stays then.
+    """
+    kinds = _kinds({axis.name: list(axis.labels) for axis in plan.axes}, [each.name for each in plan.metrics])
+    parts = _parts(plan, own_seed, outcomes, kinds)
+    try:
+        import pyarrow
+    except ModuleNotFoundError:
+        pyarrow = None
+    path = folder / (CSV if pyarrow is None else PARQUET)
+    with replacing(path, StudyError) as new:
+        if pyarrow is None:
+            _write_csv(new, kinds, parts)
+        else:
+            _write_parquet(new, kinds, parts)
+    (folder / (PARQUET if pyarrow is None else CSV)).unlink(missing_ok=True)
+    return path
+
+
+def _parts(plan: Plan, own_seed: int, outcomes: Iterable[Outcome], kinds: dict[str, str]) -> Iterator[dict[str, Any]]:
+    """The table, some rows at a time, as lists by column."""
+    part: dict[str, list[Any]] = {name: [] for name in kinds}
+    for outcome in outcomes:
+        chunk = plan.chunk(outcome.index)
+        count = plan.replicas
+        part["point"] += [chunk.point] * count
+        for axis, label in zip(plan.axes, chunk.labels, strict=True):
+            told = str(label) if kinds[axis.name] == "text" else float(label) if kinds[axis.name] == "number" else label
+            part[axis.name] += [told] * count
+        part["seed"] += [own_seed if chunk.seed < 0 else chunk.seed] * count
+        part["replica"] += range(count)
+        for each in plan.metrics:
+            part[each.name] += outcome.values.get(each.name, [math.nan] * count)
+        part["digest"] += outcome.digests or [""] * count
+        part["error"] += [outcome.error] * count
+        if len(part["point"]) >= _ROWS:
+            yield part
+            part = {name: [] for name in kinds}
+    yield part
+
+
+def _write_csv(path: Path, kinds: dict[str, str], parts: Iterable[dict[str, Any]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(kinds)
+        for part in parts:
+            writer.writerows(zip(*([_cell(value) for value in part[name]] for name in kinds), strict=True))
+
+
+def _cell(value: Any) -> str:
+    return (
+        ("true" if value else "false") if isinstance(value, bool) else value if isinstance(value, str) else repr(value)
+    )
+
+
+def _write_parquet(path: Path, kinds: dict[str, str], parts: Iterable[dict[str, Any]]) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    types = {
+        "whole": pyarrow.int64(),
+        "number": pyarrow.float64(),
+        "flag": pyarrow.bool_(),
+        "text": pyarrow.string(),
+    }
+    # Seeds may need all 64 bits without a sign.
+    schema = pyarrow.schema([(name, types[kind]) for name, kind in kinds.items()])
+    with parquet.ParquetWriter(path, schema) as writer:
+        for part in parts:
+            writer.write_table(pyarrow.table(part, schema=schema))
+
+
+def _read_parquet(path: Path) -> dict[str, Any]:
+    try:
+        from pyarrow import lib, parquet
+    except ModuleNotFoundError:
+        raise StudyError(f'{path}: needs pyarrow: python -m pip install "amorsim[sweep]"') from None
+    try:
+        table = parquet.read_table(path)
+    except (OSError, lib.ArrowException) as error:
+        raise StudyError(f"{path}: cannot be read ({error})") from None
+    return {name: table.column(name).to_pylist() for name in table.column_names}
+
+
+def _read_csv(path: Path, kinds: dict[str, str]) -> dict[str, Any]:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+    except (OSError, ValueError, csv.Error) as error:
+        raise StudyError(f"{path}: cannot be read ({error})") from None
+    found: dict[str, Any] = {}
+    for name, cells in zip(header, zip(*rows, strict=True) if rows else ((),) * len(header), strict=True):
+        kind = kinds.get(name, "text")
+        try:
+            found[name] = [_value(cell, kind) for cell in cells]
+        except ValueError as error:
+            raise StudyError(f"{path}, column {name!r}: is damaged ({error})") from None
+    return found
+
+
+def _value(cell: str, kind: str) -> Any:
+    if kind == "flag":
+        return cell == "true"
+    return int(cell) if kind == "whole" else float(cell) if kind == "number" else cell

@@ -1,0 +1,184 @@
+"""Submissions earn what the rubric says; one that misbehaves costs only itself."""
+
+from __future__ import annotations
+
+import csv
+import time
+from pathlib import Path
+
+import pytest
+
+import amorsim as am
+from amorsim.grading.grade import Grade, grade
+from tests.studies import make_study
+from tests.sweeps.studies import SCENARIO
+
+RUBRIC = """\
+format = 1
+title = "First homework"
+scenario = "small.toml"
+function = "drive"
+seeds = [11, 12]
+duration = 3.0
+time_limit = 2.0
+memory_limit = 6e9
+
+[criteria]
+arrived = { use = "success", goal = [2.2, 1.0], within = 0.3, points = 6.0 }
+straight = { use = "turning", points = 4.0, none = 1.0, full = 0.0 }
+"""
+GOOD = """\
+import amorsim as am
+
+def drive(readings, estimate, clock):
+    return am.Twist(0.4 if estimate.x < 2.2 else 0.0, 0.0)
+"""
+LAZY = "def drive(readings, estimate, clock):\n    return None\n"
+
+
+@pytest.fixture
+def course(tmp_path: Path) -> Path:
+    make_study(tmp_path / "course")
+    (tmp_path / "course" / "small.toml").write_text(SCENARIO)
+    rubric = tmp_path / "course" / "rubric.toml"
+    rubric.write_text(RUBRIC)
+    return rubric
+
+
+def graded(course: Path, **submissions: str) -> dict[str, Grade]:
+    paths = []
+    for name, text in submissions.items():
+        paths.append(course.parent / f"{name}.py")
+        paths[-1].write_text(text)
+    return {each.label: each for each in grade(course, paths, course.parent / "grades")}
+
+
+def test_points_are_those_of_the_rubric(course: Path) -> None:
+    found = graded(course, good=GOOD, lazy=LAZY)
+    assert [case.problem for case in found["good"].cases] == ["", ""]
+    assert found["good"].points_for("arrived") == 6.0
+    assert 3.0 < found["good"].points_for("straight") <= 4.0
+    assert found["lazy"].total == 0.0  # it did not turn, and did not move
+    assert [case.case.seed for case in found["lazy"].cases] == [11, 12]
+    with (course.parent / "grades" / "grades.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["submission"] for row in rows] == ["good", "lazy"]
+    assert float(rows[0]["total"]) == pytest.approx(found["good"].total, rel=1e-3)
+    page = (course.parent / "grades" / "good.html").read_text(encoding="utf-8")
+    assert "First homework: good" in page
+    assert "seed 11" not in page  # held-out seeds stay with the lecturer
+
+
+def test_a_graded_controller_drives_as_it_does_in_a_run(course: Path) -> None:
+    found = graded(course, good=GOOD)
+    scenario = am.load(
+        course.parent / "small.toml", [f'robots.rover.controller={{use="{course.parent}/good.py:drive"}}']
+    )
+    simulation = am.Simulation(scenario, seed=12)
+    kept = simulation.run(3.0, keep=("true_pose",))
+    turned = abs(am.wrap_angle(kept["true_pose"][1:, 0, 2] - kept["true_pose"][:-1, 0, 2])).sum()
+    assert found["good"].cases[1].values["straight"] * 0.9 < turned < found["good"].cases[1].values["straight"] * 1.3
+
+
+BAD = {
+    "raises": ("def drive(readings, estimate, clock):\n    return 1 / 0\n", "ZeroDivisionError"),
+    "hangs": ("def drive(readings, estimate, clock):\n    while True:\n        pass\n", "took longer than 2 s in all"),
+    "leaves": ("import os\n\ndef drive(readings, estimate, clock):\n    os._exit(0)\n", "its process ended"),
+    "killed": (
+        "import os\n\ndef drive(readings, estimate, clock):\n    os.kill(os.getpid(), 9)\n",
+        "its process ended by signal 9",
+    ),
+    "words": ("def drive(readings, estimate, clock):\n    return 'forward'\n", "returned 'forward'"),
+    "syntax": ("def drive(readings:\n", "SyntaxError"),
+    "other": ("def steer(readings, estimate, clock):\n    return None\n", "there is no 'drive'"),
+    "hungry": ("def drive(readings, estimate, clock):\n    return bytearray(10**11)\n", "memory"),
+    "truth": (
+        "import gc\nimport sys\n\nimport amorsim as am\n\n\ndef drive(readings, estimate, clock):\n"
+        "    found = [each for each in gc.get_objects() if type(each).__name__ in ('Simulation', 'Fleet', 'Group')]\n"
+        "    frame = sys._getframe()\n"
+        "    while frame is not None:\n"
+        "        found += [each for each in frame.f_locals.values() if hasattr(each, 'true_pose')]\n"
+        "        frame = frame.f_back\n"
+        "    return am.Twist(found[0].true_pose[0, 0], 0.0)\n",
+        "IndexError",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    "name", [name if name == "truth" else pytest.param(name, marks=pytest.mark.long) for name in BAD]
+)
+def test_a_submission_that_misbehaves_has_no_points_and_a_reason(course: Path, name: str) -> None:
+    text, reason = BAD[name]
+    course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
+    begun = time.monotonic()
+    found = graded(course, **{name: text, "good": GOOD})
+    assert time.monotonic() - begun < 40.0
+    (case,) = found[name].cases
+    assert case.total == 0.0
+    assert reason in case.problem
+    assert found["good"].total > 8.0
+    assert reason in (course.parent / "grades" / "grades.csv").read_text().replace('""', '"')
+
+
+def test_what_it_prints_is_no_command(course: Path) -> None:
+    loud = GOOD.replace("    return", "    print('[\"twist\", [9.0, 0.0, 0.0]]')\n    return")
+    found = graded(course, loud=loud, good=GOOD)
+    assert found["loud"].total == found["good"].total
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"small.toml"', '"none.toml"', "none.toml"),
+        ("points = 6.0", "points = 'six'", "expected a number, got 'six'"),
+        ("full = 0.0", "full = 1.0", "expected another value than for none"),
+        ("time_limit = 2.0", "time_limit = 0", "time_limit: expected a number > 0"),
+        ("seeds = [11, 12]", "seeds = 11", "seeds: expected a list of seeds"),
+        ('use = "turning"', 'use = "turnin"', "Did you mean 'turning'"),
+        ("duration = 3.0", "length = 3.0", "there is no such key"),
+    ],
+)
+def test_a_wrong_rubric_is_told_before_anybody_is_graded(course: Path, old: str, new: str, words: str) -> None:
+    course.write_text(RUBRIC.replace(old, new))
+    with pytest.raises(am.StudyError, match=words):
+        graded(course, good=GOOD)
+    assert not (course.parent / "grades" / "good.html").exists()
+
+
+def test_a_submission_that_is_not_there_is_told(course: Path) -> None:
+    with pytest.raises(am.StudyError, match=r"none.py: there is no such file"):
+        grade(course, [course.parent / "none.py"], course.parent / "grades")
+
+
+ESTIMATOR = """\
+import numpy as np
+
+
+class Estimator:
+    def __init__(self, start):
+        self.pose = np.array(start)
+
+    def update(self, readings, command, elapsed):
+        forward, turn = 0.5 * 0.0825 * (command[0] + command[1]), 0.0825 * (command[1] - command[0]) / 0.33
+        self.pose = self.pose + elapsed * np.array(
+            [forward * np.cos(self.pose[2]), forward * np.sin(self.pose[2]), turn]
+        )
+        return self.pose
+"""
+
+
+def test_estimators_are_graded_too(course: Path) -> None:
+    text = RUBRIC.replace('function = "drive"', 'role = "estimator"').replace("[11, 12]", "[11]")
+    text = text[: text.index("[criteria]")] + (
+        "[criteria]\nnear = { use = 'position_error', at = 'max', points = 10.0, none = 1.0, full = 0.0 }\n"
+    )
+    course.write_text(text)
+    nan = ESTIMATOR.replace("return self.pose", "return self.pose * np.nan")
+    still = ESTIMATOR.replace("return self.pose", "return [1.0, 1.0, 0.0], np.eye(3)")
+    wrong = "class Estimator:\n    def __init__(self, start):\n        pass\n"
+    found = graded(course, good=ESTIMATOR, nan=nan, still=still, wrong=wrong)
+    assert [case.problem for case in found["good"].cases] == [""]
+    assert found["good"].total > found["still"].total > 0.0
+    assert "expected a pose (x, y, heading) of finite numbers" in found["nan"].cases[0].problem
+    assert "expected a class with update(self, readings, command, elapsed)" in found["wrong"].cases[0].problem

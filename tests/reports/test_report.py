@@ -1,0 +1,90 @@
+"""Reports are whole, small, the same again, and load nothing."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+import amorsim as am
+from amorsim.analysis import compare
+from amorsim.reports.page import Page
+from tests.sweeps.studies import TRACK, tables
+
+
+def check(path: Path, *words: str) -> str:
+    text = path.read_text(encoding="utf-8")
+    assert len(text) < 5_000_000
+    outside = re.sub(r"base64,[A-Za-z0-9+/=]*", "", text)
+    assert "http" not in outside.replace("http-equiv", "")
+    assert "<script" not in outside
+    assert not re.search(r"(src|href)=\"(?!data:image/png;)", outside)
+    assert outside.count("<table") == outside.count("</table>")
+    for word in words:
+        assert word in outside, word
+    return text
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run, a study and a comparison."""
+    folder = tmp_path_factory.mktemp("reports")
+    am.run(am.load("demo"), folder / "run", duration=2.0)
+    study = am.sweep(tables(folder / "s", replicas=5, axes={TRACK: [1.0, 1.05, -1.0]}), folder / "study")
+    compare(study, axis=TRACK, metrics=["length"]).save(folder / "study")
+    (folder / "comparison").mkdir()
+    (folder / "study" / "comparison.json").rename(folder / "comparison" / "comparison.json")
+    return folder
+
+
+def test_a_run_has_a_report(made: Path) -> None:
+    path = am.report(made / "run")
+    assert path == made / "run" / "report.html"
+    text = check(
+        path, "Run run", "seed", "digest by replica", "amorsim reproduce run", "position error at the end", "rover"
+    )
+    assert text.count("data:image/png") >= 5
+
+
+@pytest.mark.long
+def test_a_run_has_the_same_report_in_another_place(made: Path, tmp_path: Path) -> None:
+    path = am.report(made / "run", tmp_path / "one.html")
+    shutil.copytree(made / "run", tmp_path / "run")
+    assert am.report(tmp_path / "run").read_bytes() == path.read_bytes()
+    assert str(made) not in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.long
+def test_many_replicas_have_means(made: Path, tmp_path: Path) -> None:
+    am.run(am.load("demo"), tmp_path / "many", duration=1.0, replicas=3)
+    check(am.report(tmp_path / "many"), "3 replicas", "mean over replicas")
+
+
+def test_a_study_has_a_report(made: Path) -> None:
+    path = am.report(made / "study")
+    text = check(path, "final_error [m]", "Points that failed", "-1.0", "amorsim sweep study.toml", TRACK)
+    assert text.count("data:image/png") == 2
+    assert am.report(made / "study", made / "again.html").read_bytes() == path.read_bytes()
+
+
+def test_a_comparison_has_a_report(made: Path) -> None:
+    check(am.report(made / "comparison"), "What may be claimed", "gain of pairing", "1.05 - 1.0")
+
+
+def test_what_a_file_says_is_no_markup() -> None:
+    page = Page("<b>", "&")
+    page.facts([("<i>", "<script>alert(1)</script>")])
+    page.table(["<"], [[">"]])
+    page.listing("a", "</pre><script>")
+    assert "<script" not in page.text
+    assert "&lt;script&gt;alert(1)" in page.text
+
+
+def test_what_is_no_result_is_told(tmp_path: Path, made: Path) -> None:
+    with pytest.raises(am.AnalysisError, match=r"expected the folder of a run, a study or a comparison"):
+        am.report(tmp_path)
+    (tmp_path / "comparison.json").write_text("{}")
+    with pytest.raises(am.StudyError, match=r"comparison.json: cannot be read"):
+        am.report(tmp_path)

@@ -1,0 +1,128 @@
+"""A study's table does not depend on where it was computed, nor on what died meanwhile."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import amorsim as am
+from tests.sweeps.studies import TRACK, needs_extra, study_file, tables
+
+pytestmark = needs_extra
+
+POINTS = {"from": 1.0, "to": 1.1, "count": 200}
+
+
+def table_of(folder: Path) -> bytes:
+    (table,) = folder.glob("table.*")
+    return table.read_bytes()
+
+
+def small(folder: Path, count: int, **changes: Any) -> dict[str, Any]:
+    return tables(folder, axes={TRACK: POINTS | {"count": count}}, replicas=2, duration=0.3, **changes)
+
+
+@pytest.mark.filterwarnings("default")
+def test_two_processes_give_the_same_table(tmp_path: Path) -> None:
+    given = small(tmp_path / "s", 6)
+    am.sweep(given, tmp_path / "one")
+    am.sweep(given, tmp_path / "two", jobs=2)
+    assert table_of(tmp_path / "one") == table_of(tmp_path / "two")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("always", [False, True])
+@pytest.mark.filterwarnings("default")
+def test_a_process_that_dies_costs_its_chunk_only(tmp_path: Path, always: bool) -> None:
+    given = small(tmp_path / "s", 1)
+    (tmp_path / "s" / "killer.py").write_text(
+        "import os\nfrom pathlib import Path\n\nimport amorsim as am\n\nMARK = Path("
+        + repr(str(tmp_path / "mark"))
+        + ")\n\n\n"
+        "def step(readings, estimate, clock):\n"
+        f"    if {always} or not MARK.exists():\n"
+        "        MARK.touch()\n"
+        "        os.kill(os.getpid(), 9)\n"
+        "    return am.Twist(0.0, 0.0)\n"
+    )
+    controllers = [{"use": "square", "side": side} for side in (1.0, 1.1, 1.2)]
+    given["axes"] = {"robots.rover.controller": [*controllers, {"use": "killer.py:step"}]}
+    path = study_file(tmp_path / "s" / "study.toml", given)
+    study = am.sweep(path, tmp_path / "out", jobs=2)
+    assert study.is_complete
+    assert [point for point, _ in study.failures] == ([3] if always else [])
+    if always:
+        assert "died, twice" in study.failures[0][1]
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")
+def test_two_hundred_points_give_one_table_however_they_are_computed(tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    given = small(tmp_path / "s", 200)
+    am.sweep(given, tmp_path / "one")
+    am.sweep(given, tmp_path / "two", jobs=2)
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        workers = [worker.pid for worker in cluster.workers.values()]
+
+        def kill(progress: Any) -> None:
+            if progress.done == 100:
+                os.kill(workers[0], signal.SIGKILL)
+
+        study = am.sweep(given, tmp_path / "dask", dask=client, progress=kill)
+    assert study.failures == []
+    assert table_of(tmp_path / "one") == table_of(tmp_path / "two") == table_of(tmp_path / "dask")
+
+
+@pytest.mark.long
+def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
+    given = small(tmp_path / "s", 40)
+    path = study_file(tmp_path / "s" / "study.toml", given)
+    am.sweep(path, tmp_path / "whole")
+    command = [sys.executable, "-m", "amorsim", "sweep", str(path), "--jobs", "2", "--out", str(tmp_path / "out")]
+    env = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(
+        command, env=env, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    ) as process:
+        until = time.monotonic() + 50.0
+        while len(list((tmp_path / "out").glob("chunks/*/*.json"))) < 5 and time.monotonic() < until:
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)
+        _, problems = process.communicate(timeout=30)
+    assert process.returncode == 130, problems
+    assert "Traceback" not in problems.decode()
+    part = am.read_study(tmp_path / "out")
+    assert 5 <= len(set(part["point"])) < 40
+    assert am.sweep(path, tmp_path / "out", jobs=2).is_complete
+    assert table_of(tmp_path / "whole") == table_of(tmp_path / "out")
+
+
+def test_a_cluster_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import distributed
+
+    def refuse(*args: Any, **kwargs: Any) -> None:
+        raise OSError("Timed out trying to connect")
+
+    monkeypatch.setattr(distributed, "Client", type("Client", (), {"__init__": refuse}))
+    with pytest.raises(am.StudyError, match=r"tcp://127.0.0.1:9: there is no Dask cluster that can be reached"):
+        am.sweep(small(tmp_path / "s", 2), tmp_path / "out", dask="tcp://127.0.0.1:9")
+    with pytest.raises(am.StudyError, match=r"dask: expected the address of a scheduler"):
+        am.sweep(small(tmp_path / "s", 2), tmp_path / "out2", dask=3)
+
+
+def test_without_the_extra_it_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, options in (("joblib", {"jobs": 2}), ("distributed", {"dask": "tcp://127.0.0.1:9"})):
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(am.StudyError, match=rf"this needs .*{name}.*amorsim\[sweep\]"):
+            am.sweep(small(tmp_path / "s", 2), tmp_path / name, **options)

@@ -1,0 +1,279 @@
+"""A study's table holds what the simulations give; it goes on where it stopped, and says what went wrong."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.sweeps import chunk as chunks
+from amorsim.sweeps import spread
+from tests.sweeps.studies import METRICS, TRACK, study_file, tables
+
+
+def same(one: am.Study, other: am.Study) -> bool:
+    return list(one) == list(other) and all(
+        one[name].tolist() == other[name].tolist()
+        or (one[name].dtype == float and one[name].tobytes() == other[name].tobytes())
+        for name in one
+    )
+
+
+def test_a_row_is_what_its_simulation_gives(tmp_path: Path) -> None:
+    study = am.sweep(tables(tmp_path / "s", seeds=[1, 2]), tmp_path / "out")
+    assert list(study) == ["point", TRACK, "seed", "replica", "final_error", "length", "digest", "error"]
+    assert len(study["point"]) == 2 * 2 * 3
+    assert study.is_complete
+    simulation = am.Simulation(am.load(tmp_path / "s" / "small.toml", [f"{TRACK}=1.05"]), seed=2, replicas=[1])
+    kept = simulation.run(keep=("true_pose", "estimated_pose"))
+    (row,) = np.flatnonzero((study[TRACK] == 1.05) & (study["seed"] == 2) & (study["replica"] == 1))
+    assert study["digest"][row] == simulation.digest()
+    apart = kept["true_pose"][-1, 0] - kept["estimated_pose"][-1, 0]
+    assert study["final_error"][row] == math.sqrt(apart[0] ** 2 + apart[1] ** 2)
+
+
+def test_a_study_is_a_dict_of_arrays_and_a_frame(tmp_path: Path) -> None:
+    am.sweep(tables(tmp_path / "s"), tmp_path / "out")
+    study = am.read_study(tmp_path / "out")
+    assert isinstance(study, dict)
+    assert study[TRACK].dtype == float
+    assert study["replica"].tolist() == [0, 1, 2, 0, 1, 2]
+    assert study.axes == [TRACK]
+    assert study.metrics == ["final_error", "length"]
+    assert study.about["metrics"]["length"] == {"unit": "m", "better": "lower", "robot": ""}
+    pandas = pytest.importorskip("pandas")
+    frame = study.to_pandas()
+    assert isinstance(frame, pandas.DataFrame)
+    assert frame["length"].tolist() == study["length"].tolist()
+    table = tmp_path / "out" / "table.parquet"
+    if table.exists():
+        assert pandas.read_parquet(table)["digest"].tolist() == study["digest"].tolist()
+
+
+def test_without_pyarrow_the_table_is_text_and_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = tables(tmp_path / "s", axes={TRACK: [1.0, 1.05], "robots.rover.on_collision": ["end", "continue"]})
+    first = am.sweep(given, tmp_path / "out")
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+    second = am.sweep(given, tmp_path / "text")
+    assert (tmp_path / "text" / "table.csv").exists()
+    assert same(first, second)
+
+
+def test_a_study_in_a_file_names_files_beside_it(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s", scenario="small.toml", axes={"world.map": ["rooms.wld"]})
+    path = study_file(tmp_path / "s" / "study.toml", given)
+    assert am.sweep(path, tmp_path / "out").failures == []
+
+
+def test_axes_may_be_ranges_draws_variants_and_components(tmp_path: Path) -> None:
+    axes: dict[str, Any] = {
+        TRACK: {"from": 1.0, "to": 1.1, "count": 2},
+        "robots.rover.ground.0.variance_per_length": {"uniform": [1e-5, 1e-4], "count": 2},
+        "robots.rover.controller": [{"use": "square", "side": 1.0}, {"use": "manual"}],
+        "speed": {
+            "variants": {
+                "slow": {"simulation.dt": 0.1, "robots.rover.pose.x": 1.0},
+                "far": {"simulation.dt": 0.05, "robots.rover.pose.x": 1.2},
+            }
+        },
+    }
+    study = am.sweep(tables(tmp_path / "s", axes=axes, replicas=1, duration=0.2), tmp_path / "out")
+    assert study.failures == []
+    assert len(study["point"]) == 16
+    assert set(study["robots.rover.controller"]) == {"square", "manual"}
+    assert set(study["speed"]) == {"slow", "far"}
+    assert sorted(set(study[TRACK])) == [1.0, 1.1]
+    drawn = set(study["robots.rover.ground.0.variance_per_length"])
+    assert len(drawn) == 2
+    assert all(1e-5 <= value <= 1e-4 for value in drawn)
+
+
+def test_a_finished_study_is_not_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = tables(tmp_path / "s")
+    first = am.sweep(given, tmp_path / "out")
+    monkeypatch.setattr(spread, "run_chunk", None)
+    assert same(am.sweep(given, tmp_path / "out"), first)
+
+
+def test_ctrl_c_keeps_what_is_done_and_the_same_call_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = tables(tmp_path / "s", axes={TRACK: [1.0, 1.01, 1.02, 1.03]})
+    whole = am.sweep(given, tmp_path / "whole")
+    real, seen = chunks.run_chunk, []
+
+    def interrupted(plan: Any, index: int, folder: str = "") -> Any:
+        if index == 2 and len(seen) == 2:
+            raise KeyboardInterrupt
+        seen.append(index)
+        return real(plan, index, folder)
+
+    monkeypatch.setattr(spread, "run_chunk", interrupted)
+    part = am.sweep(given, tmp_path / "out")
+    assert not part.is_complete
+    assert part["point"].tolist() == [0, 0, 0, 1, 1, 1]
+    monkeypatch.undo()
+    told: list[Any] = []
+    assert same(am.sweep(given, tmp_path / "out", progress=told.append), whole)
+    assert [(each.done, each.total) for each in told] == [(2, 4), (3, 4), (4, 4)]
+    assert told[0].left is None
+    assert told[1].left > 0.0
+    assert told[2].left == 0.0
+
+
+def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s", axes={"robots.rover.pose.x": [1.0, -5.0, 1.1]})
+    study = am.sweep(given, tmp_path / "out")
+    assert study.is_complete
+    ((point, error),) = study.failures
+    assert point == 1
+    assert "-5" in error
+    failed = study["point"] == 1
+    assert np.isnan(study["length"][failed]).all()
+    assert not np.isnan(study["length"][~failed]).any()
+    assert set(study["digest"][failed]) == {""}
+
+
+def test_replicas_end_when_their_robots_stand_still(tmp_path: Path) -> None:
+    controller = {"use": "square", "side": 0.3, "tolerance": 0.05}
+    whole = tables(tmp_path / "s", axes={"robots.rover.controller": [controller]}, duration=60.0)
+    long = am.sweep(whole, tmp_path / "long")
+    short = am.sweep(whole | {"stop": "still"}, tmp_path / "short", keep="all")
+    assert np.abs(short["length"] - long["length"]).max() < 1e-3
+    (folder,) = (tmp_path / "short" / "runs").iterdir()
+    assert json.loads((folder / "run.json").read_text())["steps_done"] < 500
+    alone = am.sweep(whole | {"stop": "still", "replicas": 1}, tmp_path / "alone")
+    for name in ("length", "final_error", "digest"):
+        assert alone[name][0] == short[name][0], name
+
+
+def test_replicas_end_at_a_collision(tmp_path: Path) -> None:
+    goto = {"use": "goto", "x": 50.0, "y": 1.0}
+    given = tables(tmp_path / "s", axes={"robots.rover.controller": [goto]}, duration=60.0)
+    given["metrics"] = METRICS | {"hits": {"use": "collisions"}}
+    short = am.sweep(given | {"stop": "collision"}, tmp_path / "short", keep="all")
+    assert short["hits"].tolist() == [1.0, 1.0, 1.0]
+    (folder,) = (tmp_path / "short" / "runs").iterdir()
+    assert json.loads((folder / "run.json").read_text())["steps_done"] < 500
+
+
+def test_kept_runs_leave_folders_that_reproduce(tmp_path: Path) -> None:
+    study = am.sweep(tables(tmp_path / "s", replicas=2, seeds=[3]), tmp_path / "out", keep=[1])
+    (folder,) = (tmp_path / "out" / "runs").iterdir()
+    assert folder.name == "point-000001-seed-3"
+    assert am.reproduce(folder).is_exact
+    about = json.loads((folder / "run.json").read_text())
+    assert list(about["digests"].values()) == study["digest"][study["point"] == 1].tolist()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"axes": {"robots.rover.errors.drive.trak.scale": [1.0, 1.1]}}, r"no value of this axis can be set: .*trak"),
+        ({"axes": {"robots.scout.pose.x": [1.0]}}, r"no value of this axis can be set: .*scout"),
+        ({"axes": {TRACK: []}}, r"expected one value at least, got none"),
+        ({"axes": {TRACK: [1.0, 1.0]}}, r"expected different values"),
+        ({"axes": {TRACK: {"from": 0.0, "to": 1.0}}}, r"expected count or step"),
+        ({"axes": {"seed": [1, 2]}}, r"the table has a column 'seed' of its own"),
+        ({"axes": {"length": [1, 2]}}, r"an axis is called 'length' too"),
+        ({"metrics": {"a": {"use": "position_eror"}}}, r"Did you mean 'position_error'"),
+        ({"metrics": {"a": {"use": "position_error", "when": "end"}}}, r"there is no such key"),
+        ({"metrics": {"a": {"use": "position_error", "robot": "scout"}}}, r"no robot 'scout', but: rover"),
+        ({"metrics": {"a": {"use": "nees", "estimator": "ekf"}}}, r"no estimator 'ekf'"),
+        ({"metrics": None}, r"metrics: missing"),
+        ({"replicas": 0}, r"replicas: expected a number of replicas > 0, got 0"),
+        ({"seeds": [1, 1]}, r"seeds: expected one seed at least, and different ones"),
+        ({"seeds": 1}, r"seeds: expected a list of seeds"),
+        ({"duration": -1.0}, r"duration: expected a number of seconds > 0"),
+        ({"stop": "soon"}, r"stop: expected one of never, still, collision"),
+        ({"repeats": 3}, r"repeats: there is no such key"),
+        ({"scenario": "nowhere.toml"}, r"scenario: .*nowhere.toml"),
+        ({"format": 2}, r"format"),
+    ],
+)
+def test_what_is_wrong_with_a_study_is_told_before_it_begins(
+    tmp_path: Path, changes: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(am.StudyError, match=words):
+        am.sweep(tables(tmp_path / "s", **changes), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_metrics_of_one_name_are_told_with_their_line(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'format = 1\nscenario = "demo"\n[metrics]\na = { use = "collisions" }\na = { use = "path_length" }\n'
+    )
+    with pytest.raises(am.StudyError, match=r"study.toml:5: "):
+        am.sweep(path, tmp_path / "out")
+
+
+def test_a_study_that_was_changed_is_refused(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s")
+    am.sweep(given, tmp_path / "out")
+    with pytest.raises(am.StudyError, match=r"begun with another study; .* name another folder with --out"):
+        am.sweep(given | {"replicas": 4}, tmp_path / "out")
+    small = tmp_path / "s" / "small.toml"
+    small.write_text(small.read_text().replace("seed = 5", "seed = 6"))
+    with pytest.raises(am.StudyError, match=r"begun with another scenario"):
+        am.sweep(given, tmp_path / "out")
+
+
+def test_a_folder_of_another_version_is_refused(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s")
+    am.sweep(given, tmp_path / "out")
+    file = tmp_path / "out" / "study.json"
+    about = json.loads(file.read_text())
+    file.write_text(json.dumps(about | {"amorsim": "0.0.1"}))
+    with pytest.raises(am.StudyError, match=r"amorsim was 0\.0\.1 and is "):
+        am.sweep(given, tmp_path / "out")
+    file.write_text(json.dumps(about | {"format": 7}))
+    for read in (lambda: am.sweep(given, tmp_path / "out"), lambda: am.read_study(tmp_path / "out")):
+        with pytest.raises(am.StudyError, match=r"expected a study of format 1, .*, got 7"):
+            read()
+
+
+def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine.txt").write_text("mine")
+    with pytest.raises(am.StudyError, match=r"holds files already, such as mine.txt"):
+        am.sweep(tables(tmp_path / "s"), tmp_path / "out")
+    with pytest.raises(am.StudyError, match=r"expected the folder of a study"):
+        am.read_study(tmp_path / "out")
+
+
+def test_on_a_full_disk_what_was_done_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from amorsim.sweeps import folder as folders
+
+    given = tables(tmp_path / "s")
+    whole = am.sweep(given, tmp_path / "whole")
+    real = folders.write_text
+
+    def full(path: Path, text: str) -> None:
+        if path.name == "00000001.json":
+            raise am.RunError(f"{path}: cannot be written (No space left on device)")
+        real(path, text)
+
+    monkeypatch.setattr(folders, "write_text", full)
+    with pytest.raises(am.StudyError, match=r"No space left on device\); what was done before is in .*out"):
+        am.sweep(given, tmp_path / "out")
+    assert am.read_study(tmp_path / "out")["point"].tolist() == [0, 0, 0]
+    monkeypatch.undo()
+    assert same(am.sweep(given, tmp_path / "out"), whole)
+
+
+def test_a_damaged_chunk_is_named(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s")
+    am.sweep(given, tmp_path / "out")
+    (tmp_path / "out" / "chunks" / "00000" / "00000001.json").write_text('{"index": 1, "values": {}, "digests": []}')
+    with pytest.raises(am.StudyError, match=r"00000001.json: is damaged .* remove it"):
+        am.sweep(given, tmp_path / "out")
+
+
+@pytest.mark.parametrize("keep", ["some", [7], [-1]])
+def test_what_to_keep_must_be_there(tmp_path: Path, keep: Any) -> None:
+    with pytest.raises(am.StudyError, match=r"keep: expected 'none', 'all', or numbers of points below 2"):
+        am.sweep(tables(tmp_path / "s"), tmp_path / "out", keep=keep)
