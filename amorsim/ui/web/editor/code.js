@@ -76,7 +76,7 @@ export function newController(page, path) {
     const made = await page.connection.ask({ do: "save_code", file, text: template.text, is_new: true });
     if (!made.ok) return made;
     const name = template.text.match(/^(?:def|class) +(\w+)/m)?.[1] ?? "drive";
-    const said = await page.edit(`write ${made.file}`, [{ op: "remove", path }, { op: "set", path, value: { use: `${made.file}:${name}` } }].slice(page.says(path) ? 0 : 1));
+    const said = await page.edit(`write ${made.file}`, [{ op: "set", path, value: { use: `${made.file}:${name}` } }]);
     if (said.ok) showCode(page, made.file);
     return said;
   });
