@@ -84,7 +84,7 @@ export function newController(page, path) {
 
 /** Faults of a file at its lines. */
 const faultsIn = (page, file) => page.faults.flatMap(({ message }) => {
-  const [, line] = message.match(new RegExp(`${file.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}.{0,3}line (\\d+)`)) ?? [];
+  const [, line] = message.match(new RegExp(`${file.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}[\\s\\S]{0,200}?line (\\d+)`)) ?? [];
   return message.includes(file) ? [{ line: line ? Number(line) : 1, message }] : [];
 });
 
