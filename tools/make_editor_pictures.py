@@ -94,7 +94,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     editor.step(lambda: page.click("[aria-label='add an error']"))
     _open(editor, "robots.0.errors.drive.wheel_radius_left")
     scale = page.locator('[data-path="robots.0.errors.drive.wheel_radius_left.scale"] input').first
-    scale.fill("1.02")
+    scale.fill("1.005")
     editor.step(lambda: scale.press("Enter"))
     page.click("text=try on a square of 10 m")
     page.wait_for_selector("dialog canvas", timeout=240_000)
@@ -102,7 +102,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     page.keyboard.press("Escape")
 
     page.click(".run")
-    page.wait_for_url("**/run/untitled*", timeout=120_000)
+    page.wait_for_url("**/run/untitled**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=120_000)
     page.keyboard.press("Space")
     page.wait_for_function(f"() => {SIMULATOR}.newest.tick > 150", timeout=240_000)
