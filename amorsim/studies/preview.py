@@ -90,10 +90,11 @@ def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 
     for _ in range(simulation.steps_of(60.0)):
         simulation.step()
         reading = simulation.readings[sensor]
-        if not reading.fresh.any():
+        rows = reading.fresh.ravel()
+        if not rows.any():
             continue
         with np.errstate(invalid="ignore"):
-            difference = reading.measured[reading.fresh] - reading.true[reading.fresh]
+            difference = reading.measured[rows] - reading.true[rows]
         fine = difference[np.isfinite(difference)]
         found.append(wrap_angle(fine) if is_angle else fine)
         count += fine.size
