@@ -75,16 +75,16 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     show("robot")
 
     page.select_option("select[aria-label='add a thing']", "post")
-    editor.step(lambda: editor.click(2.5, 4.8))
+    editor.step(lambda: editor.click(6.0, 4.8))
     editor.until("stage.selection.only?.kind === 'obstacle'")
     path = str(editor.see("stage.selection.only.path"))
     _open(editor, f"{path}.motion")
     editor.step(lambda: page.select_option(f"[id='use-{path}.motion']", "loop"))
     page.click("text=draw the waypoints")
-    for x, y in ((2.5, 4.8), (4.2, 4.8), (4.2, 3.4)):
+    for x, y in ((6.0, 4.8), (7.4, 4.8), (7.4, 3.4)):
         editor.click(x, y)
     editor.step(lambda: page.keyboard.press("Escape"))
-    editor.step(lambda: editor.drag((3.35, 4.1), (2.9, 3.2)))
+    editor.step(lambda: editor.drag((6.7, 4.1), (6.2, 3.2)))
     show("path")
 
     page.click('[data-key="robots.0"]')
@@ -94,7 +94,7 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     editor.step(lambda: page.click("[aria-label='add an error']"))
     _open(editor, "robots.0.errors.drive.wheel_radius_left")
     scale = page.locator('[data-path="robots.0.errors.drive.wheel_radius_left.scale"] input').first
-    scale.fill("1.02")
+    scale.fill("1.005")
     editor.step(lambda: scale.press("Enter"))
     page.click("text=try on a square of 10 m")
     page.wait_for_selector("dialog canvas", timeout=240_000)
@@ -102,10 +102,10 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     page.keyboard.press("Escape")
 
     page.click(".run")
-    page.wait_for_url("**/run/untitled*", timeout=120_000)
+    page.wait_for_url("**/run/untitled**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=120_000)
     page.keyboard.press("Space")
-    page.wait_for_function(f"() => {SIMULATOR}.newest.tick > 150", timeout=240_000)
+    page.wait_for_function(f"() => {SIMULATOR}.newest.tick > 300", timeout=240_000)
     page.keyboard.press("Space")
     show("run")
     page.click("text=← edit")

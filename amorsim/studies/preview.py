@@ -84,20 +84,17 @@ def preview_noise(scenario: Scenario, name: str, sensor: str, *, samples: int = 
         robot, controller=None, sensors={sensor: robot.sensors[sensor]}, estimators={}, errors=_errors_of(robot, sensor)
     )
     simulation = Simulation(attrs.evolve(alone(scenario, standing), obstacles=[]), replicas=replicas)
-    group = simulation._fleet.groups[0]
     is_angle = robot.sensors[sensor].sensor.unit == "rad"
     found: list[Array] = []
     count = 0
-    last = -1.0
-    rate = robot.sensors[sensor].rate
     for _ in range(simulation.steps_of(60.0)):
         simulation.step()
-        if rate and simulation.time - last < 1.0 / rate - 1e-9:
+        reading = simulation.readings[sensor]
+        rows = reading.fresh.ravel()
+        if not rows.any():
             continue
-        last = simulation.time
-        reading = group.readings[sensor]
         with np.errstate(invalid="ignore"):
-            difference = np.asarray(reading.measured) - np.asarray(reading.true)
+            difference = reading.measured[rows] - reading.true[rows]
         fine = difference[np.isfinite(difference)]
         found.append(wrap_angle(fine) if is_angle else fine)
         count += fine.size

@@ -40,7 +40,7 @@ def test_an_error_that_is_drawn_differs_between_replicas() -> None:
     assert len(np.unique(far.round(9))) == 3
 
 
-def test_readings_without_noise_are_true_and_a_bias_is_seen() -> None:
+def test_readings_without_noise_are_true() -> None:
     scenario, robot = scenario_of()
     assert np.abs(preview_noise(scenario, robot.name, "laser", samples=500, replicas=2)).max() == 0.0
     with pytest.raises(AmorsimError, match="no sensor 'nothing'"):

@@ -139,7 +139,7 @@ def test_demo_is_changed_undone_saved_and_run(open_editor: Any, tmp_path: Path) 
     # It runs, with a change that is not saved; coming back keeps everything.
     editor.step(lambda: editor.see("edit('seed', [{op: 'set', path: 'simulation.seed', value: 77}])"))
     page.click(".run")
-    page.wait_for_url("**/run/mine*", timeout=120_000)
+    page.wait_for_url("**/run/mine**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
     assert page.evaluate(f"{SIMULATOR}.stage.scene.seed") == 77
     page.go_back()
@@ -163,7 +163,7 @@ def test_an_empty_page_gets_walls_and_a_robot_and_runs(open_editor: Any) -> None
     editor.until("stage.selection.only?.path === 'robots.0'")
     assert page.inner_text(".status").startswith("no faults")
     page.click(".run")
-    page.wait_for_url("**/run/untitled*", timeout=120_000)
+    page.wait_for_url("**/run/untitled**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
 
 

@@ -81,7 +81,7 @@ def test_a_robot_gets_a_sensor_with_noise_and_an_error_and_runs(open_editor: Any
     assert "track = { scale = 1.1 }" in text
     assert "wheel_radius_left" not in text
     page.click(".run")
-    page.wait_for_url("**/run/mine*", timeout=120_000)
+    page.wait_for_url("**/run/mine**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=60_000)
     names = page.evaluate(f"{SIMULATOR}.stage.scene.robots[0].sensors.map((sensor) => sensor.name)")
     assert "gyro2" in names

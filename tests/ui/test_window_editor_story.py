@@ -113,7 +113,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     # It runs, not saved yet, and the way back keeps everything.
     steps = editor.see("state.steps")
     page.click(".run")
-    page.wait_for_url("**/run/untitled*", timeout=120_000)
+    page.wait_for_url("**/run/untitled**", timeout=120_000)
     page.wait_for_function(f"() => {SIMULATOR}?.stage.frame", timeout=120_000)
     assert page.evaluate(f"{SIMULATOR}.stage.scene.robots.length") == 5
     page.click("text=← edit")

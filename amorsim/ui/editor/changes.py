@@ -130,9 +130,9 @@ def _pose(work: Work, change: Change) -> None:
         if _own(work, path) is MISSING:  # where the map's start was its place
             work.document.set(path, parts)
             return
-    own = _own(work, path)
+    own: Any = _own(work, path)
     for key, part in parts.items():
-        there = own.get(key, 0.0) if isinstance(own, dict) else None
+        there: Any = own.get(key, 0.0) if isinstance(own, dict) else None
         if not is_number(there) or abs(there - part) > _SAME:
             work.document.set(f"{path}.{key}", part)
 
@@ -238,9 +238,9 @@ def _crop(work: Work, change: Change) -> None:
         raise AmorsimError(f"box: expected [top, left, end, right] in cells, got {shown(box)}")
     top, left, end, right = (int(part) for part in box)
     rows, _ = work.cells or (0, 0)
-    table = _own(work, "world")
+    table: Any = _own(work, "world")
     turned = table.get("origin_yaw_deg", 0.0) if isinstance(table, dict) else 0.0
-    resolution = table.get("resolution") if isinstance(table, dict) else None
+    resolution: Any = table.get("resolution") if isinstance(table, dict) else None
     if turned or not is_number(resolution):
         raise AmorsimError("only a bitmap with a resolution, and that is not turned, can be cropped")
     work.paint(lambda text: cropped(text, top, left, end, right))

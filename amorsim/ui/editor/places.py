@@ -69,7 +69,7 @@ def _fields(
     if {"x", "y"} <= set(in_world) and _is_length(table.get("x")) and _is_length(table.get("y")):
         yield {"path": path, "kind": "point", "points": [[table["x"], table["y"]]], "closed": False}
     for name in in_world:
-        found = table.get(name)
+        found: Any = table.get(name)
         if _is_point(found):
             yield {"path": f"{path}.{name}", "kind": "point", "points": [list(found)], "closed": False}
         elif isinstance(found, list) and 0 < len(found) <= MOST and all(map(_is_point, found)):

@@ -246,6 +246,7 @@ def write_controller(session: EditSession, body: str) -> Any:
     return do(session, do="save_code", file="mine.py", text=text)
 
 
+@pytest.mark.long
 def test_a_program_is_tried_in_a_process_of_its_own_and_its_fault_has_a_line(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         template = (await do(session, do="code", file="mine.py"))["text"]
@@ -294,6 +295,7 @@ def test_programs_lie_in_the_project(file: Any, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="there is no SIGKILL")
 def test_a_reading_process_that_is_killed_is_replaced(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:

@@ -20,6 +20,7 @@ def of_demo(folder: Path) -> dict[str, Any]:
     return {"text": text, "path": document.path, "shown": text, "name": "demo.toml", "folder": folder}
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="there is no SIGSTOP")
 def test_a_process_that_hangs_is_ended_and_another_answers(tmp_path: Path) -> None:
     reader = Reader(time_limit=20.0)

@@ -76,7 +76,7 @@ export function newController(page, path) {
     const made = await page.connection.ask({ do: "save_code", file, text: template.text, is_new: true });
     if (!made.ok) return made;
     const name = template.text.match(/^(?:def|class) +(\w+)/m)?.[1] ?? "drive";
-    const said = await page.edit(`write ${made.file}`, [{ op: "remove", path }, { op: "set", path, value: { use: `${made.file}:${name}` } }].slice(page.says(path) ? 0 : 1));
+    const said = await page.edit(`write ${made.file}`, [{ op: "set", path, value: { use: `${made.file}:${name}` } }]);
     if (said.ok) showCode(page, made.file);
     return said;
   });
@@ -84,7 +84,7 @@ export function newController(page, path) {
 
 /** Faults of a file at its lines. */
 const faultsIn = (page, file) => page.faults.flatMap(({ message }) => {
-  const [, line] = message.match(new RegExp(`${file.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}.{0,3}line (\\d+)`)) ?? [];
+  const [, line] = message.match(new RegExp(`${file.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}[\\s\\S]{0,200}?line (\\d+)`)) ?? [];
   return message.includes(file) ? [{ line: line ? Number(line) : 1, message }] : [];
 });
 

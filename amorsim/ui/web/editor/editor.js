@@ -144,11 +144,6 @@ export class EditorPage {
     this.showCodeFaults?.();
   }
 
-  /** Whether the file itself says something of a part of the thing that is inspected. @param {string} path */
-  says(path) {
-    return this.inspector.sections.some((section) => section.path === path && section.use?.value && !section.origin);
-  }
-
   /** Select a thing once it is there. @param {string[]} paths */
   choose(paths) {
     const things = this.stage.things.filter(({ path }) => paths.includes(path));

@@ -31,8 +31,8 @@ export class RulersLayer extends Layer {
     context.fillRect(0, 0, width, WIDE);
     context.fillRect(0, 0, WIDE, height);
     context.globalAlpha = 1;
-    context.strokeStyle = theme.edge;
-    context.fillStyle = theme.soft ?? theme.ink;
+    context.strokeStyle = theme.soft;
+    context.fillStyle = theme.soft;
     context.lineWidth = 1;
     context.font = "10px system-ui, sans-serif";
     const [left, top] = camera.toWorld(0, 0);

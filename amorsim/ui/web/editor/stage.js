@@ -33,6 +33,8 @@ export class EditStage extends StillStage {
     super(root, { id: "pane", label: "The scenario", picked: () => {} });
     /** @type {Thing[]} */
     this.things = [];
+    /** @type {Map<string, Thing>} */
+    this.byPath = new Map();
     this.walls = new Walls([], [0, 0, 1, 1]);
     /** What a tool is about to do. @type {any} */
     this.preview = null;
@@ -58,6 +60,7 @@ export class EditStage extends StillStage {
   update({ still, things }, pictureOf) {
     const chosen = this.selection.things;
     this.things = things;
+    this.byPath = new Map(things.map((thing) => [thing.path, thing]));
     for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
     const listeners = this.selection.listeners;
     this.selection.listeners = []; // nobody is told that nothing is selected meanwhile
@@ -73,7 +76,7 @@ export class EditStage extends StillStage {
    * @returns {Chosen[]} */
   again(one) {
     if (one.path !== undefined) {
-      const thing = this.things.find(({ path }) => path === one.path);
+      const thing = this.byPath.get(one.path);
       return thing ? [this.chosenOf(thing)] : [];
     }
     return one.wall !== undefined && one.wall < this.walls.walls.length ? [this.chosenWall(one.wall)] : [];
@@ -93,12 +96,12 @@ export class EditStage extends StillStage {
 
   /** The things that are selected. */
   get chosenThings() {
-    return this.selection.things.flatMap((one) => this.things.filter(({ path, footprint }) => footprint && path === /** @type {Chosen} */ (one).path));
+    return this.chosenOnes.filter(({ footprint }) => footprint);
   }
 
   /** The same, with those that have no place of their own. */
   get chosenOnes() {
-    return this.selection.things.flatMap((one) => this.things.filter(({ path }) => path === /** @type {Chosen} */ (one).path));
+    return this.selection.things.flatMap((one) => this.byPath.get(/** @type {Chosen} */ (one).path) ?? []);
   }
 
   /** The points of a thing in the world, as they are or are being dragged.

@@ -22,7 +22,7 @@ export class PlacesLayer extends SceneLayer {
     const chosen = new Set(stage.chosenOnes.map(({ path }) => path));
     for (const thing of stage.things) {
       if (!thing.places.length || stage.hidden.has(thing.kind)) continue;
-      context.strokeStyle = context.fillStyle = chosen.has(thing.path) ? theme.estimated : theme.edge;
+      context.strokeStyle = context.fillStyle = chosen.has(thing.path) ? theme.estimated : theme.soft;
       context.lineWidth = 1.5 * px;
       for (const place of stage.placesOf(thing)) {
         context.setLineDash([7 * px, 5 * px]);
