@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, crowd, fleet, memory, mixed, rays, start
+from benchmarks import compositions, crowd, fleet, maps, memory, mixed, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -19,7 +19,7 @@ from benchmarks.table import as_text
 
 __all__ = ["main"]
 
-SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start")
+SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "maps", "start")
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
@@ -52,6 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += crowd.measure(given.rounds, given.quick, clock, say)
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
+    if "maps" in given.only:
+        rows += maps.measure(given.rounds, given.quick, clock, say)
     if "start" in given.only:
         rows += start.measure(given.rounds, given.quick, peers, clock, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])

@@ -16,6 +16,7 @@ _TITLES = {
     "mixed": "A mixed fleet",
     "crowd": "A crowd",
     "memory": "Memory and loading",
+    "maps": "Maps and worlds",
     "start": "Start-up and files",
 }
 _HEAD = ("setting", "side", "median", "least to most", "unit", "amorsim is", "counts", "what it did")
@@ -74,7 +75,7 @@ def figure(value: float) -> str:
 
 def _is_own(row: Row) -> bool:
     return (
-        row.section in ("compositions", "mixed", "crowd", "memory", "start")
+        row.section in ("compositions", "mixed", "crowd", "memory", "maps", "start")
         or "costs" in row.note
         or row.side == "plain traversal"
     )
