@@ -16,8 +16,6 @@ from amorsim.scenario.foreign import find_scenario_loader
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps"
 _ENDINGS = {".wld", ".map", ".yaml", ".world", ".png", ".pgm"}
-# Files with parts that are not there, which is said in words: an included file or a picture.
-INCOMPLETE = {"hospital.world": "hospital.png"}
 
 pytestmark = pytest.mark.skipif(not MAPS.is_dir(), reason="the shared maps are not here")
 
@@ -30,16 +28,12 @@ def files(*endings: str) -> list[str]:
 @pytest.mark.parametrize("name", files(*_ENDINGS) or ["none"])
 def test_a_robot_is_put_on_it(name: str) -> None:
     path = MAPS / name
-    if path.name in INCOMPLETE:
-        with pytest.raises(am.AmorsimError, match=INCOMPLETE[path.name]):
-            read_scenario(str(path))
-        return
     threshold = ["world.threshold=0.5"] if path.suffix in (".png", ".pgm") else []
     # A coarse look is enough: cells of 1 mm take a while.
     changes = [*threshold, *(["world.resolution=0.02"] if path.suffix == ".wld" else [])]
     scenario = read_scenario(str(path), changes=changes)
     assert scenario.robots
-    for robot in scenario.robots:
+    for robot in scenario.robots[:20]:
         assert robot.pose is not None
         pose = np.array([[robot.pose.x, robot.pose.y, robot.pose.heading]])
         assert least_gaps(scenario.map, [(robot.shape, (0.0, 0.0, 0.0))], pose)[0] >= 0.0
