@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, crowd, filters, fleet, mapping, memory, mixed, planners, rays, start
+from benchmarks import compositions, crowd, filters, fleet, mapping, maps, memory, mixed, planners, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -19,7 +19,19 @@ from benchmarks.table import as_text
 
 __all__ = ["main"]
 
-SECTIONS = ("rays", "fleet", "compositions", "mixed", "crowd", "memory", "start", "filters", "mapping", "planners")
+SECTIONS = (
+    "rays",
+    "fleet",
+    "compositions",
+    "mixed",
+    "crowd",
+    "memory",
+    "maps",
+    "start",
+    "filters",
+    "mapping",
+    "planners",
+)
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 
@@ -54,6 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += mapping.measure(given.rounds, given.quick, clock, say)
     if "memory" in given.only:
         rows += memory.measure(given.rounds, given.quick, say)
+    if "maps" in given.only:
+        rows += maps.measure(given.rounds, given.quick, clock, say)
     if "start" in given.only:
         rows += start.measure(given.rounds, given.quick, peers, clock, say)
     if "filters" in given.only:

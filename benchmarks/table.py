@@ -16,6 +16,7 @@ _TITLES = {
     "mixed": "A mixed fleet",
     "crowd": "A crowd",
     "memory": "Memory and loading",
+    "maps": "Maps and worlds",
     "start": "Start-up and files",
     "filters": "Filters",
     "planners": "Planners",
@@ -76,7 +77,7 @@ def figure(value: float) -> str:
 
 def _is_own(row: Row) -> bool:
     return (
-        row.section in ("compositions", "mixed", "crowd", "memory", "start", "planners")
+        row.section in ("compositions", "mixed", "crowd", "memory", "maps", "start", "planners")
         or "costs" in row.note
         or row.side == "plain traversal"
     )

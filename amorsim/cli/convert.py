@@ -9,8 +9,11 @@ import typer
 
 from amorsim.cli.console import compile_once, complain, say
 from amorsim.cli.options import Changes, Resolution
+from amorsim.core.errors import AmorsimError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from amorsim.core.map import Map
 
 __all__ = ["command", "write_world"]
@@ -24,33 +27,68 @@ def command(
     target: Annotated[
         Path,
         typer.Argument(
-            metavar="OUT", help="The file to write; its ending tells the format. A .yaml has a .pgm next to it."
+            metavar="OUT",
+            help="The file to write; its ending tells the format. A .yaml has a .pgm beside it; a .toml is a scenario.",
         ),
     ],
+    use: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="OUT's format, where its ending tells another: mobilesim for a .map."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
     resolution: Resolution = None,
     changes: Changes = None,
 ) -> None:
     """Write a map in another format, read it back, and say in numbers what is lost.
 
-    Options of IN's loader are set as those of a world: --set world.threshold=0.5.
+    Options of IN's loader are set as those of a world: --set world.threshold=0.5. A .toml is a scenario on IN's map:
+    with the robots that IN has, or else with a Pioneer that wanders.
     """
     from amorsim.runs.asked import look_up, read_world
 
     compile_once(lambda: look_up(source, resolution=resolution, changes=changes or ()))
+    if target.suffix.lower() == ".toml":
+        _write_scenario(source, target, resolution=resolution, changes=changes or [], force=force)
+        return
     world = read_world(source, resolution=resolution, changes=changes or [])
     for warning in world.warnings:
         complain(f"{world.name}: {warning}")
-    write_world(world, target, force=force)
+    write_world(world, target, force=force, use=use)
 
 
-def write_world(world: Map, target: Path, *, force: bool) -> None:
+def _write_scenario(
+    source: str, target: Path, *, resolution: float | None, changes: Sequence[str], force: bool
+) -> None:
+    """Write a scenario on the map of a file, read it back, and say what it holds and what was lost."""
+    from amorsim.core.lost_cells import lost_cells
+    from amorsim.runs.asked import read_scenario, scenario_document
+    from amorsim.scenario.map_words import lost_in_words
+
+    before = read_scenario(source, resolution=resolution, changes=changes)
+    for warning in (*before.remarks, *before.map.warnings):
+        complain(f"{before.map.name}: {warning}")
+    document = scenario_document(source, target, before, resolution=resolution, changes=changes)
+    again = document.scenario()
+    if target.exists() and not force:
+        raise AmorsimError(f"{target.name} is there already; --force replaces it")
+    document.save()
+    rows, columns = again.map.shape
+    bodies = f"{_counted(len(again.robots), 'robot')}, {_counted(len(again.obstacles), 'obstacle')}"
+    lost = lost_in_words(lost_cells(before.map, again.map))
+    say(f"{target}: {columns} x {rows} cells of {again.map.resolution:g} m, {bodies}; {lost}")
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def write_world(world: Map, target: Path, *, force: bool, use: str | None = None) -> None:
     """Write a map into a file, and say how it is read and what was lost. Raises `MapError` as `write_map` does."""
     from amorsim.scenario.map_words import lost_in_words, needed_options
     from amorsim.scenario.maps import write_map
     from amorsim.scenario.write import table_text
 
-    again, lost = write_map(world, target, force=force)
+    again, lost = write_map(world, target, force=force, use=use)
     for warning in again.warnings:
         complain(f"{target.name}: {warning}")
     rows, columns = again.shape

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from amorsim.core.map import Map
+    from amorsim.scenario.document import Document
     from amorsim.scenario.spec import Scenario
     from amorsim.simulation.simulation import Simulation
 
@@ -25,6 +26,7 @@ __all__ = [
     "read_any_world",
     "read_scenario",
     "read_world",
+    "scenario_document",
     "with_options",
 ]
 
@@ -122,6 +124,17 @@ def read_scenario(name: str, *, resolution: float | None = None, changes: Sequen
     if options is not None:
         return scenario_for_map(Path(name), overrides=tuple(changes), **options)
     return load(name, overrides=tuple(_with_resolution(name, resolution, changes)))
+
+
+def scenario_document(
+    name: str, target: Path, scenario: Scenario, *, resolution: float | None = None, changes: Sequence[str] = ()
+) -> Document:
+    """The scenario that a user means by `name`, and that was read as `scenario`, as a document to save at `target`."""
+    from amorsim.plugins.manager import default_registry
+    from amorsim.scenario.converted import converted
+
+    options, settings = _options(name, resolution), _with_resolution(name, resolution, changes)
+    return converted(name, target, scenario, of_map=options, changes=settings, registry=default_registry())
 
 
 def read_world(name: str, *, resolution: float | None = None, changes: Sequence[str] = ()) -> Map:

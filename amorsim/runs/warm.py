@@ -15,11 +15,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from amorsim.core.map import Map
+from amorsim.core.shapes import Shape
 from amorsim.kernels.cache_folder import mark_warm
-from amorsim.plugins.manager import default_registry
+from amorsim.planners.d_star_lite import DStarLite
+from amorsim.planners.wavefront import Wavefront
+from amorsim.plugins.manager import default_registry, make_registry
 from amorsim.runs.run import run
 from amorsim.scenario.read import load, loads
 from amorsim.scenario.spec import Scenario
+from amorsim.worlds.made import MadeWorld, make_world
 
 __all__ = ["compile_kernels"]
 
@@ -38,9 +45,9 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
     progress
         Called at the beginning too.
     more
-        Whether to compile also the kernels of robots that collide.
+        Whether to compile also the kernels of robots that collide, of generated worlds and of planners.
     """
-    first, second = (_FIRST + _MORE, _SECOND) if more else (_FIRST, _SECOND)
+    first, second = (_FIRST + _MORE, _SECOND + _BESIDE) if more else (_FIRST, _SECOND)
     total, done, lock = len(first) + len(second), 0, threading.Lock()
 
     def one_more() -> None:
@@ -88,9 +95,12 @@ def _listen(process: subprocess.Popen[str], one_more: Callable[[], None]) -> Non
 
 def _try_all(names: Sequence[str], one_more: Callable[[], None]) -> None:
     for name in names:
-        scenario, steps = _TRIALS[name]()
-        with tempfile.TemporaryDirectory() as folder:
-            run(scenario, Path(folder) / "run", duration=steps * scenario.dt)
+        if name in _OTHERS:
+            _OTHERS[name]()
+        else:
+            scenario, steps = _TRIALS[name]()
+            with tempfile.TemporaryDirectory() as folder:
+                run(scenario, Path(folder) / "run", duration=steps * scenario.dt)
         one_more()
 
 
@@ -121,9 +131,37 @@ _TRIALS: Mapping[str, Callable[[], tuple[Scenario, int]]] = {
     "collide": lambda: (_pioneers((5.0, 0.6), (5.0, 1.3), controller="square"), 40),
     "meet": lambda: (_pioneers((5.0, 3.0), (5.0, 4.0), laser={}, sonar={}), 1),
 }
+
+
+def _make_worlds() -> None:
+    """Make a world of each built-in kind."""
+    registry = make_registry(entry_points=())
+    for name in registry.names("world_generator"):
+        make_world(MadeWorld(generator=registry.get("world_generator", name)(), seed=0))
+
+
+def _plan() -> None:
+    """Plan with each built-in planner around a wall, and again after the wall was changed."""
+    cells = np.zeros((20, 30))
+    cells[5:, 15] = 1
+    room = Map.from_array(cells, resolution=0.2)
+    cells[3:5, 15] = 1
+    changed = Map.from_array(cells, resolution=0.2)
+    start, goal, footprint = (1.1, 3.1), (5.1, 3.1), Shape.circle(0.1)
+    registry = make_registry(entry_points=())
+    for name in registry.names("planner"):
+        registry.get("planner", name)().plan(room, start, goal, footprint=footprint)
+    Wavefront().field(room, goal, footprint=footprint)
+    replanner = DStarLite().replanner(goal, footprint=footprint)
+    for world in (room, changed):
+        replanner.plan(world, start)
+
+
+_OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _plan}
 _FIRST: tuple[str, ...] = ("look", "demo")
 _SECOND: tuple[str, ...] = ("wander",)
 _MORE: tuple[str, ...] = ("collide", "meet")
+_BESIDE: tuple[str, ...] = ("worlds", "plan")
 
 
 if __name__ == "__main__":

@@ -426,6 +426,16 @@ class Document:
         write_bytes(file, text.encode())
         return file
 
+    def moved(self, path: str | os.PathLike[str]) -> Document:
+        """The same document as a file elsewhere, which names the same files from there; nothing is written.
+
+        Raises
+        ------
+        RunError
+            If no relative path leads from there to one of the files.
+        """
+        return Document(self._for(Path(path).absolute(), copy=False), path, registry=self._registry)
+
     def _for(self, target: Path, copy: bool, copies: Copies | None = None) -> str:
         """The text for another file."""
         folder, here = target.parent, self._path.absolute().parent

@@ -34,6 +34,7 @@ __all__ = [
     "is_model",
     "load",
     "loads",
+    "map_alone",
     "read_generated_alone",
     "read_map_alone",
     "scenario_for_map",
@@ -136,7 +137,7 @@ def _of_map(
     path: Path, options: Mapping[str, Any], overrides: Iterable[str], registry: Registry
 ) -> tuple[dict[str, Any], Book]:
     book = Book(Source(file="", folder=path.parent))
-    return overridden(_map_alone(path, options), path, overrides, book, registry), book
+    return overridden(map_alone(path, options), path, overrides, book, registry), book
 
 
 def read_map_alone(
@@ -182,7 +183,8 @@ def read_generated_alone(
     return world
 
 
-def _map_alone(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
+def map_alone(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of `scenario_for_map`; `options` are the map loader's."""
     return {
         "format": FORMAT,
         "world": {**options, "map": str(path.absolute())},

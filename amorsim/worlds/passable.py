@@ -98,7 +98,9 @@ def nearest(places: Cells, row: float, col: float) -> tuple[int, int]:
 
 def _clear(cells: Cells, reach: NDArray[np.int64], beyond: int) -> Cells:
     out = np.empty_like(cells)
-    clear_cells(cells, reach, beyond, np.empty(cells.shape, dtype=np.int32), out)
+    # A disc that reaches farther than 65,535 cells fits into no world that is generated.
+    short = np.minimum(reach, 0xFFFF).astype(np.uint16)
+    clear_cells(cells, short, beyond, np.empty(cells.shape, dtype=np.uint16), out)
     return out
 
 

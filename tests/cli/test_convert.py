@@ -90,3 +90,50 @@ def test_mistakes_are_told(amorsim: Command, room: Path, arguments: tuple[str, s
     result = amorsim("convert", *arguments)
     assert result.status == 2
     assert words in result.err
+
+
+# ------------------------------------------------------------------------------------------- scenarios, and by name
+
+
+def test_a_map_becomes_a_scenario_that_runs(amorsim: Command, room: Path, tmp_path: Path) -> None:
+    (tmp_path / "deep").mkdir()
+    result = amorsim("convert", room, "deep/room.toml", "--resolution", 0.05)
+    assert (result.status, result.err) == (0, "")
+    assert "120 x 80 cells of 0.05 m, 1 robot, 0 obstacles; read back, the cells are the same" in result.out
+    scenario = am.load(tmp_path / "deep" / "room.toml")
+    assert 'map = "../room.wld"' in (tmp_path / "deep" / "room.toml").read_text()
+    assert have_same_cells(scenario.map, am.load_map(room, resolution=0.05))
+    assert scenario.robots[0].model == "pioneer2dx"
+    again = amorsim("convert", room, "deep/room.toml")
+    assert (again.status, "room.toml is there already; --force" in again.err) == (2, True)
+    assert amorsim("convert", room, "deep/room.toml", "--force").status == 0
+
+
+def test_another_programs_robots_are_in_the_scenario(amorsim: Command, tmp_path: Path) -> None:
+    from tests.fuzz.foreign import ARIA
+
+    (tmp_path / "lab.map").write_text(ARIA)
+    result = amorsim("convert", "lab.map", "lab.toml", "--set", "robots.rover.controller.speed=0.1")
+    assert result.status == 0, result.err
+    assert "1 robot, 1 obstacle; read back, the cells are the same" in result.out
+    before, after = am.load(tmp_path / "lab.map"), am.load(tmp_path / "lab.toml")
+    assert [robot.pose for robot in after.robots] == [robot.pose for robot in before.robots]
+    assert after.robots[0].controller.speed == 0.1
+    assert [zone.name for zone in after.zones] == [zone.name for zone in before.zones]
+    refused = amorsim("convert", "lab.map", "lab2.toml", "--set", "loader.x=1")
+    assert refused.status == 2
+
+
+@pytest.mark.parametrize(("ending", "use"), [("map", "mobilesim"), ("world", "stage"), ("txt", "geojson")])
+def test_a_format_may_be_named(amorsim: Command, room: Path, tmp_path: Path, ending: str, use: str) -> None:
+    result = amorsim("convert", room, f"out.{ending}", "--use", use, "--resolution", 0.1)
+    assert result.status == 0, result.err
+    assert "read back, the cells are the same" in result.out
+    again = am.load_map(tmp_path / f"out.{ending}", use=use, resolution=0.1)
+    assert have_same_cells(again, am.load_map(room, resolution=0.1))
+
+
+def test_a_format_that_is_not_known_is_refused(amorsim: Command, room: Path) -> None:
+    result = amorsim("convert", room, "out.map", "--use", "mobilesin")
+    assert result.status == 2
+    assert "Did you mean 'mobilesim'?" in result.err

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import io
 import os
 import signal
@@ -312,16 +313,17 @@ class Faulty:
 
 
 class Maps:
-    """Files of all formats of maps but line worlds and bitmaps: whole ones damaged, with any options, and renamed."""
+    """Files of a format of maps, or of all but line worlds and bitmaps: damaged, with any options, and renamed."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, only: str = "") -> None:
         self.folder = folder
+        self.only = only
         self.said = ""
         Image.new("L", (6, 5), 205).save(folder / "lab.pgm")
 
     def attempt(self, rng: Random) -> None:
-        name = rng.choice(tuple(MAPS))
-        if name == "dxf" and rng.random() < 0.8:  # which takes a hundred times as long as others
+        name = self.only or rng.choice(tuple(MAPS))
+        if not self.only and name == "dxf" and rng.random() < 0.8:  # which takes a hundred times as long as others
             name = "svg"
         data = MAPS[name]
         if rng.random() < 0.9:
@@ -346,6 +348,7 @@ FUZZERS: dict[str, Callable[[Path], Fuzzer]] = {
     "line_worlds": LineWorlds,
     "bitmaps": Bitmaps,
     "maps": Maps,
+    **{name: functools.partial(Maps, only=name) for name in MAPS},
     "tracks": Tracks,
     **FOREIGN,
     "faulty": Faulty,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import time
 
@@ -45,8 +46,8 @@ def test_every_trial_is_made_once_and_counted(tried: list[str], monkeypatch: pyt
     monkeypatch.setattr(warm, "_try_all", lambda some, one_more: [one_more() for _ in some] and tried.extend(some))
     counted: list[tuple[int, int]] = []
     warm.compile_kernels(lambda done, total: counted.append((done, total)), more=True)
-    assert sorted(tried + asked[0]) == sorted(warm._TRIALS)
-    assert counted == [(done, 5) for done in range(6)]
+    assert sorted(tried + asked[0]) == sorted([*warm._TRIALS, *warm._OTHERS])
+    assert counted == [(done, 7) for done in range(8)]
 
 
 @pytest.mark.parametrize("name", list(warm._TRIALS))
@@ -56,3 +57,21 @@ def test_a_trial_simulates_what_it_is_for(name: str) -> None:
     simulation.run(steps * scenario.dt)
     met = {event.other for event in simulation.events if event.kind == "collision"}
     assert met == ({"wall", "robot0", "robot1"} if name == "collide" else set())
+
+
+@pytest.mark.long
+def test_worlds_and_planners_have_all_their_kernels_after_compiling() -> None:
+    code = """
+import importlib, pkgutil
+from amorsim.kernels import search
+from amorsim.runs import warm
+for other in warm._OTHERS.values():
+    other()
+names = [f"amorsim.kernels.search.{module.name}" for module in pkgutil.iter_modules(search.__path__)]
+for name in [*names, "amorsim.kernels.grid.room"]:
+    for key, value in vars(importlib.import_module(name)).items():
+        if getattr(value, "__module__", "") == name and getattr(value, "signatures", None) == []:
+            print(name, key)
+"""
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout == ""

@@ -30,13 +30,13 @@ class Draft(NamedTuple):
     used: NDArray[np.int64]
 
 
-def new_draft(rows: int, cols: int) -> Draft:
-    """An empty draft of a map of rows x cols cells, all free, with space for a few pages."""
+def new_draft(rows: int, cols: int, most_pages: int = 64) -> Draft:
+    """An empty draft of a map of rows x cols cells, all free, with space for `most_pages` pages to begin with."""
     super_rows, super_cols = -(-rows // 4096), -(-cols // 4096)
     supers = np.full(super_rows * super_cols, FREE, dtype=np.int32)
     tables = np.full((4, 4096), FREE, dtype=np.int32)
     tables[0] = 0
-    pages = np.zeros((64, 64), dtype=np.uint64)
+    pages = np.zeros((most_pages, 64), dtype=np.uint64)
     pages[0] = ALL
     return Draft(rows, cols, super_cols, supers, tables, pages, np.array([1, 1], dtype=np.int64))
 
@@ -311,7 +311,9 @@ def finish(draft: Draft, resolution: float) -> Grid:
 def grid_from_array(cells: NDArray[np.uint8], resolution: float) -> Grid:
     """The grid of an array (rows, cols), row 0 lowest, whose cells that are not zero are occupied."""
     cells = np.ascontiguousarray(cells, dtype=np.uint8)
-    draft = new_draft(cells.shape[0], cells.shape[1])
+    rows, cols = cells.shape
+    # Space for all pages that there may be, an eighth of the array's own size: growing would mark all again.
+    draft = new_draft(rows, cols, (rows // 64 + 2) * (cols // 64 + 2))
     while not _mark_array(cells, draft):
         grow(draft)
     return finish(draft, resolution)

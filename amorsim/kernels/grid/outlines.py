@@ -28,6 +28,7 @@ Cells = NDArray[np.uint8]
 
 _TOLERANCE = 1.6  # [cells] a corner may be off the line; more than 1, so that a thin wall is one strip
 _MOST_CORNERS = 1024  # of one strip
+_USUAL_STRIPS = 65_536  # of a map; where there are more, all are traced again
 _MARGIN = 1e-3  # [cells] by which a strip is wider than the sides in it, for roundings
 _EXACT = 0.02  # [cells] by which one along an axis may be wider than another, and is still to be preferred
 _THIN_MARGIN = 1e-6  # [cells] the same for one along an axis, whose corners are whole numbers
@@ -202,7 +203,7 @@ def trace(grid: Grid, cells: Cells, seen: Cells, strips: Floats) -> int:
 
 def strips_of(grid: Grid, cells: Cells) -> Floats:
     """Strips (M, 5) of the cells of a grid, given as an array too; see `trace`."""
-    strips = np.empty((1024, 5))
+    strips = np.empty((_USUAL_STRIPS, 5))  # what is not written to takes no memory
     made = trace(grid, cells, np.zeros_like(cells), strips)
     if made > len(strips):
         strips = np.empty((made, 5))

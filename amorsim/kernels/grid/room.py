@@ -13,23 +13,24 @@ Cells = NDArray[np.uint8]
 
 
 @kernel
-def clear_cells(cells: Cells, reach: NDArray[np.int64], beyond: int, runs: NDArray[np.int32], out: Cells) -> None:
+def clear_cells(cells: Cells, reach: NDArray[np.uint16], beyond: int, runs: NDArray[np.uint16], out: Cells) -> None:
     """Write 1 for each cell near which no cell is set, else 0.
 
     Cells n rows away are near up to `reach[n]` columns. `beyond` is 1 if all cells outside the array are set. `runs`
-    is room to work in, of the array's shape.
+    is room to work in, of the array's shape: short numbers, so that many are compared at once.
     """
     rows, cols = cells.shape
-    far = rows + cols
+    far = 0xFFFF
     for i in range(rows):
         run = 0 if beyond else far
         for j in range(cols):
-            run = 0 if cells[i, j] else run + 1
+            run = 0 if cells[i, j] else min(run + 1, far)
             runs[i, j] = run
         run = 0 if beyond else far
         for j in range(cols - 1, -1, -1):
-            run = 0 if cells[i, j] else run + 1
-            runs[i, j] = min(runs[i, j], run)
+            run = 0 if cells[i, j] else min(run + 1, far)
+            if run < runs[i, j]:
+                runs[i, j] = run
     out[:] = 1
     for i in range(rows):
         for n in range(1 - reach.shape[0], reach.shape[0]):
