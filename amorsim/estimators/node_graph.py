@@ -91,7 +91,7 @@ class NodeGraph:
     def relative(self, first: int, second: int) -> Array:
         """The pose of a node in the frame of another one."""
         poses = self.poses
-        return relative(poses[first : first + 1], poses[second : second + 1])[0]
+        return np.asarray(relative(poses[first : first + 1], poses[second : second + 1])[0])
 
     def graph(self) -> PoseGraph:
         """The graph, to be solved."""

@@ -6,7 +6,7 @@ They are marked in a square window around the laser. A beam crosses all cells th
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -65,9 +65,9 @@ def _cross(window: Window, x: float, y: float, dx: float, dy: float, length: flo
     edge = (first + 1 - u) if ahead > 0 else (u - first)  # to the first line
     slope = dv / abs(du)
     mark = first * step_u
-    at = math.floor(v)
-    place = np.int64((v + edge * slope) * _ONE)
-    step = np.int64(slope * _ONE)
+    at: Any = math.floor(v)
+    place: Any = np.int64((v + edge * slope) * _ONE)
+    step: Any = np.int64(slope * _ONE)
     for _ in range(lines):
         window.marks[mark + at * step_v] = MISSED
         at = place >> _BITS

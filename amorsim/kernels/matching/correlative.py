@@ -8,7 +8,7 @@ correlative scan matching" (2009).
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -89,20 +89,20 @@ def add(points: Floats, x: float, y: float, heading: float, out: Picture) -> Non
 def _fine(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: int) -> float:
     """The sum of what `count` cells, moved by (row, col), have in a picture."""
     side = on.fine.shape[0]
-    total = 0.0
+    total: Any = 0.0
     for i in range(count):
         r = cells[i, 0] + row
         k = cells[i, 1] + col
         if 0 <= r < side and 0 <= k < side:
             total += on.fine[r, k]
-    return total
+    return float(total)
 
 
 @part
 def _coarse(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col: int) -> float:
     """At least what `count` cells have in a picture, moved by (row, col) or by up to BLOCK - 1 cells further."""
     blocks = on.coarse.shape[0]
-    total = 0.0
+    total: Any = 0.0
     for i in range(count):
         r = (cells[i, 0] + row) // BLOCK
         k = (cells[i, 1] + col) // BLOCK
@@ -111,7 +111,7 @@ def _coarse(on: Picture, cells: npt.NDArray[np.int64], count: int, row: int, col
             for bk in range(max(k, 0), min(k + 2, blocks)):
                 most = max(most, on.coarse[br, bk])
         total += most
-    return total
+    return float(total)
 
 
 @kernel

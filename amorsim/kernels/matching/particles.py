@@ -110,7 +110,8 @@ def _choose(path: Floats, count: int, pose: Floats, reach: float, chosen: Ints) 
         for j in range(count - 1):
             is_taken = False
             for k in range(found):
-                is_taken = is_taken or chosen[k] == j
+                if chosen[k] == j:
+                    is_taken = True
             dx = path[j, 0] - pose[0]
             dy = path[j, 1] - pose[1]
             if not is_taken and dx * dx + dy * dy < least:

@@ -219,7 +219,7 @@ def _make_key(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, at: Room)
 def _is_far(pose: Floats, other: Floats, distance: float, angle: float) -> bool:
     dx = pose[0] - other[0]
     dy = pose[1] - other[1]
-    return dx * dx + dy * dy >= distance * distance or abs(wrap(pose[2] - other[2])) >= angle
+    return bool(dx * dx + dy * dy >= distance * distance or abs(wrap(pose[2] - other[2])) >= angle)
 
 
 @kernel

@@ -37,7 +37,6 @@ export class Mapped {
         return [name, button];
       }),
     );
-    this.element.append(...this.buttons.values());
     setInterval(() => this.look(), EVERY);
   }
 
@@ -75,8 +74,9 @@ export class Mapped {
   /** @param {One[]} found */
   set(found) {
     this.found = found;
-    for (const [name, button] of this.buttons) button.hidden = !found.some((one) => one[name]);
-    this.element.hidden = !found.length;
+    const shown = SWITCHES.filter(([name]) => found.some((one) => one[name])).map(([name]) => this.buttons.get(name));
+    if (shown.length !== this.element.childElementCount) this.element.replaceChildren(...shown);
+    this.element.hidden = !shown.length;
     for (const one of found) this.load(one);
     this.changed();
   }
