@@ -119,6 +119,7 @@ def test_a_cars_plan_is_driven(case):
 
 
 TRAILER_CASES = {
+    "into a bend": ((2.2, 6.0, 0.0), (6.0, 4.0, -1.57)),
     "round a corner": ((2.2, 1.5, 0.0), (8.5, 6.5, math.pi / 2)),
     "turned about": ((3.0, 4.0, 0.0), (3.0, 4.0, math.pi)),
 }
@@ -129,7 +130,11 @@ def yard() -> am.Map:
     return am.Map.from_segments(walls[:5], resolution=0.02)
 
 
-@pytest.mark.parametrize("case", ["round a corner", pytest.param("turned about", marks=pytest.mark.long)], ids=str)
+@pytest.mark.parametrize(
+    "case",
+    ["into a bend", *(pytest.param(case, marks=pytest.mark.long) for case in ("round a corner", "turned about"))],
+    ids=str,
+)
 def test_a_trailers_plan_is_driven(case):
     start, goal = TRAILER_CASES[case]
     plan = am.planners.HybridAStar(radius=1.2, **TRAILER, **OUTLINE).plan(yard(), start, goal, footprint=TRACTOR)
