@@ -23,14 +23,14 @@ _ALL_UP_TO = 12  # pairs, whose signs are then all tried
 
 
 def bootstrap_interval(
-    samples: Array, *, confidence: float = 0.95, statistic: Statistic = np.mean, resamples: int = RESAMPLES
+    samples: Array, *, confidence: float = 0.95, statistic: Statistic | None = None, resamples: int = RESAMPLES
 ) -> tuple[float, float]:
     """The interval of a statistic of independent samples `(n,)`, n >= 2, by the bootstrap (bias-corrected, BCa).
 
     Parameters
     ----------
     statistic
-        Such as `numpy.mean` or `numpy.median`; called with ``axis=``.
+        Such as `numpy.median`; called with ``axis=``. Without it, the mean.
 
     Raises
     ------
@@ -44,6 +44,7 @@ def bootstrap_interval(
         return value, value
     from scipy.special import ndtr, ndtri
 
+    statistic = np.mean if statistic is None else statistic
     count = len(samples)
     drawn = np.sort(_resampled(samples, statistic, resamples))
     value = float(statistic(samples, axis=0))

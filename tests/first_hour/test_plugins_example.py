@@ -259,7 +259,7 @@ def test_the_example_plugins_keep_their_contracts_and_run(
     brought = [entry for entry in registry.entries() if entry.plugin.name == "example"]
     kinds = [entry.kind for entry in brought]
     assert sorted(kinds) == sorted(
-        ["drive", "sensor", "noise", "map_loader", "estimator", "recorder", "robot", "scenario"]
+        ["drive", "sensor", "noise", "map_loader", "estimator", "recorder", "metric", "robot", "scenario"]
     )
     for entry in brought:
         if entry.kind not in ("robot", "scenario"):

@@ -121,6 +121,7 @@ def test_a_submission_that_misbehaves_has_no_points_and_a_reason(course: Path, n
     assert reason in (course.parent / "grades" / "grades.csv").read_text().replace('""', '"')
 
 
+@pytest.mark.long
 def test_what_it_prints_is_no_command(course: Path) -> None:
     loud = GOOD.replace("    return", "    print('[\"twist\", [9.0, 0.0, 0.0]]')\n    return")
     found = graded(course, loud=loud, good=GOOD)
@@ -168,6 +169,7 @@ class Estimator:
 """
 
 
+@pytest.mark.long
 def test_estimators_are_graded_too(course: Path) -> None:
     text = RUBRIC.replace('function = "drive"', 'role = "estimator"').replace("[11, 12]", "[11]")
     text = text[: text.index("[criteria]")] + (
