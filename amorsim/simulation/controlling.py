@@ -16,7 +16,7 @@ from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.blame import Whose, is_finite
 
-__all__ = ["Driver"]
+__all__ = ["Driver", "report_problem"]
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
@@ -155,7 +155,7 @@ class Driver:
         except RAISED as error:
             self._whose.blame("controller", controller, error)
         for report in found:
-            if problem := _report_problem(report, len(self.active)):
+            if problem := report_problem(report, len(self.active)):
                 raise self._whose.wrong("controller", controller, problem)
         return [report for report in found if self.active[report[0], 0] and not self.by_hand[report[0], 0]]
 
@@ -194,7 +194,7 @@ class Driver:
             setattr(self, name, arrays[name])
 
 
-def _report_problem(report: Any, rows: int) -> str:
+def report_problem(report: Any, rows: int) -> str:
     """The fault of one of the things that `Controller.reports` returned; empty if there is none."""
     if not isinstance(report, tuple) or len(report) != 3:
         return f"expected reports() to return triples (row, word, value), got {report!r}"

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
 from amorsim.simulation.beliefs import beliefs_problem
+from amorsim.simulation.controlling import report_problem
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
@@ -191,6 +192,28 @@ class NoiseTrial(Trial[Noise]):
         return outputs
 
 
+def _beliefs_of(
+    trial: EstimatorTrial | ControllerTrial, component: Estimator | Controller, session: Session, state: State
+) -> Outputs:
+    """What a component believes besides, looked up twice: the state stays as it is, and so do names and shapes."""
+    who = trial.who
+    before = {name: array.copy() for name, array in state.items()}
+    with who.calling("beliefs"):
+        found = component.beliefs(state)
+    problem = beliefs_problem(found, len(session.rows))
+    who.require(not problem, "beliefs", "beliefs()", "arrays by name, a row first", problem)
+    for name, array in before.items():
+        now = state.get(name)
+        same = now is not None and now.tobytes() == array.tobytes()
+        who.require(same, "beliefs", f"state[{name!r}] after beliefs()", "the same bits as before", "others")
+    who.require(len(state) == len(before), "beliefs", "the state after beliefs()", "no new key", list(state))
+    layout = [(name, array.shape[1:], array.dtype) for name, array in found.items()]
+    trial.layout = trial.layout or layout
+    same = layout == trial.layout
+    who.require(same, "beliefs", "names and shapes in a later step", trial.layout, layout)
+    return {f"belief {name}": np.asarray(array) for name, array in found.items()}
+
+
 class EstimatorTrial(Trial[Estimator]):
     """Estimates from the readings of the rig's sensors, with the knowledge of the rig's robots."""
 
@@ -198,7 +221,7 @@ class EstimatorTrial(Trial[Estimator]):
 
     def __init__(self, who: Who, rig: Rig) -> None:
         super().__init__(who, rig)
-        self._layout: list[Any] | None = None  # names, shapes and dtypes of the beliefs
+        self.layout: list[Any] | None = None  # names, shapes and dtypes of the beliefs
 
     def step(self, component: Estimator, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
         """One update."""
@@ -219,25 +242,7 @@ class EstimatorTrial(Trial[Estimator]):
         covariance = self.array(found[1], (rows, 3, 3), "the covariance")
         self.who.require(np.isfinite(pose).all(), "finite", "the estimated pose", "finite numbers", "nan or inf")
         self._check_covariance(covariance)
-        return {"pose": pose, "covariance": covariance, **self._beliefs(component, session, state)}
-
-    def _beliefs(self, component: Estimator, session: Session, state: State) -> Outputs:
-        """What it believes besides, looked up twice: the state stays as it is, and so do names and shapes."""
-        before = {name: array.copy() for name, array in state.items()}
-        with self.who.calling("beliefs"):
-            found = component.beliefs(state)
-        problem = beliefs_problem(found, len(session.rows))
-        self.who.require(not problem, "beliefs", "beliefs()", "arrays by name, a row first", problem)
-        for name, array in before.items():
-            now = state.get(name)
-            same = now is not None and now.tobytes() == array.tobytes()
-            self.who.require(same, "beliefs", f"state[{name!r}] after beliefs()", "the same bits as before", "others")
-        self.who.require(len(state) == len(before), "beliefs", "the state after beliefs()", "no new key", list(state))
-        layout = [(name, array.shape[1:], array.dtype) for name, array in found.items()]
-        self._layout = self._layout or layout
-        same = layout == self._layout
-        self.who.require(same, "beliefs", "names and shapes in a later step", self._layout, layout)
-        return {f"belief {name}": np.asarray(array) for name, array in found.items()}
+        return {"pose": pose, "covariance": covariance, **_beliefs_of(self, component, session, state)}
 
     def _check_covariance(self, covariance: Array) -> None:
         require = self.who.require
@@ -258,6 +263,7 @@ class ControllerTrial(Trial[Controller]):
     def __init__(self, who: Who, rig: Rig) -> None:
         super().__init__(who, rig)
         self.channels = len(rig.specified.channels)
+        self.layout: list[Any] | None = None  # names, shapes and dtypes of the beliefs
         self.widths = (self.channels,)
 
     def step(self, component: Controller, session: Session, state: State, carried: Outputs, given: Given) -> Outputs:
@@ -271,7 +277,12 @@ class ControllerTrial(Trial[Controller]):
             found = component.command(session.robot, readings, estimate, clock, state, session.draws)
         command = self.array(found, (len(session.rows), self.channels), "command()")
         self.who.require(np.isfinite(command).all(), "finite", "command()", "finite numbers", "nan or inf")
-        return {"command": command}
+        with self.who.calling("reports"):
+            reports = list(component.reports(state))
+        for report in reports:
+            problem = report_problem(report, len(session.rows))
+            self.who.require(not problem, "reports", "reports()", "triples of row, word and value", problem)
+        return {"command": command, **_beliefs_of(self, component, session, state)}
 
 
 class MotionTrial(Trial[Motion]):

@@ -47,7 +47,7 @@ def said(simulation):
 
 def test_it_passes_posts_and_stops_at_its_goals():
     posts = [(x, y, x, y + 0.3) for x, y in ((2.0, -0.2), (3.2, 0.4), (3.3, -0.9), (4.5, 0.0))]
-    controller = am.controllers.Dwa(goals=((6.0, 0.5), (6.5, -1.5)), speed=0.6)
+    controller = am.controllers.Dwa(goals=((6.0, 0.5), (6.5, -1.5)), speed=0.6, horizon=2.5)
     simulation = simulate([make(controller)], posts, duration=40.0)
     assert [event for event in simulation.events if event.kind == "collision"] == []
     assert said(simulation) == [("rover", "goal_reached", "1 of 2"), ("rover", "goal_reached", "2 of 2")]
@@ -93,7 +93,7 @@ def test_it_drives_any_drive_by_laser_or_sonar(kind):
     changes = {}
     if kind == "car":
         changes["drive"] = am.drives.Ackermann(
-            wheel_radius=0.1, wheelbase=0.4, track=0.3, steering_max=0.6, rate_max=10.0, steering_rate_max=3.0
+            wheel_radius=0.1, wheelbase=0.4, track=0.3, steering_max=0.6, rate_max=10.0, steering_rate=3.0
         )
     elif kind == "synchro":
         changes["drive"] = am.drives.Synchro(wheel_radius=0.1, rate_max=10.0, steering_rate_max=3.0)
@@ -101,7 +101,7 @@ def test_it_drives_any_drive_by_laser_or_sonar(kind):
     else:
         mounts = tuple(am.Mount(heading=math.radians(15.0 * n)) for n in range(-8, 9))
         changes["sensor"] = am.sensors.Sonar(elements=mounts, half_angle=math.radians(8.0), range_max=4.0)
-    simulation = simulate([make(controller, **changes)], [(2.5, 0.1, 2.5, 0.6)], duration=30.0)
+    simulation = simulate([make(controller, **changes)], [(2.5, -0.6, 2.5, 0.0)], duration=30.0)
     assert said(simulation) == [("rover", "goal_reached", "1 of 1")]
 
 
