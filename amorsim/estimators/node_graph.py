@@ -73,7 +73,8 @@ class NodeGraph:
         """Add an edge that closes a loop; False if there is no more room."""
         if int(self._state["edge_count"][self._row]) == self._state["edge_nodes"].shape[1]:
             return False
-        self._link(first, second, measured, np.linalg.inv(information))
+        covariance = np.linalg.inv(information).astype(np.float64)
+        self._link(first, second, measured, covariance)
         return True
 
     def _link(self, first: int, second: int, measured: Array, covariance: Array) -> None:

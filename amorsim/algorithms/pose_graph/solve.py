@@ -202,7 +202,8 @@ def _least_squares(graph: PoseGraph, slopes: Array, errors: Array, weights: Arra
         return np.zeros((1, size))
     system = _System(graph, slopes, weights)
     pull = np.einsum("nij,ni->nj", system.weighted, errors)
-    right = np.bincount(system.unknowns.ravel() + size, -pull.ravel(), minlength=len(graph.poses) * size)[size:]
+    sums = np.bincount(system.unknowns.ravel() + size, -pull.ravel(), minlength=len(graph.poses) * size)
+    right = sums[size:].astype(np.float64)
     return np.concatenate((np.zeros(size), system.solve(right))).reshape(-1, size)
 
 

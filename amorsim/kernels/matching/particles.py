@@ -37,7 +37,7 @@ class Particles(NamedTuple):
     pose: Floats  # (N, P, 3)
     weight: Floats  # (N, P), logarithms
     path: Floats  # (N, P, K, 3) where the nodes' scans were taken
-    count: Ints  # (N,) nodes
+    nodes: Ints  # (N,) how many
 
 
 class Weighing(NamedTuple):
@@ -157,7 +157,7 @@ def move_and_match(
             at.scan.rays[k, 0] = scans.rays[i, j, 0]
             at.scan.rays[k, 1] = scans.rays[i, j, 1]
         _root(spread[i], at.root)
-        count = particles.count[i]
+        count = particles.nodes[i]
         for p in range(particles.pose.shape[1]):
             pose = particles.pose[i, p]
             heading = pose[2]
@@ -279,7 +279,7 @@ def resample(
             weight[p] -= most + math.log(total)
         if total * total / squares >= share * size:
             continue
-        count = particles.count[i]
+        count = particles.nodes[i]
         at_pose[:] = particles.pose[i]
         at_path[:, :count] = particles.path[i, :, :count]
         source = 0

@@ -274,7 +274,7 @@ def _match(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, rules: Rules
     invert(at.matrix, at.prior.information)
     record[FIT] = align_pair(key, scan, rules, at)
     found = at.result
-    share = found.told[0]
+    share: float = found.told[0]
     record[SHARE] = share
     record[DISTANCE] = found.told[1]
     record[WEAKEST] = found.values[0] / found.values[2] if found.values[2] > 0.0 else 0.0
