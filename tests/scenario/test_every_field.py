@@ -61,6 +61,8 @@ def options_of(kind):
 def good_value(parameter: Parameter):
     """A value within bounds, as files have it."""
     (kind, *_) = options_of(parameter.type)
+    if parameter.component:
+        return {"use": {"planner": "a_star", "controller": "dwa"}[parameter.component]}
     if parameter.choices:
         return parameter.choices[0]
     if parameter.file:
@@ -160,7 +162,7 @@ def at(document, path):
 
 def cases():
     for entry in REGISTRY.entries():
-        if entry.kind in ("robot", "device", "scenario", "planner", "recorder", "scenario_loader"):
+        if entry.kind in ("robot", "device", "scenario", "planner", "metric", "recorder", "scenario_loader"):
             continue
         document, path, unit = place_of(entry.kind, entry.name)
         fields = file_fields(REGISTRY.get(entry.kind, entry.name), unit)
