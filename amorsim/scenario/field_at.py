@@ -59,7 +59,9 @@ def field_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder:
     """
     if len(path) > 2 and path[2] == "errors":
         name = path[-1]
-        return file_fields(Deviation).get(name) if isinstance(name, str) else None
+        if not isinstance(name, str) or _leads_nowhere(values, (*path[:2], *path[3:-1]), registry, folder):
+            return None
+        return file_fields(Deviation).get(name)
     at = _at(values, path, registry, folder)
     if at is None or not at.rest or not isinstance(at.rest[0], str):
         return None
@@ -71,6 +73,14 @@ def field_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder:
             inner = _class_in(found.type)
             found = None if inner is None else file_fields(inner).get(part)
     return found
+
+
+def _leads_nowhere(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> bool:
+    """Whether a path that should lead to a number of a robot names a sensor or a field that is not there."""
+    if path[2:3] == ("sensors",) and found_at(values, path[:4]) is MISSING:
+        return True
+    at = _at(values, path, registry, folder)
+    return at is not None and bool(at.rest) and at.rest[0] not in file_fields(at.cls, at.unit, at.names)
 
 
 def component_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> type | None:

@@ -1,5 +1,7 @@
 """Settings of the command line: what they reach, and how their faults are told."""
 
+import re
+
 import pytest
 
 from amorsim.core.errors import ScenarioError
@@ -183,3 +185,9 @@ def test_faults_of_settings_and_files_come_together(read):
 def test_one_setting_alone_is_not_taken_for_a_list_of_letters():
     with pytest.raises(ScenarioError, match=r"expected a list of settings, as \['simulation.dt=0.2'\], got a text"):
         load("demo", "simulation.dt=0.2")
+
+
+@pytest.mark.parametrize("what", ["drive.trakc", "sensors.lazer.range_max", "sensors.laser.raneg", "wheels.track"])
+def test_an_error_of_nothing_is_a_fault_even_if_it_changes_nothing(read, what):
+    with pytest.raises(ScenarioError, match=re.escape(f"errors.{what}")):
+        read(TWO, f"robots.rover.errors.{what}.scale=1.0")
