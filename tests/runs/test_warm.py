@@ -40,7 +40,7 @@ def test_every_trial_is_made_once_and_counted(tried: list[str], monkeypatch: pyt
 
     def command(names: list[str]) -> list[str]:
         asked.append(list(names))
-        return [sys.executable, "-c", "print('done')"]
+        return [sys.executable, "-c", f"for _ in range({len(names)}): print('done')"]
 
     monkeypatch.setattr(warm, "_command", command)
     monkeypatch.setattr(warm, "_try_all", lambda some, one_more: [one_more() for _ in some] and tried.extend(some))
