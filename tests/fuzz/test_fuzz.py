@@ -19,14 +19,17 @@ COUNT = 20_000
 SEED = 12
 # As many as a minute is enough for: of what takes longer, fewer.
 READERS = {
-    "line_worlds": 20_000,
-    "bitmaps": 20_000,
-    **dict.fromkeys(("yaml", "map", "geojson", "maz"), 24_000),
-    "svg": 16_000,
-    "dxf": 1_000,
-    "stage": 7_000,
-    "mobilesim": 20_000,
-    "khepera": 20_000,
+    "line_worlds": 26_000,
+    "bitmaps": 22_000,
+    "yaml": 30_000,
+    "map": 65_000,
+    "geojson": 4_500,
+    "maz": 28_000,
+    "svg": 8_000,
+    "dxf": 1_200,
+    "stage": 3_000,
+    "mobilesim": 10_000,
+    "khepera": 2_300,
 }
 OTHERS = dict.fromkeys(("scenarios", "numbers", "tracks"), COUNT)
 

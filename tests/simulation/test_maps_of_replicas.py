@@ -252,9 +252,9 @@ def test_a_whole_number_needs_whole_ends() -> None:
 
 
 def test_a_number_that_the_generator_refuses_names_the_replica() -> None:
-    scenario = read(document('generate = "forest", size = [7, 6], density = { normal = [0.2, 0.3] }', sensors=""))
+    scenario = read(document('generate = "forest", size = [7, 6], density = { normal = [0.4, 0.3] }', sensors=""))
     with pytest.raises(am.MapError, match=r"density: expected a number .*, drawn for replica \d+; take a narrower"):
-        am.Simulation(scenario, replicas=50)
+        am.Simulation(scenario, replicas=100)
 
 
 # --------------------------------------------------------------------------------------------------- memory
@@ -282,7 +282,7 @@ def test_worlds_that_grow_reach_the_limit_on_the_way(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(terrain, "bytes_of", lambda world: 100 if world is scenario.map else 10_000)
     monkeypatch.setattr(terrain, "MOST_BYTES", 10_000)
     with pytest.raises(am.AmorsimError, match="coarser resolution or smaller worlds"):
-        am.Simulation(scenario, replicas=50)
+        am.Simulation(scenario, replicas=100)
 
 
 def test_the_bytes_of_a_map_are_those_of_its_arrays() -> None:
