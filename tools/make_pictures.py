@@ -66,6 +66,8 @@ def _amorsim(work: Path, *arguments: str) -> None:
 def _save_small(source: Path, target: Path) -> None:
     with Image.open(source) as opened:
         picture = opened.convert("RGB")
+    if 2 * picture.width < WIDTH:  # a map, a pixel for each cell
+        picture = picture.resize((2 * picture.width, 2 * picture.height), Image.Resampling.NEAREST)
     if picture.width > WIDTH:
         height = round(picture.height * WIDTH / picture.width)
         picture = picture.resize((WIDTH, height), Image.Resampling.LANCZOS)

@@ -305,7 +305,7 @@ class Navigate(Controller):
 
     def beliefs(self, state: State) -> Beliefs:
         """The path (nan beyond its end), the goal's number, what it does, and what its avoider believes."""
-        beyond = np.arange(state["path"].shape[1])[None, :] >= state["count"]
+        beyond = np.arange(state["path"].shape[1])[None, :] >= state["count"][:, None]
         no = (state["status"] != 0) | (state["mode"] >= ARRIVED)
         path = np.where((beyond | no)[:, :, None], np.nan, state["path"])
         return {

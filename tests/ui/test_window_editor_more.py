@@ -137,7 +137,7 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
         }"""
     )
     editor.step(lambda: page.click("dialog .main"))
-    assert page.inner_text(".status").startswith("no faults")
+    assert eventually(lambda: page.inner_text(".status").startswith("no faults"))
     page.keyboard.press("Control+s")
     assert eventually(lambda: am.open_document(file).faults() == ())
 
