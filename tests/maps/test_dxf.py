@@ -175,6 +175,7 @@ def test_layers(tmp_path: Path) -> None:
         Dxf(layers=("wals",)).load(path)
 
 
+@pytest.mark.long
 def test_blocks_that_multiply_are_refused(tmp_path: Path) -> None:
     document, space, path = drawn(tmp_path)
     document.blocks.new("B0").add_line((0, 0), (1, 0))

@@ -150,6 +150,7 @@ def test_all_that_ship_have_a_line_on_what_they_are(registry):
         assert all(f"#   [{letter}] " in text for letter in letters)
 
 
+@pytest.mark.long
 def test_the_typical_robot_is_another_one_in_each_replica(read):
     scenario = read(ROVER.replace("pioneer2dx", "pioneer2dx-typical"))
     sim = am.Simulation(scenario, replicas=400)

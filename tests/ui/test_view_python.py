@@ -22,6 +22,8 @@ from tests import building
 from tests.ui.sessions import Driven
 from tests.ui.views import View, drive
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 pytest.importorskip("starlette", reason="the extra 'ui' is not installed")
 
 SCRIPT = """

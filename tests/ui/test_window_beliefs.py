@@ -9,6 +9,8 @@ import pytest
 
 from tests.ui.windows import SIMULATOR, Server, Window
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 SCENARIO = """
 format = 1
 [world]

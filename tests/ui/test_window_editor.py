@@ -11,6 +11,8 @@ import pytest
 import amorsim as am
 from tests.ui.windows import SIMULATOR, Server, Window, eventually, new_user
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 PAGE = "document.querySelector('.amorsim')?.editor"
 
 

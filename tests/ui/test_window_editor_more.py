@@ -16,6 +16,8 @@ from amorsim.plugins.manager import default_registry
 from tests.ui.test_window_editor import PAGE, Editor
 from tests.ui.windows import SIMULATOR, Server, eventually
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 
 @pytest.fixture
 def open_editor(browser: Any, tmp_path: Path) -> Iterator[Any]:

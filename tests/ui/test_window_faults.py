@@ -15,6 +15,8 @@ import amorsim as am
 from tests.ui.views import View
 from tests.ui.windows import Server, Window, eventually, new_user, write_scenario
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 PAGE = "document.querySelector('.amorsim').faults"
 FAULTY = """
 [robots.sensors.laser]

@@ -10,6 +10,8 @@ import pytest
 
 from tests.ui.windows import Server, Window, write_scenario
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
 TRACK = "errors.drive.track.scale"
 SONAR = "sensors.sonar.noise.quantize.step"

@@ -10,6 +10,8 @@ import pytest
 
 from tests.ui.windows import SCENARIO, Server, Window, write_scenario
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 MAPPING = """
 [robots.estimators]
 dead_reckoning = false

@@ -10,6 +10,8 @@ import pytest
 
 from tests.ui.windows import SIMULATOR, Window
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 SECOND = (2.0, 6.5)  # where it stands, and believes to
 
 

@@ -22,6 +22,8 @@ from amorsim.ui.simulator.session import Session
 from tests.ui.aside import aside
 from tests.ui.sessions import Driven, Make, in_time, write_project
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 PATIENCE = 1.0
 
 

@@ -6,6 +6,8 @@ import pytest
 
 from tests.ui.windows import SIMULATOR, Window
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 INNER_WALL = (6.0, 1.5)  # a point of it
 
 

@@ -6,6 +6,8 @@ import pytest
 
 from tests.ui.windows import Window
 
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
 
 @pytest.fixture(autouse=True)
 def driven(window: Window) -> None:
