@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
+import attrs
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["command"]
 
 NO_PATH = 1  # the exit status
+_MANY = 10_000_000  # cells of a map, from which on planning on them takes long
+_COARSE = 0.05  # [m] side of a cell instead
 _QUICK = 5.0  # [s] a plan that took less is made a second time, to say what it takes without what is kept after it
 
 
@@ -77,6 +80,7 @@ def command(
         raise AmorsimError(f"{out} is there already; --force replaces it, -o names another file")
     compile_once(lambda: look_up_world(source, seed=seed, resolution=resolution, changes=of_world))
     world = read_any_world(source, seed=seed, resolution=resolution, changes=of_world)
+    made = _with_cells(made, world)
     plan, took, first = _timed(made, world, ends, body)
     once = f" ({_in_time(first)} with what is kept for the next plan)" if first > 2.0 * took and first > 0.01 else ""
     if plan.status == "found":
@@ -93,6 +97,15 @@ def command(
     say(f"picture: {out}")
     if plan.status != "found":
         raise typer.Exit(NO_PATH)
+
+
+def _with_cells(planner: Planner, world: Map) -> Planner:
+    """The planner, on coarse cells if those of the map are very many and no others were asked for."""
+    rows, columns = world.shape
+    if getattr(planner, "cell", 0.0) is not None or rows * columns <= _MANY or world.resolution >= _COARSE:
+        return planner
+    complain(f"planned on cells of {_COARSE:g} m, as the map has {columns} x {rows}; --set cell=SIDE chooses others")
+    return cast("Planner", attrs.evolve(cast("Any", planner), cell=_COARSE))
 
 
 def _timed(

@@ -65,6 +65,17 @@ def test_generated_worlds_and_scenarios_are_maps(amorsim: Command) -> None:
     assert (result.status, result.err) == (0, "")
 
 
+def test_on_a_map_of_very_many_cells_it_plans_on_coarse_ones_and_says_so(amorsim: Command, tmp_path: Path) -> None:
+    (tmp_path / "hall.wld").write_text("width 5000\nheight 4000\n2500 0 2500 3000\n")
+    ends = ("--from", "1,1", "--to", "4,1")
+    result = amorsim("plan", "hall.wld", *ends)
+    assert result.status == 0
+    assert "planned on cells of 0.05 m, as the map has 5000 x 4000; --set cell=SIDE chooses others" in result.err
+    coarse = am.planners.AStar(cell=0.05).plan(am.load_map(tmp_path / "hall.wld"), (1.0, 1.0), (4.0, 1.0))
+    assert f"length {coarse.length:.3f} m" in result.out
+    assert "planned on" not in amorsim("plan", "hall.wld", *ends, "--set", "cell=0.1", "--force").err
+
+
 def test_a_picture_that_is_there_is_replaced_by_force_alone(amorsim: Command, rooms: str, tmp_path: Path) -> None:
     (tmp_path / "plan.png").write_text("mine")
     result = amorsim("plan", rooms, *ENDS)
