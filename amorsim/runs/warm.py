@@ -21,6 +21,7 @@ from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.planners.d_star_lite import DStarLite
+from amorsim.planners.hybrid_a_star import HybridAStar
 from amorsim.planners.wavefront import Wavefront
 from amorsim.plugins.manager import default_registry, make_registry
 from amorsim.runs.run import run
@@ -151,6 +152,8 @@ def _plan() -> None:
     registry = make_registry(entry_points=())
     for name in registry.names("planner"):
         registry.get("planner", name)().plan(room, start, goal, footprint=footprint)
+    trailer = HybridAStar(trailer_length=0.4, trailer_width=0.1, trailer_front=0.05, trailer_rear=0.05)
+    trailer.plan(room, (1.1, 2.1, 0.0), (2.1, 2.1, 0.0), footprint=footprint)
     Wavefront().field(room, goal, footprint=footprint)
     replanner = DStarLite().replanner(goal, footprint=footprint)
     for world in (room, changed):
