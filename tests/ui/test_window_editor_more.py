@@ -135,7 +135,7 @@ def test_a_faulty_file_opens_and_is_mended_as_text(open_editor: Any, tmp_path: P
     page.evaluate(
         """() => {
             const { CodeMirror: code } = document.querySelector("dialog .CodeMirror");
-            code.setValue(code.getValue().replace("[simulation\\n", "[simulation]\\n").replace("wonder", "wander"));
+            code.setValue(code.getValue().replace("[simulation\\n", "[simulation]\\n").replaceAll("wonder", "wander"));
         }"""
     )
     editor.step(lambda: page.click("dialog .main"))
