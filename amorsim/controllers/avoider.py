@@ -26,9 +26,10 @@ from amorsim.controllers.driving import Course, abilities, at_rest
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.avoidance.arcs import Box
 from amorsim.kernels.avoidance.guide import Guide
+from amorsim.kernels.avoidance.memory import Window, guard
 from amorsim.kernels.behaviours.free_space import Sight
 
-__all__ = ["Avoider", "body_of", "sight_of", "start_moving", "start_sight"]
+__all__ = ["Avoider", "body_of", "guarded", "sight_of", "start_moving", "start_sight"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -207,3 +208,31 @@ def body_of(robot: RobotModel, clearance: Any) -> tuple[Box, Array]:
         return Box(x, x, y, y, np.inf), margin + shape.radius
     low, high = shape.outline.min(axis=0).tolist(), shape.outline.max(axis=0).tolist()
     return Box(low[0], high[0], low[1], high[1], float(shape.reach)), margin
+
+
+def guarded(
+    wanted: Array, sight: Sight, age: Array, course: Course, body: tuple[Box, Array], state: State, dt: float
+) -> Array:
+    """The twists `(N, 3)`: as `wanted` `(N, 2)` where robots can brake from that before what they see; else braking.
+
+    `body` is what `body_of` gives; ``state["limits"]`` and ``state["moving"]`` are those of `start_moving`, and
+    ``state["moving"]`` is brought up to the twist.
+    """
+    rows = len(wanted)
+    no_memory = Window(np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64), 1.0)
+    twist = np.empty((rows, 3))
+    guard(
+        sight,
+        age,
+        course.poses,
+        *body,
+        state["limits"],
+        no_memory,
+        np.zeros((rows, 1)),
+        wanted,
+        np.ones((rows, 1), dtype=bool),
+        dt,
+        state["moving"],
+        twist,
+    )
+    return twist

@@ -11,11 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
-from amorsim.controllers.avoider import Avoider, body_of, sight_of
+from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
 from amorsim.controllers.driving import Course
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.histogram import choose_openings
-from amorsim.kernels.avoidance.memory import Window, guard
 from amorsim.kernels.avoidance.potential import push_away
 from amorsim.kernels.avoidance.steering import aims, bearing_twists, points_seen
 
@@ -72,7 +71,6 @@ class Headed(Avoider):
         draws.share(_WORK, lambda first, end: points_seen(*seen, first, end, points))
         target = np.empty((rows, 2))
         aims(course.poses, guide, self.look_ahead, target)
-        box, margin = body_of(robot, self.clearance)
         room: Any = np.zeros((rows, 1)) + robot.shape.reach + self.clearance
         state["bearing"] = self.bearing(points, room, target, course.poses, state, draws)
         wanted = np.empty((rows, 2))
@@ -87,24 +85,8 @@ class Headed(Avoider):
             self.slow_within,
             wanted,
         )
-        twist = np.empty((rows, 3))
-        nothing = Window(np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64), 1.0)
-        guard(
-            sight,
-            reading.age,
-            course.poses,
-            box,
-            margin,
-            state["limits"],
-            nothing,
-            np.zeros((rows, 1)),
-            np.where(active, wanted, 0.0),
-            np.ones((rows, 1), dtype=bool),
-            clock.dt,
-            state["moving"],
-            twist,
-        )
-        return twist
+        wanted = np.where(active, wanted, 0.0)
+        return guarded(wanted, sight, reading.age, course, body_of(robot, self.clearance), state, clock.dt)
 
     def beliefs(self, state: State) -> Beliefs:
         """The twist that it has by its own account, and the direction that it took."""

@@ -11,12 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
-from amorsim.controllers.avoider import Avoider, body_of, sight_of
+from amorsim.controllers.avoider import Avoider, body_of, guarded, sight_of
 from amorsim.controllers.driving import Course
 from amorsim.kernels.avoidance.arcs import Box
 from amorsim.kernels.avoidance.dynamic_window import Abilities
 from amorsim.kernels.avoidance.guide import Guide
-from amorsim.kernels.avoidance.memory import Window, guard
 from amorsim.kernels.avoidance.sampling import Costs, Field, roll_out
 
 __all__ = ["Mppi"]
@@ -105,24 +104,8 @@ class Mppi(Avoider):
             lambda first, end: roll_out(*mine, noise, self.step, moving, first, end, plan),
         )
         state["plan"] = np.where(active[:, :, None], plan, 0.0)
-        twist = np.empty((rows, 3))
-        nothing = Window(np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64), 1.0)
-        guard(
-            sight,
-            reading.age,
-            course.poses,
-            box,
-            margin,
-            state["limits"],
-            nothing,
-            np.zeros((rows, 1)),
-            np.ascontiguousarray(state["plan"][:, 0]),
-            np.ones((rows, 1), dtype=bool),
-            clock.dt,
-            moving,
-            twist,
-        )
-        return twist
+        first_step = np.ascontiguousarray(state["plan"][:, 0])
+        return guarded(first_step, sight, reading.age, course, (box, margin), state, clock.dt)
 
     def beliefs(self, state: State) -> Beliefs:
         """The twist that it has by its own account, and its plan: v and w of each step."""
