@@ -155,12 +155,12 @@ class Ours:
 
 def _repeating(commands: Array) -> am.Controller:
     """Gives commands `(T, N, 2)`, one for each tick, to all robots, who must be of one group."""
-    told = list(commands)  # looked up sooner than a part of an array is made
+    given = list(commands)  # looked up sooner than a part of an array is made
 
     @attrs.frozen(kw_only=True)
     class Repeat(am.Controller):
         def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Array:
-            return told[clock.tick.item(0)]
+            return given[clock.tick.item(0)]
 
     return Repeat()
 

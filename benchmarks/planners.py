@@ -317,8 +317,8 @@ def _all_planners(rounds: int, quick: bool, clock: Clock, say: Callable[[str], N
             began = clock()
             planner.plan(world, (2.0, 2.0, 1.57), (20.0, 10.0, 1.57), footprint=disc)
             times.append(clock() - began)
-        told = f"{plan.status}, {plan.length:.2f} m, {plan.expanded} expanded" if plan.poses.size else plan.status
+        note = f"{plan.status}, {plan.length:.2f} m, {plan.expanded} expanded" if plan.poses.size else plan.status
         rows.append(
-            Row(section=SECTION, setting="across an office", side=name, unit="s a plan", rounds=tuple(times), note=told)
+            Row(section=SECTION, setting="across an office", side=name, unit="s a plan", rounds=tuple(times), note=note)
         )
     return rows

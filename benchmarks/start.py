@@ -166,11 +166,11 @@ def _recorded(place: Path, robot: am.Robot, rounds: int, steps: int, clock: Cloc
             written.append(float(both[0]) / steps)
             for found, ratio in zip(ratios.values(), both / lone, strict=True):
                 found.append(float(ratio))
-    told = []
+    parts = []
     for which, found in ratios.items():
         spread = spread_of(found)
-        told.append(f"{spread.median:.2f} x the step alone ({spread.low:.2f} to {spread.high:.2f}) {which}".strip())
-    note = f"{size / steps:.0f} bytes a step, and the files closed; {', '.join(told)}"
+        parts.append(f"{spread.median:.2f} x the step alone ({spread.low:.2f} to {spread.high:.2f}) {which}".strip())
+    note = f"{size / steps:.0f} bytes a step, and the files closed; {', '.join(parts)}"
     return [
         _row("one Pioneer, a step", "amorsim", alone, "kept in memory"),
         _row("one Pioneer, a step with all text files", "amorsim", written, note),

@@ -196,7 +196,7 @@ def places(world: World, count: int, clearance: float, apart: float = 0.0, seed:
     Raises
     ------
     ValueError
-        If there is no room for so many.
+        If there is no room for that many.
     """
     draw = np.random.default_rng(seed)
     width, height = world.size

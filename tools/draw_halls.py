@@ -1,6 +1,6 @@
 """Draws the maps of the scenarios that move: a concourse for a crowd, an arena for a swarm, rooms with doors.
 
-Run it to write ``amorsim/scenarios/*.wld`` anew; lengths are in whole mm::
+Run it to write ``amorsim/scenarios/*.wld`` again; lengths are in whole mm::
 
     python tools/draw_halls.py
 """

@@ -1,4 +1,4 @@
-"""Draws the office that ships with amorsim; run it to write ``amorsim/scenarios/office.wld`` anew.
+"""Draws the office that ships with amorsim; run it to write ``amorsim/scenarios/office.wld`` again.
 
 The plan is in whole mm. Walls are bands with doors cut out of them; each edge of what remains is written with
 the room that it faces, and the furniture of the room after it, every piece in a frame of its own.

@@ -1,4 +1,4 @@
-"""Draws the worlds of the scenarios that ship, but for the office; run it to write them anew.
+"""Draws the worlds of the scenarios that ship, but for the office; run it to write them again.
 
 ``car-park.wld``, ``hall.wld``, ``maze.wld`` and ``yard.wld`` in ``amorsim/scenarios``. All lengths are whole mm.
 """
@@ -98,7 +98,7 @@ def hall() -> str:
 
 
 def maze() -> str:
-    """A maze on a table of 1 m: two rings with gaps, stubs that turn whoever goes round, and a core."""
+    """A maze on a table of 1 m: two rings with gaps, stubs that turn a robot that goes round, and a core."""
     out = [";; A maze on a table: draw it anew with tools/draw_worlds.py", "width 1000", "height 1000"]
     out += ["position 110 110 90", ""]
     out += _part("rim", _box(0, 0, 1000, 1000))

@@ -1,6 +1,6 @@
 """Makes the pictures of the tutorial "Your first simulation", in headless Chromium, as a user would do it.
 
-They are looked at and not compared, so they are made anew only where they should look different::
+They are looked at and not compared, so make them again only where they should look different::
 
     python tools/make_editor_pictures.py [FOLDER]
 

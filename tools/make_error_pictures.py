@@ -1,6 +1,6 @@
 """Makes the pictures of docs/explanation/errors: what each error model does, in runs of the simulator itself.
 
-They are looked at and not compared, so they are made anew only where they should look different::
+They are looked at and not compared, so make them again only where they should look different::
 
     python tools/make_error_pictures.py [NAME ...]
 """
@@ -392,9 +392,9 @@ def _missed() -> Figure:
         found.append(reading.measured.reshape(-1, 3)[:, 0])
     figure = Figure(figsize=(8.0, 4.4), layout="constrained")
     axis: Any = figure.subplots()
-    seen, told = np.array(true), np.array(found)
+    seen, estimates = np.array(true), np.array(found)
     axis.plot(times, np.where(np.isfinite(seen), seen, np.nan), "o", mfc="none", mec=TRUE, mew=0.8, ms=5.0)
-    axis.plot(times, np.where(np.isfinite(told), told, np.nan), ".", color=MEASURED, ms=3.5)
+    axis.plot(times, np.where(np.isfinite(estimates), estimates, np.nan), ".", color=MEASURED, ms=3.5)
     axis.plot([], [], "o", mfc="none", mec=TRUE, label="in sight")
     axis.plot([], [], ".", color=MEASURED, label="found")
     axis.set(xlabel="time [s]", ylabel="range [m]")

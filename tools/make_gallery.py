@@ -1,6 +1,6 @@
 """Makes the pictures of the gallery: the worlds in ``docs/worlds``, a file of each format, drawn as scenarios are.
 
-They are looked at and not compared, so they are made anew only where they should look different::
+They are looked at and not compared, so make them again only where they should look different::
 
     python tools/make_gallery.py
 """

@@ -1,6 +1,6 @@
 """Makes the pictures of the README and the docs: runs the demo and the scenario of ``amorsim new``.
 
-They are looked at and not compared, so they are made anew only where they should look different::
+They are looked at and not compared, so make them again only where they should look different::
 
     python tools/make_pictures.py
 """

@@ -1,6 +1,6 @@
 """Makes the pictures of the Simulator's window for the docs, in headless Chromium.
 
-They are looked at and not compared, so they are made anew only where they should look different::
+They are looked at and not compared, so make them again only where they should look different::
 
     python tools/make_screenshots.py [FOLDER]
 
@@ -90,7 +90,7 @@ def past(window: Window) -> None:
 
 
 def _play(window: Window, steps: int) -> None:
-    """Let it run for so many steps, fast enough to wait for, slowly enough for the plots."""
+    """Let it run for `steps` steps, fast enough to wait for, slowly enough for the plots."""
     end = window.see("newest.tick") + steps
     window.do(do="speed", factor=20.0)
     window.do(do="run")

@@ -1,6 +1,6 @@
 """Makes the picture of docs/explanation/sensors.md: what ideal devices read, in runs of the simulator itself.
 
-It is looked at and not compared, so it is made anew only where it should look different::
+It is looked at and not compared, so make it again only where it should look different::
 
     python tools/make_sensor_pictures.py
 """

@@ -1,6 +1,6 @@
 """Makes the pictures of the page on generated worlds: one of each kind, drawn as maps are.
 
-They are looked at and not compared, so they are made anew only where they should look different::
+They are looked at and not compared, so make them again only where they should look different::
 
     python tools/make_world_pictures.py
 """

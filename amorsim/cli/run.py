@@ -230,6 +230,6 @@ def _report(simulation: Simulation, summary: RunSummary) -> None:
         for line in _of_all_replicas(simulation, names[:5]):
             say(line)
     if simulation.scenario.recording.sensors == "auto" and not (summary.folder / "sensors").exists():
-        say("sensors are left out, there being so many replicas; --set recording.sensors=all writes them too")
+        say("sensors are left out, because there are many replicas; --set recording.sensors=all writes them too")
     picture = summary.folder / "picture.png"
     say(f"results: {summary.folder}" + (f", picture: {picture}" if picture.exists() else ""))

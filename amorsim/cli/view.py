@@ -35,9 +35,9 @@ def command(
 ) -> None:
     """Open the Simulator in the browser: what is true beside what the robot knows.
 
-    Its address is printed on a line of its own. It works once, for whoever has it, token included; then another one is
-    printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes into
-    the present folder. Of a scenario file with faults, the window shows the faults until the file is mended.
+    Its address is printed on a line of its own. It works once, for anyone who has it, token included; then another one
+    is printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes
+    into the present folder. Of a scenario file with faults, the window shows the faults until the file is mended.
     """
     from amorsim.core.errors import AmorsimError, ScenarioError
     from amorsim.ui.faults.lines import FaultsError, lines_of

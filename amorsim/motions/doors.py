@@ -27,11 +27,11 @@ class _Door(Motion):
     timetable: tuple[tuple[float, float], ...] = parameter(
         unit="s", help="when it opens and when it closes again, [[OPENS, CLOSES], ...], in order"
     )
-    period: float | None = parameter(None, unit="s", gt=0, help="after which the timetable begins anew; none: never")
+    period: float | None = parameter(None, unit="s", gt=0, help="after which the timetable repeats; none: never")
     blocked: str = parameter(
         "wait",
         choices=("wait", "skip"),
-        help="what it does when somebody stands in it: press on until he leaves, or go back and leave this time out",
+        help="what it does when blocked: press on until the way is free, or go back and leave this time out",
     )
     patience: float = parameter(1.0, unit="s", ge=0, help="how long it is blocked before it goes back")
 

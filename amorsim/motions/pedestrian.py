@@ -66,7 +66,7 @@ class Pedestrian(Motion):
     blocked: str = parameter(
         "wait",
         choices=("wait", "skip"),
-        help="what he does when somebody stands in his way: go on trying, or take the next goal",
+        help="what to do when the way is blocked: go on trying, or take the next goal",
     )
     patience: float = parameter(5.0, unit="s", ge=0, help="how long he is blocked before he takes the next goal")
 

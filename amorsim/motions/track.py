@@ -74,7 +74,7 @@ def read_track(path: str | os.PathLike[str]) -> Recorded:
     strange = [name for i, name in enumerate(header) if name not in known or name in header[:i]]
     if strange:
         turned = strange[0] in _ANGLES
-        hint = f" An angle is told in degrees, as {_HEADING}." if turned else did_you_mean(strange[0], known)
+        hint = f" An angle is given in degrees, as {_HEADING}." if turned else did_you_mean(strange[0], known)
         raise ParameterError(
             "file", f"{path}: expected no columns but {', '.join(known)}, each once, got also {strange[0]!r}.{hint}"
         )
@@ -124,7 +124,7 @@ class Track(Motion):
     """
 
     file: str = parameter(file=True, static=True, help="the CSV file of the track")
-    repeat: bool = parameter(False, help="whether the track begins anew at its end; it then makes for its start")
+    repeat: bool = parameter(False, help="whether the track starts again at its end, by way of its start")
     speed_max: float | None = parameter(
         None, unit="m/s", gt=0, help="at most this fast, when it is late; none: as fast as the track's fastest part"
     )

@@ -42,12 +42,12 @@ class Wander(Motion):
         waited = blocked_for(view, dt, state)
         fresh = (2.0 * draws.uniform(1) - 1.0) * np.pi
         course = state["course"] + self.drift * np.sqrt(dt) * draws.normal(1)
-        anew = view.tick == 0
+        turning = view.tick == 0
         if self.blocked == "skip":
-            anew = anew | ((view.free < 1.0) & (waited >= self.patience - 1e-9))
+            turning = turning | ((view.free < 1.0) & (waited >= self.patience - 1e-9))
         else:
             course = np.where(view.free < 1.0, state["course"], course)
-        state["course"] = np.where(anew, fresh, course)
+        state["course"] = np.where(turning, fresh, course)
         dx, dy = self.speed * dt * np.cos(state["course"]), self.speed * dt * np.sin(state["course"])
         turn = (
             facing(view, dx, dy, np.asarray(self.turn_rate * dt)) if self.faces == "ahead" else np.zeros((view.rows, 1))

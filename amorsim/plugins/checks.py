@@ -135,7 +135,7 @@ def _check_attrs(kind: str, cls: type) -> Iterator[str]:
     try:
         described = describe(cls)
     except Exception as error:
-        yield f"the types of its fields cannot be told: {type(error).__name__}: {error}"
+        yield f"the types of its fields cannot be read: {type(error).__name__}: {error}"
         return
     for parameter in described.values():
         yield from _check_field(parameter)

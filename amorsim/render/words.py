@@ -10,7 +10,7 @@ from PIL import ImageFont
 __all__ = ["NOTHING", "Font", "font", "in_words", "percent", "round_length", "shortened"]
 
 NOTHING = 1e-12
-"""What is smaller comes of rounding, and is told as 0."""
+"""Smaller values come from rounding and are written as 0."""
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 

@@ -135,8 +135,8 @@ def _compare(old: TextIO, new: TextIO, name: str, dt: float) -> Difference | Non
 
 def _line_difference(header: list[str], was: str, now: str, name: str, number: int, dt: float) -> Difference:
     before, after = _cells(was), _cells(now)
-    told = dict(zip(header, before if was else after, strict=False))
-    time = _number(told.get("time", ""))
+    fields = dict(zip(header, before if was else after, strict=False))
+    time = _number(fields.get("time", ""))
     if time is not None and not math.isfinite(time / dt):
         time = None
     column, old, new, is_small = "the line", _short(was) or "not there", _short(now) or "not there", False
@@ -150,8 +150,8 @@ def _line_difference(header: list[str], was: str, now: str, name: str, number: i
         line=number,
         time=float("inf") if time is None else time,
         tick=None if time is None else round(time / dt),
-        replica=told.get("replica", ""),
-        robot=told.get("robot", ""),
+        replica=fields.get("replica", ""),
+        robot=fields.get("robot", ""),
         column=column,
         old=old,
         new=new,

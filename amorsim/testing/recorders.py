@@ -48,14 +48,14 @@ def _write(who: Who, recorder: Recorder, folder: Path, replicas: list[int], step
     info = RunInfo(folder=folder, dt=simulation.dt, replicas=simulation.replicas, with_sensors=True)
     with who.calling("open"), _let_alone(who, simulation.frames(), "open") as frames:
         recorder.open(info, frames)
-    told = 0
+    reported = 0
     for _ in range(steps):
         simulation.step()
         events = simulation.events
         with who.calling("write"), _let_alone(who, simulation.frames(), "write") as frames:
-            recorder.write(frames, events[told:])
-        told = len(events)
-    assert not steps or told  # the robot has met the wall
+            recorder.write(frames, events[reported:])
+        reported = len(events)
+    assert not steps or reported  # the robot has met the wall
     with who.calling("close"):
         recorder.close()
 

@@ -121,7 +121,7 @@ class Rig:
         self.stacked = {name: stack(variants(sensor, ROWS)) for name, sensor in self.sensors.items()}
         self.mounts = stack(variants(Mount(x=0.05, y=0.01, heading=0.02), ROWS))
         self.landmarks = random.uniform(1.0, 7.0, (5, 2))
-        self.told = random.uniform((4.0, 3.0, -3.0), (8.0, 5.0, 3.0), (ROWS, 3))
+        self.starts = random.uniform((4.0, 3.0, -3.0), (8.0, 5.0, 3.0), (ROWS, 3))
         posts, boxes = random.uniform(0.5, 7.5, (2, ROWS, 3))
         self.names: tuple[str, ...] = ("robot", "post", "box")
         self.shapes: tuple[Shape, ...] = (_BODY, _POST, _BOX)
@@ -138,9 +138,9 @@ class Rig:
     def _set_scene(self, scene: Scenario, spread: Array) -> None:
         """Put the robots into a scenario's world; `spread` `(64, 3)` from -1 to 1 puts them apart."""
         first, obstacles = scene.robots[0], scene.obstacles
-        told = [robot.pose or start_of(scene.map, robot) for robot in scene.robots]
-        places = np.array([[pose.x, pose.y, pose.heading] for pose in told])
-        self.told = places[np.arange(ROWS) % len(places)] + spread * (0.05, 0.05, 0.1)
+        poses = [robot.pose or start_of(scene.map, robot) for robot in scene.robots]
+        places = np.array([[pose.x, pose.y, pose.heading] for pose in poses])
+        self.starts = places[np.arange(ROWS) % len(places)] + spread * (0.05, 0.05, 0.1)
         self.landmarks = np.array([[mark.x, mark.y] for mark in scene.landmarks]).reshape(-1, 2)
         self.names = (first.name, *(obstacle.name for obstacle in obstacles))
         self.shapes = (first.shape, *(obstacle.shape for obstacle in obstacles))
@@ -151,7 +151,7 @@ class Rig:
     def _drive_about(self) -> None:
         """Joints, rates, poses and twists of every row at every step; walls have no effect here."""
         joints = np.zeros((ROWS, len(self.drive.joints)))
-        rates, pose = np.zeros_like(joints), self.told
+        rates, pose = np.zeros_like(joints), self.starts
         one = np.ones((ROWS, 1))
         draws = self.draws(np.arange(ROWS))
         state = dict(self.drive.start(Context(rows=ROWS, dt=DT, robot=self._model({}, np.arange(ROWS)), pose=pose)))
@@ -169,11 +169,11 @@ class Rig:
         """What each sensor measures, `(steps + 1, 64, k)`: the ideal reading."""
         every = np.arange(ROWS)
         view, draws = self.view(every), self.draws(every)
-        context = Context(rows=ROWS, dt=DT, robot=self._model({}, every), pose=self.told)
+        context = Context(rows=ROWS, dt=DT, robot=self._model({}, every), pose=self.starts)
         found = {}
         for name, sensor in self.stacked.items():
             size = self.sensors[name].size(self.specified)
-            state = dict(sensor.start(Context(rows=ROWS, dt=DT, robot=context.robot, pose=self.told, size=size)))
+            state = dict(sensor.start(Context(rows=ROWS, dt=DT, robot=context.robot, pose=self.starts, size=size)))
             values = []
             for t in range(STEPS + 1):
                 self.set_view(view, every, t)
@@ -249,7 +249,7 @@ class Session:
 
     def context(self, size: int = 0) -> Context:
         """The context that `start` is given."""
-        return Context(rows=len(self.rows), dt=DT, robot=self.robot, pose=self.rig.told[self.index], size=size)
+        return Context(rows=len(self.rows), dt=DT, robot=self.robot, pose=self.rig.starts[self.index], size=size)
 
     def go_to(self, t: int) -> None:
         """Put time to step `t`."""

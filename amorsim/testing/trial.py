@@ -93,7 +93,7 @@ class _Run:
         self.session = Session(trial.rig, rows)
         self.kept = {field.name: getattr(self.component, field.name) for field in _init_fields(self.component)}
         self.given = Given(self.who, "inputs", "an array that it was given to be left alone")
-        self.results = Given(self.who, "kept", "a result to stay as it was returned, for whoever holds it")
+        self.results = Given(self.who, "kept", "a result to stay as it was returned, for all that hold it")
         context = self.session.context(trial.size)
         self.given.add("context.pose", context.pose)
         self.session.go_to(0)

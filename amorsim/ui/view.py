@@ -39,7 +39,7 @@ def view(
 ) -> None:
     """Open the Simulator in the browser: what is true beside what the robot knows. Returns after Ctrl-C.
 
-    The window's simulation is another process's, which is told the scenario as a file would tell it. So components
+    The window's simulation runs in another process, which gets the scenario as a file would give it. So components
     have to be registered, and a controller or motion of one's own is a function or class at the top of a file: of the
     script itself, where what the script does stands below ``if __name__ == "__main__":``, or of one that it imports.
 
@@ -54,13 +54,13 @@ def view(
         Where the window is served; only this machine can reach the default, and 0 takes a port that is free. Traffic to
         other machines is not encrypted.
     browser
-        Whether to open the window in the browser. Its address is printed in any case. It works once, for whoever has
+        Whether to open the window in the browser. Its address is printed in any case. It works once, for anyone who has
         it; then another one is printed.
 
     Raises
     ------
     ScenarioError
-        If something in the scenario cannot be told to another process.
+        If something in the scenario cannot be given to another process.
     AmorsimError
         If it cannot be simulated, the extra ``ui`` is not installed, the address is taken, or the folder cannot be
         written.

@@ -18,7 +18,7 @@ _STANDING = 0.25  # share of pieces that stand free, not at a wall
 def furnish(
     sheet: Sheet, numbers: Numbers, room: Box, doors: list[Box], tries: int, passage: int, resolution: float
 ) -> None:
-    """Put furniture into a room, as many pieces as find a place in so many tries.
+    """Put furniture into a room, as many pieces as find a place in a number of tries.
 
     Pieces touch a wall or are at least `passage` cells away from it, and as far from each other. So a robot that needs
     such a passage gets around all of them. The places inside the doors stay free.

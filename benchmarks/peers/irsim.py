@@ -25,7 +25,7 @@ _FREE = 1e9  # no limit of speed or acceleration that a replayed twist could mee
 
 
 class IrSim(Peer):
-    """Differential robots that are told their twists; a bitmap goes in as IR-SIM's own obstacle map."""
+    """Differential robots that are given their twists; a bitmap goes in as IR-SIM's own obstacle map."""
 
     name = "IR-SIM"
     distribution = "ir-sim"

@@ -85,7 +85,7 @@ class Navground(Peer):
 
 
 def _replaying(core: Any) -> Any:
-    """The class of behaviours that give what they are told, and have a state that wants the lidar's scan."""
+    """The class of behaviours that pass on given commands and have a state for the lidar's scan."""
 
     class Replaying(core.Behavior, name="AmorsimBenchmark"):  # type: ignore[misc, call-arg]
         def __init__(self, kinematics: Any = None, radius: float = 0.0) -> None:

@@ -50,7 +50,7 @@ class CompassOdometry(am.Estimator):
     )
 
     def start(self, context: am.Context) -> am.State:
-        """The pose that the robot was told, sure of it, and no reading of the joints yet.
+        """The pose given to the robot, certain, and no reading of the joints yet.
 
         Raises
         ------
