@@ -174,9 +174,10 @@ class Document:
     def set(self, path: str, value: Any) -> None:
         """Say a value at a path, in the place of the one that is there.
 
-        Of a table or a list, only what differs is written. What the model or a device says anyway is left out: a value
-        that is set back to it is the file's own no more. So is a default, unless it was written out when the file was
-        opened. Another ``use`` is another component: the keys of the one before go.
+        Of a table or a list, only what differs is written. What holds anyway is left out: a value that is set back to
+        what the model, a device or a default says is removed from the file. A default stays if the file said it when
+        it was opened. An error that changes nothing goes as a whole. Another ``use`` is another component: the keys of
+        the one before go.
 
         Raises
         ------
