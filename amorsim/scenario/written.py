@@ -12,9 +12,10 @@ from amorsim.core.errors import Fault
 from amorsim.scenario.inline import find
 from amorsim.scenario.layout import Layout, Path_
 from amorsim.scenario.statements import Statement, cut, value_end
+from amorsim.scenario.toml_problems import plain_problem, toml_problem
 from amorsim.scenario.toml_values import parse
 
-__all__ = ["BadLine", "Written", "line_of", "read_written", "toml_problem"]
+__all__ = ["BadLine", "Written", "line_of", "read_written"]
 
 _MOST = 20  # of bad lines, that are told
 
@@ -145,22 +146,7 @@ def _problem_of(text: str) -> str:
         parse(text)
     except (ValueError, RecursionError) as error:
         return toml_problem(error)
-    return "not valid TOML"
-
-
-def toml_problem(error: Exception) -> str:
-    """What is wrong with a line of TOML; what Python tells only in words of its own is said plainly."""
-    text = str(error)
-    if isinstance(error, RecursionError):
-        return "not valid TOML that can be read: tables or lists in one another, too many"
-    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
-        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
-        return f"the table [{name}] stands in this file already; put what is here under the first one"
-    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
-        return "this key has a value already; leave one of the two out"
-    column = re.search(r", column (\d+)\)", text)
-    plain = re.sub(r" \(at .*?\)", "", text)
-    return f"not valid TOML: {plain}" + (f" (column {column[1]})" if column else "")
+    return plain_problem()
 
 
 def _line_numbers(statements: Sequence[Statement]) -> list[int]:
