@@ -190,9 +190,9 @@ def test_a_lone_carriage_return_is_the_same_fault_wherever_a_file_is_read(folder
 @pytest.mark.parametrize(
     "line",
     [
-        "a = = 1", "a 1", "a : 1", "a", "[x", "[x]]", "[]", "a = [1,", "a = [1 2]", "a = {b=1", "a = {b=1 c=2}", "a = 'x",
-        'a = "x', "a = 1 2", "a = 1,5", "a = .5", "a = True", 'a = "C:\\q"', "= 1", "a = ", "a..b = 1", "a = 1\na = 2",
-        "a = {b = 1, b = 2}", "a = {b = 1}\na.c = 2", "[a]\n[a]", "a = 01", "a = \"x\ny\"",
+        "a = = 1", "a 1", "a : 1", "a", "[x", "[x]]", "[]", "a = [1,", "a = [1 2]", "a = {b=1", "a = {b=1 c=2}",
+        "a = 'x", 'a = "x', "a = 1 2", "a = 1,5", "a = .5", "a = True", 'a = "C:\\q"', "= 1", "a = ", "a..b = 1",
+        "a = 1\na = 2", "a = {b = 1, b = 2}", "a = {b = 1}\na.c = 2", "[a]\n[a]", "a = 01", "a = \"x\ny\"",
     ],
 )  # fmt: skip
 def test_each_error_of_toml_has_its_line_its_text_and_a_remedy(tmp_path, line):
