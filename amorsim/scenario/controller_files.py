@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.core.trouble import RAISED, error_in_words, in_words
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
@@ -102,7 +102,7 @@ def read_program(path: Path) -> bytes:
         return read_bytes(path)
     except (OSError, ValueError) as error:
         is_missing = isinstance(error, FileNotFoundError)
-        problem = "there is no such file" if is_missing else f"cannot be read: {reason(error)}"
+        problem = no_such_file(path) if is_missing else f"cannot be read: {reason(error)}"
         raise ControllerError(f"{path}: {problem}") from error
 
 

@@ -15,7 +15,7 @@ from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
-from amorsim.core.reading import check_readable, reason
+from amorsim.core.reading import check_readable, no_such_file, reason
 from amorsim.core.same_cells import have_same_cells
 from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
@@ -260,7 +260,7 @@ def _head(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(_HEAD)
     except FileNotFoundError:
-        raise MapError(f"{path}: there is no such file") from None
+        raise MapError(f"{path}: {no_such_file(path)}") from None
     except IsADirectoryError:
         raise MapError(f"{path}: this is a folder; a map is a file") from None
     except PermissionError:
