@@ -12,6 +12,7 @@ from amorsim.core.errors import ControllerError, PluginError
 from amorsim.core.parameters import ParameterError
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.registry import KINDS, Registry
+from amorsim.scenario.columns import column_problem, not_for_sensors
 from amorsim.scenario.controller_files import (
     CONTROLLER,
     MOTION,
@@ -21,7 +22,7 @@ from amorsim.scenario.controller_files import (
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.program_text import check_program
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording, column_problem, not_for_sensors
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording
 from amorsim.scenario.values import check_values
 
 __all__ = [

@@ -20,18 +20,8 @@ from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.maps import find_loader
 from amorsim.scenario.models import LOOKS
-from amorsim.scenario.spec import (
-    Deviation,
-    Landmark,
-    Light,
-    MountedSensor,
-    Obstacle,
-    Pose,
-    RandomStart,
-    Recording,
-    Robot,
-    Scenario,
-)
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Deviation, Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.scenario.starts import GridStart
 
 __all__ = ["component_at", "field_at"]

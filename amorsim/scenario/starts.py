@@ -24,7 +24,8 @@ from amorsim.scenario.fields import read_component
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.needs import least_bytes, most_room
 from amorsim.scenario.parts import parts_at
-from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Obstacle, Pose, Robot
 
 __all__ = ["GridStart", "Placed", "check_starts", "placed", "read_series", "series_of"]
 

@@ -19,9 +19,10 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.generated import read_generated
+from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.maps import MapFile, find_loader, read_map
 from amorsim.scenario.parts import at_start
-from amorsim.scenario.spec import Knowledge, Landmark, Pose, Robot
+from amorsim.scenario.spec import Landmark, Pose, Robot
 from amorsim.worlds.drawn import DrawnWorld
 from amorsim.worlds.made import MadeWorld, make_world
 

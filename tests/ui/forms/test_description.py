@@ -16,7 +16,8 @@ from amorsim.core.parameters import describe
 from amorsim.planners import AStar
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import KINDS
-from amorsim.scenario.spec import Landmark, MountedSensor, RandomStart
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Landmark, MountedSensor
 from amorsim.ui.forms.description import choices_of, deviation_form, form_of
 
 
