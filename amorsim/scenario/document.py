@@ -2,46 +2,38 @@
 
 from __future__ import annotations
 
-import contextlib
-import copy
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import attrs
 
 from amorsim.contracts import ScenarioDocument
 from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
-from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.copies import Copies
-from amorsim.scenario.editing import Editor, Splice
+from amorsim.scenario.editing import Editor
 from amorsim.scenario.elsewhere import copied, named_files, near
-from amorsim.scenario.faults import Book, shown
+from amorsim.scenario.faults import shown
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign
+from amorsim.scenario.journal import Journal
 from amorsim.scenario.layout import MISSING, Path_, found_at
-from amorsim.scenario.lines import with_lines
-from amorsim.scenario.model_files import check_model, read_model
-from amorsim.scenario.models import merge_models
+from amorsim.scenario.meaning import Meaning, read_meaning
 from amorsim.scenario.names_in_lists import index_of
-from amorsim.scenario.origins import KINDS, Origin, Origins, kind_of, lifted
+from amorsim.scenario.origins import Origin, Origins, kind_of
 from amorsim.scenario.partial import Partial, read_partial
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import checked_text, plain
-from amorsim.scenario.worlds import Maps
 from amorsim.scenario.write import table_text
 from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
-
-Change = list[Splice]
 
 
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
@@ -83,16 +75,6 @@ def _of_foreign(file: Path, read: ScenarioDocument, registry: Registry) -> Docum
     return Document(f"{head}\n{table_text(read.tables)}", name, registry=registry)
 
 
-class _Looked(NamedTuple):
-    """What came of reading a document."""
-
-    book: Book
-    maps: Maps
-    merged: dict[str, Any]  # its tables, with those of the models
-    scenario: Scenario | None  # none if there are faults
-    faults: tuple[Fault, ...]
-
-
 class Document:
     """A scenario's file as its author wrote it: read, changed in places, checked and saved; made by `open_document`.
 
@@ -110,8 +92,7 @@ class Document:
         self._editor = Editor(list(written.statements), written.values)
         self._origins = Origins(self._path, self._registry)
         self._setter = Setter(self._editor, self._origins)
-        self._done: list[Change] = []
-        self._undone: list[Change] = []
+        self._journal = Journal(self._editor)
 
     def __repr__(self) -> str:
         return f"<document {str(self._path)!r}>"
@@ -185,7 +166,7 @@ class Document:
             If the path leads nowhere, or TOML has no such value.
         """
         value = plain(value)
-        with self._changing():
+        with self._journal.changing():
             self._setter.set(self._at(path), value)
 
     def _override(self, path: Sequence[str], value: Any) -> Path_:
@@ -196,7 +177,7 @@ class Document:
         at, value = self._at(path), plain(value)
         merged = self._origins.merged(self._editor.values, at)
         made = next((at[:length] for length in range(1, len(at)) if found_at(merged, at[:length]) is MISSING), at)
-        with self._changing():
+        with self._journal.changing():
             self._setter.set(at, value)
         return made
 
@@ -213,7 +194,7 @@ class Document:
             origin = self._origins.find(self._editor.values, at) if at else None
             where = "" if origin is None or origin.file is None else f"; {origin.file} does, of which the robot is made"
             raise DocumentError(f"the file says nothing of it{where}", path)
-        with self._changing():
+        with self._journal.changing():
             self._editor.remove(at)
 
     def add(self, path: str, value: Any, index: int | None = None) -> str:
@@ -239,7 +220,7 @@ class Document:
             raise DocumentError(f"expected a list, to which something can be added; it is {shown(there)}", path)
         count = 0 if there is MISSING else len(there)
         place = self._place(path, count if index is None else index, count + 1)
-        with self._changing():
+        with self._journal.changing():
             if there is MISSING:
                 self._editor.begin_list(at, value)
             else:
@@ -259,7 +240,7 @@ class Document:
         if not isinstance(there, list):
             raise DocumentError("expected an item of a list, as 'robots.rover'", path)
         place = self._place(path, index, len(there))
-        with self._changing():
+        with self._journal.changing():
             self._editor.move(at, place)
         return ".".join(map(str, (*at[:-1], place)))
 
@@ -296,39 +277,13 @@ class Document:
 
     # --------------------------------------------------------------------------------------------------------- journal
 
-    @contextlib.contextmanager
-    def _changing(self) -> Iterator[None]:
-        """What changes within it is one step of `undo`; if it raises, nothing has changed."""
-        log = self._editor.log = []
-        try:
-            yield
-        except BaseException:
-            for splice in reversed(log):
-                self._editor.apply(splice, back=True)
-            raise
-        if log:
-            self._done.append(log)
-            self._undone.clear()
-
     def undo(self) -> bool:
         """Take the last change back, to the byte; false if there is none."""
-        if not self._done:
-            return False
-        change = self._done.pop()
-        for splice in reversed(change):
-            self._editor.apply(splice, back=True)
-        self._undone.append(change)
-        return True
+        return self._journal.undo()
 
     def redo(self) -> bool:
         """Make the change again that was taken back last; false if there is none."""
-        if not self._undone:
-            return False
-        change = self._undone.pop()
-        for splice in change:
-            self._editor.apply(splice)
-        self._done.append(change)
-        return True
+        return self._journal.redo()
 
     # --------------------------------------------------------------------------------------------------------- meaning
 
@@ -368,31 +323,8 @@ class Document:
         named = (here / file.name for file in named_files(self._editor.values, self._registry, here))
         return tuple(dict.fromkeys([self._path.absolute(), *named]))
 
-    def _look(self) -> _Looked:
-        """All that the document says, read and checked."""
-        written = self._written()
-        book = book_of(written, self._path)
-        maps = Maps(self._registry)
-        tables = copy.deepcopy(lifted(written.values))
-        kind = kind_of(written.values)
-        values: dict[str, Any] = {}
-        if kind == "scenario":
-            values = read_values(tables, book, self._registry, maps, True, False)
-        else:
-            check_model(written.values, kind, book)
-            source = book.source(())
-            at = tuple(map(str, KINDS[kind]))
-            book.set_source(at, attrs.evolve(source, depth=len(at)))
-            merge_models(tables, book, self._registry)
-            read_model(tables["robots"][0], kind, book, self._registry)
-        scenario = None
-        if not book.count and kind == "scenario":
-            try:
-                scenario = Scenario(**values, source=self._path)
-            except ParameterError as error:
-                book.fault((error.name,), error.problem)
-        faults = with_lines(book.faults, {str(self._path): written})
-        return _Looked(book, maps, tables, scenario, tuple(faults))
+    def _look(self) -> Meaning:
+        return read_meaning(self._written(), self._path, self._registry)
 
     def _written(self) -> Written:
         if self._has_bad_lines:  # they may stand elsewhere by now
