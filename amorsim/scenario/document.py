@@ -230,19 +230,22 @@ class Document:
     def move(self, path: str, index: int) -> str:
         """Put an item of a list elsewhere in it, with all that the file says of it; returns its path there.
 
+        What is in a table moves among what the file says in the table: the first of a robot's estimators is the one
+        that its controller gets.
+
         Raises
         ------
         DocumentError
-            If the path leads to no item of a list, or the list has no such place.
+            If the file says nothing at the path, or the list or table has no such place.
         """
         at = self._at(path)
-        there = found_at(self._editor.values, at[:-1]) if at else MISSING
-        if not isinstance(there, list):
-            raise DocumentError("expected an item of a list, as 'robots.rover'", path)
+        if found_at(self._editor.values, at) is MISSING:
+            raise DocumentError("expected what the file says, as 'robots.rover' or 'robots.rover.drive'", path)
+        there = found_at(self._editor.values, at[:-1])
         place = self._place(path, index, len(there))
         with self._journal.changing():
             self._editor.move(at, place)
-        return ".".join(map(str, (*at[:-1], place)))
+        return ".".join(map(str, (*at[:-1], place if isinstance(there, list) else at[-1])))
 
     @staticmethod
     def _place(path: str, index: int, count: int) -> int:

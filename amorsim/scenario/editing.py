@@ -12,6 +12,7 @@ from amorsim.core.errors import DocumentError
 from amorsim.scenario import inline
 from amorsim.scenario.layout import MISSING, Layout, Path_, changed, found_at, inserted, without
 from amorsim.scenario.new_lines import NewLines
+from amorsim.scenario.order import exchanged, order_of, reordered
 from amorsim.scenario.statements import Statement, cut
 from amorsim.scenario.toml_values import are_same, as_toml, parse, parse_value
 
@@ -289,38 +290,32 @@ class Editor:
             raise self._refused(path)
 
     def move(self, path: Path_, place: int) -> None:
-        """Put the item at a path elsewhere in its list, where it is number `place` afterwards."""
-        *_, number = path
+        """Put what is at a path elsewhere in its list or table, where it is number `place` afterwards."""
         holder = path[:-1]
-        assert isinstance(number, int)
-        item = found_at(self.values, path)
-        rest = without(self.values, path)
-        expected = inserted(rest, holder, place, item)
+        keys = order_of(found_at(self.values, holder))
+        number = keys.index(path[-1])
         if number == place:
             return
+        expected = reordered(self.values, holder, number, place)
         spot = self.layout.pair_over(holder)
         if spot is not None:
             index, left = spot
             statement = self.statements[index]
-            at, _, _ = inline.find(statement.text, statement.first, left)
+            at, _, rest = inline.find(statement.text, statement.first, left)
+            if rest or inline.count(statement.text, at) != len(keys):  # dotted keys in an inline table
+                raise self._refused(path)
             text = inline.move(statement.text, at, number, place, self._newline)
             self._replace_pair(index, text, expected)
-            return
-        runs = self._runs(path)
-        target = self._runs((*holder, place))
-        if len(runs) > 1 or len(target) > 1:
-            problem = "what the file says of it stands in several places; move them together"
-            raise DocumentError(problem, ".".join(map(str, path)))
-        (start, stop), (first, last) = runs[0], target[0]
-        lines = [each.text for each in self.statements]
-        own = lines[start:stop]
-        if place < number:
-            between, begin, count = lines[first:start], first, stop - first
-            new = [*own, self._newline, *_stripped(between)]
         else:
-            between, begin, count = lines[stop:last], start, last - start
-            new = [*_stripped(between), self._newline, *own]
-        if not self._try(begin, count, new, expected):
+            runs, target = self._runs(path), self._runs((*holder, keys[place]))
+            if len(runs) > 1 or len(target) > 1:
+                problem = "what the file says of it stands in several places; move them together"
+                raise DocumentError(problem, ".".join(map(str, path)))
+            lines = [each.text for each in self.statements]
+            own, other = ((self._new.with_comments(start), stop) for start, stop in (*runs, *target))
+            if not self._try(*exchanged(lines, own, other, self._newline), expected):
+                raise self._refused(path)
+        if order_of(found_at(self.values, holder)) != order_of(found_at(expected, holder)):
             raise self._refused(path)
 
     # -------------------------------------------------------------------------------------------------- statements
@@ -369,16 +364,6 @@ class Editor:
         splice = Splice(start, self.statements[start : start + count], new, self.values, values)
         self.apply(splice)
         self.log.append(splice)
-
-
-def _stripped(lines: list[str]) -> list[str]:
-    """Lines without the blank ones at both ends."""
-    start, stop = 0, len(lines)
-    while start < stop and not lines[start].strip():
-        start += 1
-    while stop > start and not lines[stop - 1].strip():
-        stop -= 1
-    return lines[start:stop]
 
 
 def _pruned(values: Any) -> Any:
