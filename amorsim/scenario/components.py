@@ -57,7 +57,7 @@ def read_motion(node: Node, registry: Registry) -> Motion | None:
 
 
 def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
-    """The sensor in a table, with its mount, rate, latency and noise beside its own fields."""
+    """The sensor in a table, with its mount, rate, latency and noise in addition to its own fields."""
     before = node.book.count
     sensor: Sensor | None = _read(node, "sensor", registry, _SENSOR_KEYS)
     if not node.is_table:
@@ -66,7 +66,7 @@ def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
     if "mount" in node:
         values["mount"] = read_component(Mount, node.child("mount"))
     if "noise" in node:
-        # Without the sensor nobody knows how its fields are spelt; what else is wrong can be said.
+        # Without the sensor it is not known how fields of noise are spelt; other faults can be reported.
         unit = None if sensor is None else sensor.unit
         values["noise"] = read_chain(node.child("noise"), registry, unit, sensor)
     if sensor is None or node.book.count > before:

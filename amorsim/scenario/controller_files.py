@@ -67,7 +67,7 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
     A function takes `arguments` before them.
 
     The file is run as a module of its own; one that says the same is run once in a process. It may import
-    what lies beside it.
+    what lies next to it.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def _load_module(path: Path) -> ModuleType:
     sys.modules[module_name] = module
     here = present_folder()
     try:
-        # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
+        # Compiled here: a loader would leave a cache next to the user's file, and may trust a stale one.
         make_importable(beside)
         exec(compile(data, str(path), "exec", dont_inherit=True), vars(module))
     except RAISED as error:

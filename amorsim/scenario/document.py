@@ -39,7 +39,8 @@ __all__ = ["Document", "open_document"]
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
 
-    Another program's file is not changed: its document is a new one, that `Document.save` writes beside it as TOML.
+    Another program's file is not changed: its document is a new one, which `Document.save` writes as TOML into the
+    same folder.
 
     Raises
     ------
@@ -310,8 +311,8 @@ class Document:
     def faults(self) -> tuple[Fault, ...]:
         """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
 
-        Nothing of a user's runs: of controllers and motions in files the text is checked. What only shows when they
-        run is told by `check_code`, and what depends on draws, such as starts at random, by `Simulation`.
+        Nothing of a user's runs: of controllers and motions in files the text is checked. `check_code`
+        finds what only shows when they run, and `Simulation` what depends on draws, such as random starts.
         """
         return self._look().faults
 

@@ -188,7 +188,7 @@ class Editor:
     # -------------------------------------------------------------------------------------------------------- remove
 
     def remove(self, path: Path_) -> None:
-        """Leave out what is at a path; comments beside it or right above its header go with it."""
+        """Leave out what is at a path; comments behind it or right above its header go with it."""
         expected = without(self.values, path)
         spot = self.layout.pair_over(path)
         if spot is None:

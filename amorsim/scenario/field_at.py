@@ -42,7 +42,7 @@ class _At(NamedTuple):
 
 
 def field_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> Parameter | None:
-    """The parameter at a path in tables that models were merged into; None where there is none, or nobody knows it.
+    """The parameter at a path in tables that models were merged into; None if there is none.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ def remove(text: str, at: int, member: Member) -> str:
 def move(text: str, at: int, number: int, place: int, newline: str) -> str:
     """The text with a member of the array or table at `at` elsewhere in it, number `place` afterwards.
 
-    Where every member has lines of its own, those go with it, and the comments above it and beside it.
+    Where every member has lines of its own, those go with it, and the comments above it and behind it.
     """
     there = list(members(text, at))
     member = there[number]

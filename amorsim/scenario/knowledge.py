@@ -33,9 +33,9 @@ def _ids(given: Iterable[int]) -> tuple[int, ...]:
 
 @attrs.frozen(kw_only=True)
 class Knowledge:
-    """What a robot is told of the world; it may differ from it.
+    """What a robot knows of the world; the world may differ.
 
-    `landmark_ids` are those of the `landmarks`, 0 for one that it could not tell from others; none for all of them.
+    `landmark_ids` are those of the `landmarks`, 0 for a landmark that looks like others; they are empty if all do.
     """
 
     map: Map | None = None

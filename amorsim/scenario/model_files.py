@@ -47,7 +47,7 @@ def read_model(robot: dict[str, Any], kind: str, book: Book, registry: Registry)
             read_sensor(node.child("sensors").child("device"), registry)
         return
     for key in [key for key in robot if key not in (*MODEL_KEYS, "resolved_from")]:
-        del robot[key]  # told at the top
+        del robot[key]  # reported at the top
     drop_removed(robot)
     read_robot(node, Maps(registry), None, registry)
 

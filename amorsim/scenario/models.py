@@ -134,7 +134,7 @@ def _merge_devices(robot: Node, registry: Registry) -> None:
         node = robot.child("sensors").child(name)
         layers = _read_layers(node.child("model"), "device", registry)
         if layers is None:
-            # That it lacks what the device would have told is no fault of its own.
+            # The sensor is not to blame for missing what the device would have said.
             del sensors[name]
             robot.book.incomplete.add(robot.path)
             continue

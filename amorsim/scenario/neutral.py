@@ -31,7 +31,7 @@ def is_error(said: Any) -> bool:
 
 
 def meaning_of(said: Any) -> tuple[Any, ...]:
-    """What an error means: scale, sum, value and who draws; the same for none, and for one that changes nothing."""
+    """What an error means: scale, sum, value and which draws; no error and a neutral one mean the same."""
     if said is MISSING:
         said = {}
     if not isinstance(said, dict) or set(said) & _DRAWS:

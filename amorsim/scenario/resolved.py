@@ -49,7 +49,7 @@ def resolved_table(
     Raises
     ------
     ScenarioError
-        With a fault for everything that has no name in a file: a component that nobody registered, a map or a
+        With a fault for everything that has no name in a file: a component that is not registered, a map or a
         controller that is in no file, a shape that no table describes.
     """
     writer = _Writer(registry or default_registry(), maps_in_files)

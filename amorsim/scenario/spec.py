@@ -86,7 +86,7 @@ class Deviation:
 
 @attrs.frozen(kw_only=True)
 class NoiseElement:
-    """An element of a noise chain, with a name that is unique in it (its draws hang on the name).
+    """An element of a noise chain, with a name that is unique in it (its draws depend on the name).
 
     `column` is which of its sensor's columns it is for, where the sensor has any (`Sensor.columns`); without it, all.
     """
@@ -155,7 +155,7 @@ class Landmark:
 
 @attrs.frozen(kw_only=True)
 class Light:
-    """A lamp, the same in all directions; walls and bodies are in its way, itself it is in nobody's."""
+    """A lamp that shines equally in all directions. Walls and bodies block its light; the lamp blocks none."""
 
     x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
     y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
@@ -326,7 +326,7 @@ class Zone:
 
 @attrs.frozen(kw_only=True)
 class Recording:
-    """What a run writes down; `also` are recorders beside that of the text files, which a run always has."""
+    """What a run records; `also` are recorders in addition to that of the text files, which every run has."""
 
     sensors: str = parameter("auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only")
     picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")
@@ -363,7 +363,7 @@ class Scenario:
     """A world, the robots in it, and how time runs.
 
     `source` is the file it was read from, `resolved` the tables in it with all models and defaults filled in and files
-    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` tell what was left out of
+    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` say what was left out of
     another program's file.
     """
 

@@ -17,7 +17,7 @@ from amorsim.scenario.toml_values import parse
 
 __all__ = ["BadLine", "Written", "line_of", "read_written"]
 
-_MOST = 20  # of bad lines, that are told
+_MOST = 20  # bad lines are reported
 
 
 @attrs.frozen
@@ -83,8 +83,8 @@ def read_written(text: str) -> Written:
     else:  # this is no file of TOML
         statements = [Statement(each.text, "bad") for each in statements]
     lines = _line_numbers(statements)
-    told = sorted(bad)[:_MOST]
-    return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in told])
+    reported = sorted(bad)[:_MOST]
+    return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in reported])
 
 
 def _is_open(text: str) -> bool:
@@ -99,7 +99,7 @@ def _sound(statements: Sequence[Statement]) -> str:
 
 
 def _leave_out_body(statements: list[Statement], index: int, text: str) -> None:
-    """Under a header that nobody can read, nobody knows what the pairs are of."""
+    """Mark the pairs under a header that cannot be read: it is not known what they belong to."""
     if not text.lstrip().startswith("["):
         return
     for i in range(index + 1, len(statements)):

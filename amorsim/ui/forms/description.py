@@ -57,8 +57,8 @@ class Widget(TypedDict):
       value is a table with ``use``;
     - ``either``: what one of the `options` shows.
 
-    An `is_optional` value may be none. A list with a `length` has so many items, another may grow. `frame` is where
-    points are: ``"world"`` or ``"body"``, for windows that show them on a map.
+    An `is_optional` value may be none. A list with a `length` has that number of items; others may grow. `frame` says
+    where points are, ``"world"`` or ``"body"``, for windows that show them on a map.
     """
 
     kind: str
