@@ -97,10 +97,12 @@ if TYPE_CHECKING:
     from amorsim.scenario.code_check import check_code
     from amorsim.scenario.devices import load_device
     from amorsim.scenario.document import Document, open_document
+    from amorsim.scenario.knowledge import Knowledge
     from amorsim.scenario.maps import load_map, save_map
     from amorsim.scenario.model_files import save_device, save_robot
     from amorsim.scenario.origins import Origin
     from amorsim.scenario.partial import Outline, Partial
+    from amorsim.scenario.random_start import RandomStart
     from amorsim.scenario.read import load
     from amorsim.scenario.robots import load_robot
     from amorsim.scenario.spec import (
@@ -110,7 +112,6 @@ if TYPE_CHECKING:
         Floor,
         InitialBelief,
         Kidnapping,
-        Knowledge,
         Landmark,
         Light,
         Marking,
@@ -118,7 +119,6 @@ if TYPE_CHECKING:
         NoiseElement,
         Obstacle,
         Pose,
-        RandomStart,
         Recording,
         Robot,
         Scenario,
@@ -154,6 +154,7 @@ _MODULES = {
     "amorsim.plugins.hooks": "hookimpl",
     "amorsim.plugins.registry": "Registry",
     "amorsim.scenario.code_check": "check_code",
+    "amorsim.scenario.knowledge": "Knowledge",
     "amorsim.scenario.maps": "load_map save_map",
     "amorsim.scenario.model_files": "save_device save_robot",
     "amorsim.scenario.origins": "Origin",
@@ -161,10 +162,11 @@ _MODULES = {
     "amorsim.scenario.devices": "load_device",
     "amorsim.scenario.document": "Document open_document",
     "amorsim.scenario.robots": "load_robot",
+    "amorsim.scenario.random_start": "RandomStart",
     "amorsim.scenario.read": "load",
     "amorsim.scenario.spec": (
-        "Deviation Distribution Drop Floor InitialBelief Kidnapping Knowledge Landmark Light Marking MountedSensor "
-        "NoiseElement Obstacle Pose RandomStart Recording Robot Scenario Zone"
+        "Deviation Distribution Drop Floor InitialBelief Kidnapping Landmark Light Marking MountedSensor NoiseElement "
+        "Obstacle Pose Recording Robot Scenario Zone"
     ),
     "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",

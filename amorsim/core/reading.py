@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import stat
 from pathlib import Path
 
-__all__ = ["MOST_BYTES", "check_readable", "is_file", "read_bytes", "read_text", "reason"]
+from amorsim.core.errors import did_you_mean
+
+__all__ = ["MOST_BYTES", "check_readable", "is_file", "no_such_file", "read_bytes", "read_text", "reason"]
 
 MOST_BYTES = 100_000_000
 """A text longer than this [bytes] is not a map, track, scenario or program."""
 
+_MOST_NAMES = 1000  # of a folder, that are compared with the name of a file that is not there
 _KINDS = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
@@ -59,6 +63,20 @@ def read_text(path: str | os.PathLike[str], encoding: str = "utf-8", most: int =
     """The text in a file, its line ends as Python reads them; raises as `read_bytes`."""
     check_readable(path, most)
     return Path(path).read_text(encoding=encoding)
+
+
+def no_such_file(path: str | os.PathLike[str]) -> str:
+    """The problem with a file that does not exist, with the name in its folder that is most like it."""
+    wanted = Path(path)
+    try:
+        there = [
+            each for each in itertools.islice(wanted.parent.iterdir(), _MOST_NAMES) if each.suffix == wanted.suffix
+        ]
+    except (OSError, ValueError):
+        there = []
+    # An ending alone is no likeness.
+    near = did_you_mean(wanted.name, sorted(each.name for each in there if did_you_mean(wanted.stem, [each.stem])))
+    return f"there is no such file.{near}" if near else "there is no such file; check its name and its folder"
 
 
 def reason(error: Exception) -> str:

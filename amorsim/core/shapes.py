@@ -62,7 +62,8 @@ class Shape:
                 raise ValueError(f"a part is convex and anticlockwise, which {part} is not")
         if not SMALLEST <= self.reach <= LARGEST:
             raise ValueError(
-                f"a shape reaches from {SMALLEST:g} m to {LARGEST:g} m from its body's origin, not {self.reach:.6g} m"
+                f"expected a shape that reaches {SMALLEST:g} m to {LARGEST:g} m from its body's origin, "
+                f"got {self.reach:.6g} m"
             )
 
     @classmethod
@@ -76,7 +77,7 @@ class Shape:
         """
         radius, x, y = float(radius), float(x), float(y)
         if not math.isfinite(radius) or radius <= 0.0:
-            raise ValueError(f"the radius of a circle is above 0 m, not {radius!r}")
+            raise ValueError(f"expected a circle with a radius above 0 m, got {radius!r}")
         _check_finite(((x, y),), "the centre of a circle")
         angles = [2.0 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS)]
         border = tuple((x + radius * math.cos(angle), y + radius * math.sin(angle)) for angle in angles)
@@ -93,7 +94,7 @@ class Shape:
         """
         for name, side in (("length", length), ("width", width)):
             if not math.isfinite(side) or side <= 0.0:
-                raise ValueError(f"the {name} of a rectangle is above 0 m, not {side!r}")
+                raise ValueError(f"expected a rectangle with a {name} above 0 m, got {side!r}")
         _check_finite(((float(x), float(y)),), "the centre of a rectangle")
         left, right = x - length / 2.0, x + length / 2.0
         low, high = y - width / 2.0, y + width / 2.0
@@ -213,17 +214,17 @@ def _ring(vertices: ArrayLike | Iterable[Sequence[float]]) -> Ring:
     if len(ring) > 1 and ring[0] == ring[-1]:
         ring.pop()
     if len(ring) < 3:
-        raise ValueError(f"a polygon has three vertices at least, not {len(ring)}")
+        raise ValueError(f"expected a polygon of three vertices at least, got {len(ring)}")
     size = _size(ring)
     if abs(_area(ring)) <= _FLAT * size * size:
         # Equal lobes of a figure of eight cancel, so the message names which of the two is wrong.
         if shapely.MultiPoint(ring).convex_hull.area <= _FLAT * size * size:
-            raise ValueError(f"a polygon has an area, but these vertices lie on one line: {ring}")
-        raise ValueError(f"the border of a polygon must not meet itself, but this one does: {ring}")
+            raise ValueError(f"expected a polygon with an area, got vertices on one line: {ring}")
+        raise ValueError(f"expected a polygon whose border does not meet itself, got {ring}")
     outline = shapely.Polygon(ring)
     if not outline.is_valid:
         reason = shapely.is_valid_reason(outline)
-        raise ValueError(f"the border of a polygon must not meet itself, but this one does: {reason}")
+        raise ValueError(f"expected a polygon whose border does not meet itself, got one with a {reason}")
     if _area(ring) < 0.0:
         ring.reverse()
     i = 0

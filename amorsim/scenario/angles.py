@@ -15,7 +15,7 @@ __all__ = ["LongDegrees", "parse_float", "to_degrees", "to_radians"]
 # 60 digits of pi: with them a product of 40 digits rounds to the nearest double.
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494")
 _DIGITS = 40
-# A double is told from its neighbours by 17 digits; three more leave no doubt which radians are meant.
+# 17 digits distinguish a double from its neighbours; three more leave no doubt which radians are meant.
 _WRITTEN_DIGITS = 20
 
 

@@ -1,4 +1,4 @@
-"""What a user's file imports from beside it: ``from helpers import turn`` where ``helpers.py`` lies in its folder."""
+"""What a user's file imports from its own folder: ``from helpers import turn`` finds ``helpers.py`` there."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def make_importable(beside: Mapping[str, Path]) -> None:
     """Let the names be imported of what `files_beside` found, from now on, so that a function may import them too.
 
     A module that was imported so for another file stays where it says the same, for what was made of it; where it says
-    something else, it is imported anew.
+    something else, it is imported again.
     """
     said: dict[str, dict[str, bytes]] = {}
     places: dict[str, Path] = {}
@@ -69,7 +69,7 @@ def make_importable(beside: Mapping[str, Path]) -> None:
             places[name] = file
     for name, files in said.items():
         known = _finder.known.get(name)
-        if known is None and name in sys.modules:  # somebody else's, as for a script
+        if known is None and name in sys.modules:  # another one, as for a script
             continue
         if known is not None and known.said != files:
             for each in [each for each in sys.modules if each == name or each.startswith(f"{name}.")]:
@@ -87,14 +87,14 @@ class _Known(NamedTuple):
 
 
 class _Loader(SourceFileLoader):
-    """Compiles what the file says: a cache beside it is not for us to write, and may be stale."""
+    """Compiles what the file says: a cache next to it is not ours to write, and may be stale."""
 
     def path_stats(self, path: Any) -> Mapping[str, Any]:
         raise OSError("no cache")
 
 
 class _Finder(MetaPathFinder):
-    """Finds the names that user's files import from beside them, and no others."""
+    """Finds the names that user's files import from their own folder, and no others."""
 
     def __init__(self) -> None:
         self.known: dict[str, _Known] = {}

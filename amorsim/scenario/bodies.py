@@ -16,7 +16,7 @@ __all__ = ["SHAPES", "read_pose", "read_shape", "write_shape"]
 _FAR = 1e100  # larger numbers are taken for mistakes
 
 _EXPECTED = "expected { circle = RADIUS }, { rectangle = [LENGTH, WIDTH] } or { polygon = [[X, Y], ...] }, in metres"
-# What may stand beside each of them: where the centre lies, or by how much corners are rounded outwards.
+# What may stand next to each of them: where the centre lies, or by how much corners are rounded outwards.
 _BESIDE = {"circle": ("x", "y"), "rectangle": ("x", "y"), "polygon": ("rounding",)}
 SHAPES = tuple(_BESIDE)
 """The keys of which a shape has one."""

@@ -11,14 +11,20 @@ from amorsim.core.errors import DocumentError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
 from amorsim.scenario.layout import MISSING, Path_, found_at
-from amorsim.scenario.models import ERROR_KEYS
+from amorsim.scenario.neutral import is_error, without_neutral
 from amorsim.scenario.resolved import robot_table
 from amorsim.scenario.spec import Deviation, Robot
 from amorsim.scenario.toml_values import are_same
 
-__all__ = ["set_robots"]
+__all__ = ["robot_of", "set_robots"]
 
 _NO_ERROR = attrs.asdict(Deviation(), filter=lambda _, value: value is not None)
+
+
+def robot_of(robot: Robot, registry: Registry) -> dict[str, Any]:
+    """The table of a robot, as in a resolved scenario, without errors that change nothing."""
+    table = robot_table(robot, registry)
+    return {**table, "errors": without_neutral(table.get("errors"))}
 
 
 def set_robots(document: Document, before: Sequence[Robot], after: Sequence[Robot], registry: Registry) -> None:
@@ -49,7 +55,7 @@ def set_robots(document: Document, before: Sequence[Robot], after: Sequence[Robo
         if not isinstance(count, int) or count < 1:
             raise DocumentError("expected the table of a robot", path)
         tables = [
-            (robot_table(one, registry), robot_table(other, registry))
+            (robot_of(one, registry), robot_of(other, registry))
             for one, other in zip(before[first : first + count], after[first : first + count], strict=True)
         ]
         if len(tables) != count:
@@ -138,9 +144,13 @@ def _differences(before: Any, after: Any, path: Path_) -> Iterator[tuple[Path_, 
         return
     if _is_chain(path, after):
         yield path, after
-    elif path[:1] == ("errors",) and isinstance(after, dict) and set(after) <= ERROR_KEYS:
-        said = {key: value for key, value in after.items() if not are_same(value, _NO_ERROR.get(key))}
-        yield path, said or {"scale": 1.0}
+    elif path[1:] and path[0] == "errors" and after is MISSING and is_error(before):
+        yield path, {"scale": 1.0}  # which `Document.set` leaves out where no model says another
+    elif path[1:] and path[0] == "errors" and after is not MISSING and is_error(after):
+        yield path, {key: value for key, value in after.items() if not are_same(value, _NO_ERROR.get(key))}
+    elif path[:1] == ("errors",) and isinstance(before, dict) and after is MISSING:
+        for key, item in before.items():
+            yield from _differences(item, MISSING, (*path, key))
     elif isinstance(before, dict) and isinstance(after, dict):
         for key in dict.fromkeys((*before, *after)):
             yield from _differences(before.get(key, MISSING), after.get(key, MISSING), (*path, key))

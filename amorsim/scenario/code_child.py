@@ -24,7 +24,7 @@ def main() -> None:
     """Read what to check from standard input, and answer with lines: what has begun, and how it has ended."""
     time_limit, components = pickle.load(sys.stdin.buffer)
     answers = _Answers(os.fdopen(os.dup(1), "w", encoding="utf-8", buffering=1))
-    # What a program prints must not be taken for an answer, and it must not wait for somebody's keyboard.
+    # What a program prints must not be taken for an answer, and it must not wait for the keyboard.
     os.dup2(2, 1)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     faulthandler.enable(file=answers.pipe)
@@ -38,7 +38,7 @@ def main() -> None:
         answers.say(ended=number, problem=problem)
     answers.say(done=True)
     if hasattr(signal, "pause"):
-        signal.pause()  # whoever asked ends this process, and what programs have left running
+        signal.pause()  # the caller ends this process, and what programs have left running
     os._exit(0)
 
 

@@ -12,6 +12,7 @@ from amorsim.core.errors import ControllerError, PluginError
 from amorsim.core.parameters import ParameterError
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.registry import KINDS, Registry
+from amorsim.scenario.columns import column_problem, not_for_sensors
 from amorsim.scenario.controller_files import (
     CONTROLLER,
     MOTION,
@@ -21,7 +22,7 @@ from amorsim.scenario.controller_files import (
 from amorsim.scenario.faults import Node
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.program_text import check_program
-from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording, column_problem, not_for_sensors
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Recording
 from amorsim.scenario.values import check_values
 
 __all__ = [
@@ -56,7 +57,7 @@ def read_motion(node: Node, registry: Registry) -> Motion | None:
 
 
 def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
-    """The sensor in a table, with its mount, rate, latency and noise beside its own fields."""
+    """The sensor in a table, with its mount, rate, latency and noise in addition to its own fields."""
     before = node.book.count
     sensor: Sensor | None = _read(node, "sensor", registry, _SENSOR_KEYS)
     if not node.is_table:
@@ -65,7 +66,7 @@ def read_sensor(node: Node, registry: Registry) -> MountedSensor | None:
     if "mount" in node:
         values["mount"] = read_component(Mount, node.child("mount"))
     if "noise" in node:
-        # Without the sensor nobody knows how its fields are spelt; what else is wrong can be said.
+        # Without the sensor it is not known how fields of noise are spelt; other faults can be reported.
         unit = None if sensor is None else sensor.unit
         values["noise"] = read_chain(node.child("noise"), registry, unit, sensor)
     if sensor is None or node.book.count > before:

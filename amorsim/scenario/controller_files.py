@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from amorsim.core.errors import ControllerError, did_you_mean
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.core.trouble import RAISED, error_in_words, in_words
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.scenario.beside import files_beside, make_importable
@@ -67,7 +67,7 @@ def load_controller(path: Path, name: str, options: Mapping[str, Any], arguments
     A function takes `arguments` before them.
 
     The file is run as a module of its own; one that says the same is run once in a process. It may import
-    what lies beside it.
+    what lies next to it.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def read_program(path: Path) -> bytes:
         return read_bytes(path)
     except (OSError, ValueError) as error:
         is_missing = isinstance(error, FileNotFoundError)
-        problem = "there is no such file" if is_missing else f"cannot be read: {reason(error)}"
+        problem = no_such_file(path) if is_missing else f"cannot be read: {reason(error)}"
         raise ControllerError(f"{path}: {problem}") from error
 
 
@@ -122,7 +122,7 @@ def _load_module(path: Path) -> ModuleType:
     sys.modules[module_name] = module
     here = present_folder()
     try:
-        # Compiled here: a loader leaves a cache beside the user's file, and may trust a stale one.
+        # Compiled here: a loader would leave a cache next to the user's file, and may trust a stale one.
         make_importable(beside)
         exec(compile(data, str(path), "exec", dont_inherit=True), vars(module))
     except RAISED as error:

@@ -25,7 +25,7 @@ class Copies:
     names that are `taken` are for other files.
     """
 
-    # What a run writes into its folder beside them.
+    # What a run itself writes into its folder.
     _TAKEN = (
         "scenario.toml",
         "run.json",
@@ -85,7 +85,7 @@ class Copies:
                 self._of_import(key, beside)
 
     def _of_import(self, key: str, path: Path) -> None:
-        """Copy what a program imports from beside it, under its own name, for that is what is imported."""
+        """Copy a file that a program imports from its folder, under its own name, for the import names it."""
         target = self._folder / key
         file = str(path)
         if file in self._names or path.resolve() == target.resolve():

@@ -47,7 +47,7 @@ def _read_table(node: Node, path: tuple[str, ...], parts: dict[str, Any], found:
         if _is_unread(parts, at):
             continue
         if at[0] == "sensors" and at[2:] and at[2] in _NO_ERROR:
-            child.fault(f"{at[2]!r} has no error: what a device does to its quantity is its noise chain")
+            child.fault(f"{at[2]!r} has no error; change the noise chain of the sensor itself")
             continue
         try:
             changed(parts, list(at), lambda nominal: nominal)

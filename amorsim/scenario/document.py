@@ -2,52 +2,45 @@
 
 from __future__ import annotations
 
-import contextlib
-import copy
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import attrs
 
 from amorsim.contracts import ScenarioDocument
 from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
-from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.copies import Copies
-from amorsim.scenario.editing import Editor, Splice
+from amorsim.scenario.editing import Editor
 from amorsim.scenario.elsewhere import copied, named_files, near
-from amorsim.scenario.faults import Book, shown
+from amorsim.scenario.faults import shown
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign
+from amorsim.scenario.journal import Journal
 from amorsim.scenario.layout import MISSING, Path_, found_at
-from amorsim.scenario.lines import with_lines
-from amorsim.scenario.model_files import check_model, read_model
-from amorsim.scenario.models import merge_models
+from amorsim.scenario.meaning import Meaning, read_meaning
 from amorsim.scenario.names_in_lists import index_of
-from amorsim.scenario.origins import KINDS, Origin, Origins, kind_of, lifted
+from amorsim.scenario.origins import Origin, Origins, kind_of
 from amorsim.scenario.partial import Partial, read_partial
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import checked_text, plain
-from amorsim.scenario.worlds import Maps
 from amorsim.scenario.write import table_text
 from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
 
-Change = list[Splice]
-
 
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
 
-    Another program's file is not changed: its document is a new one, that `Document.save` writes beside it as TOML.
+    Another program's file is not changed: its document is a new one, which `Document.save` writes as TOML into the
+    same folder.
 
     Raises
     ------
@@ -83,16 +76,6 @@ def _of_foreign(file: Path, read: ScenarioDocument, registry: Registry) -> Docum
     return Document(f"{head}\n{table_text(read.tables)}", name, registry=registry)
 
 
-class _Looked(NamedTuple):
-    """What came of reading a document."""
-
-    book: Book
-    maps: Maps
-    merged: dict[str, Any]  # its tables, with those of the models
-    scenario: Scenario | None  # none if there are faults
-    faults: tuple[Fault, ...]
-
-
 class Document:
     """A scenario's file as its author wrote it: read, changed in places, checked and saved; made by `open_document`.
 
@@ -110,8 +93,7 @@ class Document:
         self._editor = Editor(list(written.statements), written.values)
         self._origins = Origins(self._path, self._registry)
         self._setter = Setter(self._editor, self._origins)
-        self._done: list[Change] = []
-        self._undone: list[Change] = []
+        self._journal = Journal(self._editor)
 
     def __repr__(self) -> str:
         return f"<document {str(self._path)!r}>"
@@ -174,9 +156,10 @@ class Document:
     def set(self, path: str, value: Any) -> None:
         """Say a value at a path, in the place of the one that is there.
 
-        Of a table or a list, only what differs is written. What the model or a device says anyway is left out: a value
-        that is set back to it is the file's own no more. So is a default, unless it was written out when the file was
-        opened. Another ``use`` is another component: the keys of the one before go.
+        Of a table or a list, only what differs is written. What holds anyway is left out: a value that is set back to
+        what the model, a device or a default says is removed from the file. A default stays if the file said it when
+        it was opened. An error that changes nothing goes as a whole. Another ``use`` is another component: the keys of
+        the one before go.
 
         Raises
         ------
@@ -184,7 +167,7 @@ class Document:
             If the path leads nowhere, or TOML has no such value.
         """
         value = plain(value)
-        with self._changing():
+        with self._journal.changing():
             self._setter.set(self._at(path), value)
 
     def _override(self, path: Sequence[str], value: Any) -> Path_:
@@ -195,7 +178,7 @@ class Document:
         at, value = self._at(path), plain(value)
         merged = self._origins.merged(self._editor.values, at)
         made = next((at[:length] for length in range(1, len(at)) if found_at(merged, at[:length]) is MISSING), at)
-        with self._changing():
+        with self._journal.changing():
             self._setter.set(at, value)
         return made
 
@@ -212,7 +195,7 @@ class Document:
             origin = self._origins.find(self._editor.values, at) if at else None
             where = "" if origin is None or origin.file is None else f"; {origin.file} does, of which the robot is made"
             raise DocumentError(f"the file says nothing of it{where}", path)
-        with self._changing():
+        with self._journal.changing():
             self._editor.remove(at)
 
     def add(self, path: str, value: Any, index: int | None = None) -> str:
@@ -238,7 +221,7 @@ class Document:
             raise DocumentError(f"expected a list, to which something can be added; it is {shown(there)}", path)
         count = 0 if there is MISSING else len(there)
         place = self._place(path, count if index is None else index, count + 1)
-        with self._changing():
+        with self._journal.changing():
             if there is MISSING:
                 self._editor.begin_list(at, value)
             else:
@@ -248,19 +231,22 @@ class Document:
     def move(self, path: str, index: int) -> str:
         """Put an item of a list elsewhere in it, with all that the file says of it; returns its path there.
 
+        What is in a table moves among what the file says in the table: the first of a robot's estimators is the one
+        that its controller gets.
+
         Raises
         ------
         DocumentError
-            If the path leads to no item of a list, or the list has no such place.
+            If the file says nothing at the path, or the list or table has no such place.
         """
         at = self._at(path)
-        there = found_at(self._editor.values, at[:-1]) if at else MISSING
-        if not isinstance(there, list):
-            raise DocumentError("expected an item of a list, as 'robots.rover'", path)
+        if found_at(self._editor.values, at) is MISSING:
+            raise DocumentError("expected what the file says, as 'robots.rover' or 'robots.rover.drive'", path)
+        there = found_at(self._editor.values, at[:-1])
         place = self._place(path, index, len(there))
-        with self._changing():
+        with self._journal.changing():
             self._editor.move(at, place)
-        return ".".join(map(str, (*at[:-1], place)))
+        return ".".join(map(str, (*at[:-1], place if isinstance(there, list) else at[-1])))
 
     @staticmethod
     def _place(path: str, index: int, count: int) -> int:
@@ -295,39 +281,13 @@ class Document:
 
     # --------------------------------------------------------------------------------------------------------- journal
 
-    @contextlib.contextmanager
-    def _changing(self) -> Iterator[None]:
-        """What changes within it is one step of `undo`; if it raises, nothing has changed."""
-        log = self._editor.log = []
-        try:
-            yield
-        except BaseException:
-            for splice in reversed(log):
-                self._editor.apply(splice, back=True)
-            raise
-        if log:
-            self._done.append(log)
-            self._undone.clear()
-
     def undo(self) -> bool:
         """Take the last change back, to the byte; false if there is none."""
-        if not self._done:
-            return False
-        change = self._done.pop()
-        for splice in reversed(change):
-            self._editor.apply(splice, back=True)
-        self._undone.append(change)
-        return True
+        return self._journal.undo()
 
     def redo(self) -> bool:
         """Make the change again that was taken back last; false if there is none."""
-        if not self._undone:
-            return False
-        change = self._undone.pop()
-        for splice in change:
-            self._editor.apply(splice)
-        self._done.append(change)
-        return True
+        return self._journal.redo()
 
     # --------------------------------------------------------------------------------------------------------- meaning
 
@@ -351,8 +311,8 @@ class Document:
     def faults(self) -> tuple[Fault, ...]:
         """All that is wrong with the document: of lines that are no TOML, of keys, and of values; none if it is sound.
 
-        Nothing of a user's runs: of controllers and motions in files the text is checked. What only shows when they
-        run is told by `check_code`, and what depends on draws, such as starts at random, by `Simulation`.
+        Nothing of a user's runs: of controllers and motions in files the text is checked. `check_code`
+        finds what only shows when they run, and `Simulation` what depends on draws, such as random starts.
         """
         return self._look().faults
 
@@ -367,31 +327,8 @@ class Document:
         named = (here / file.name for file in named_files(self._editor.values, self._registry, here))
         return tuple(dict.fromkeys([self._path.absolute(), *named]))
 
-    def _look(self) -> _Looked:
-        """All that the document says, read and checked."""
-        written = self._written()
-        book = book_of(written, self._path)
-        maps = Maps(self._registry)
-        tables = copy.deepcopy(lifted(written.values))
-        kind = kind_of(written.values)
-        values: dict[str, Any] = {}
-        if kind == "scenario":
-            values = read_values(tables, book, self._registry, maps, True, False)
-        else:
-            check_model(written.values, kind, book)
-            source = book.source(())
-            at = tuple(map(str, KINDS[kind]))
-            book.set_source(at, attrs.evolve(source, depth=len(at)))
-            merge_models(tables, book, self._registry)
-            read_model(tables["robots"][0], kind, book, self._registry)
-        scenario = None
-        if not book.count and kind == "scenario":
-            try:
-                scenario = Scenario(**values, source=self._path)
-            except ParameterError as error:
-                book.fault((error.name,), error.problem)
-        faults = with_lines(book.faults, {str(self._path): written})
-        return _Looked(book, maps, tables, scenario, tuple(faults))
+    def _look(self) -> Meaning:
+        return read_meaning(self._written(), self._path, self._registry)
 
     def _written(self) -> Written:
         if self._has_bad_lines:  # they may stand elsewhere by now

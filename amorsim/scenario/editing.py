@@ -6,18 +6,17 @@ move, the whole file is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from amorsim.core.errors import DocumentError
 from amorsim.scenario import inline
 from amorsim.scenario.layout import MISSING, Layout, Path_, changed, found_at, inserted, without
+from amorsim.scenario.new_lines import NewLines
+from amorsim.scenario.order import exchanged, order_of, reordered
 from amorsim.scenario.statements import Statement, cut
-from amorsim.scenario.toml_values import are_same, as_toml, keys_as_toml, parse, parse_value
+from amorsim.scenario.toml_values import are_same, as_toml, parse, parse_value
 
 __all__ = ["Editor", "Splice"]
-
-_LONGEST = 100  # characters of a table on one line
 
 
 class Splice(NamedTuple):
@@ -55,6 +54,11 @@ class Editor:
         if self._layout is None:
             self._layout = Layout(self.statements)
         return self._layout
+
+    @property
+    def _new(self) -> NewLines:
+        """Writes what the file does not say yet."""
+        return NewLines(self.statements, self.layout, self._newline)
 
     def apply(self, splice: Splice, *, back: bool = False) -> None:
         """Make a change again, or take it `back`."""
@@ -162,7 +166,7 @@ class Editor:
         if spot is not None:
             self._create_inside(path, keys, value, spot, expected)
             return
-        for start, count, new in self._places(path, depth, keys, value, place):
+        for start, count, new in self._new.places(path, depth, keys, value, place):
             if self._try(start, count, new, expected):
                 return
         raise self._refused(path)
@@ -181,91 +185,10 @@ class Editor:
         text = inline.insert(statement.text, at, (*dotted, *keys), as_toml(value), None, self._newline)
         self._replace_pair(index, text, expected)
 
-    def _places(
-        self, path: Path_, depth: int, keys: tuple[str, ...], value: Any, place: int | None
-    ) -> Iterator[tuple[int, int, list[str]]]:
-        """Where statements for a new value may go, the likeliest first: what they replace, and their lines."""
-        parent, layout = path[:depth], self.layout
-        header = layout.headers.get(parent)
-        end = (layout.under(parent) or [-1])[-1] + 1
-        is_large = isinstance(value, dict) and _is_large(value)
-        if not parent and len(keys) > 1:
-            yield self._before_lists(), 0, self._under_header(path, depth, keys, value)
-        if not parent and is_large:
-            yield self._before_lists(), 0, self._chunk(path, value)
-        if is_large:
-            yield end, 0, self._chunk(path, value)
-        if header is not None:
-            yield self._in_body(header, keys, value)
-        below = [i for i in layout.under(parent) if layout.paths[i] in layout.pairs and parent]
-        if below:  # of dotted keys
-            after = below[-1]
-            head = layout.head_of(after)
-            yield after + 1, 0, [self._line(self._indent(after), _names(path[len(head) :]), value)]
-        if isinstance(value, dict):
-            yield end, 0, self._chunk(path, value)
-        if len(path) > 1:
-            yield end, 0, self._under_header(path, depth, keys, value)
-        for length in range(depth - 1, -1, -1):
-            if path[:length] in layout.headers:
-                yield self._in_body(layout.headers[path[:length]], _names(path[length:]), value)
-                break
-        if place is not None and len(path) > 1:
-            yield place, 0, self._under_header(path, depth, keys, value)
-
-    def _in_body(self, header: int, keys: tuple[str, ...], value: Any) -> tuple[int, int, list[str]]:
-        """A pair at the end of the body of a header, under those that are there."""
-        layout = self.layout
-        end = layout.body_end(header)
-        pairs = [i for i in range(header + 1, end) if self.statements[i].kind == "pair"]
-        if pairs:
-            return pairs[-1] + 1, 0, [self._line(self._indent(pairs[-1]), keys, value)]
-        if header >= 0:
-            return header + 1, 0, [self._line(self._indent(header), keys, value)]
-        start = self._with_comments(end) if end < len(self.statements) else end
-        return start, 0, [self._line("", keys, value), *([self._newline] if end < len(self.statements) else [])]
-
-    def _indent(self, index: int) -> str:
-        text = self.statements[index].text
-        return text[: len(text) - len(text.lstrip(" \t"))]
-
-    def _line(self, indent: str, keys: tuple[str, ...], value: Any) -> str:
-        return f"{indent}{keys_as_toml(keys)} = {as_toml(value)}{self._newline}"
-
-    def _under_header(self, path: Path_, depth: int, keys: tuple[str, ...], value: Any) -> list[str]:
-        """A header for the first table that is missing, or else for the one that is there, and a pair under it."""
-        header = path[: depth + 1] if len(keys) > 1 else path[:depth]
-        line = self._line("", keys[1:] or keys, value)
-        return [self._newline, f"[{keys_as_toml(_names(header))}]{self._newline}", line]
-
-    def _chunk(self, path: Path_, table: dict[str, Any], *, is_item: bool = False) -> list[str]:
-        """A header with its pairs, the large tables in it under headers of their own, and a blank line before it."""
-        keys = keys_as_toml(_names(path))
-        lines = [self._newline, f"[[{keys}]]{self._newline}" if is_item else f"[{keys}]{self._newline}"]
-        large = {key: item for key, item in table.items() if isinstance(item, dict) and _is_large(item)}
-        lines += [self._line("", (key,), item) for key, item in table.items() if key not in large]
-        if large and not is_item and len(large) == len(table):
-            lines = []  # the headers below make this table too
-        for key, item in large.items():
-            lines += self._chunk((*path, key), item)
-        return lines
-
-    def _before_lists(self) -> int:
-        """Where a table of the top may begin: before the first [[list]], or at the end."""
-        first = next((i for i, each in enumerate(self.statements) if each.kind == "array"), len(self.statements))
-        return self._with_comments(first) if first < len(self.statements) else first
-
-    def _with_comments(self, index: int) -> int:
-        """Where the comments begin that stand right above a statement; those that begin the file are not its own."""
-        start = index
-        while start and self.statements[start - 1].text.lstrip(" \t").startswith("#"):
-            start -= 1
-        return start if start else index
-
     # -------------------------------------------------------------------------------------------------------- remove
 
     def remove(self, path: Path_) -> None:
-        """Leave out what is at a path; comments beside it or right above its header go with it."""
+        """Leave out what is at a path; comments behind it or right above its header go with it."""
         expected = without(self.values, path)
         spot = self.layout.pair_over(path)
         if spot is None:
@@ -322,7 +245,7 @@ class Editor:
         for index in self.layout.under(path):
             at = paths[index]
             is_header = at is not None and headers.get(at) == index
-            start = self._with_comments(index) if is_header else index
+            start = self._new.with_comments(index) if is_header else index
             if runs and all(paths[i] is None for i in range(runs[-1][1], index)) and (is_header or start == index):
                 is_bad = any(self.statements[i].kind == "bad" for i in range(runs[-1][1], index))
                 if not is_bad:
@@ -348,7 +271,7 @@ class Editor:
         if not isinstance(value, dict):
             self._replace(path, found_at(expected, path))
             return
-        lines = self._chunk(path, value, is_item=True)
+        lines = self._new.chunk(path, value, is_item=True)
         if place < len(there):
             start = self._runs((*path, place))[0][0]
             lines = [*lines[1:], self._newline]
@@ -363,42 +286,36 @@ class Editor:
             self.set(path, [value])
             return
         expected = changed(self.values, path, [value])
-        if not self._try(len(self.statements), 0, self._chunk(path, value, is_item=True), expected):
+        if not self._try(len(self.statements), 0, self._new.chunk(path, value, is_item=True), expected):
             raise self._refused(path)
 
     def move(self, path: Path_, place: int) -> None:
-        """Put the item at a path elsewhere in its list, where it is number `place` afterwards."""
-        *_, number = path
+        """Put what is at a path elsewhere in its list or table, where it is number `place` afterwards."""
         holder = path[:-1]
-        assert isinstance(number, int)
-        item = found_at(self.values, path)
-        rest = without(self.values, path)
-        expected = inserted(rest, holder, place, item)
+        keys = order_of(found_at(self.values, holder))
+        number = keys.index(path[-1])
         if number == place:
             return
+        expected = reordered(self.values, holder, number, place)
         spot = self.layout.pair_over(holder)
         if spot is not None:
             index, left = spot
             statement = self.statements[index]
-            at, _, _ = inline.find(statement.text, statement.first, left)
+            at, _, rest = inline.find(statement.text, statement.first, left)
+            if rest or inline.count(statement.text, at) != len(keys):  # dotted keys in an inline table
+                raise self._refused(path)
             text = inline.move(statement.text, at, number, place, self._newline)
             self._replace_pair(index, text, expected)
-            return
-        runs = self._runs(path)
-        target = self._runs((*holder, place))
-        if len(runs) > 1 or len(target) > 1:
-            problem = "what the file says of it stands in several places; move them together"
-            raise DocumentError(problem, ".".join(map(str, path)))
-        (start, stop), (first, last) = runs[0], target[0]
-        lines = [each.text for each in self.statements]
-        own = lines[start:stop]
-        if place < number:
-            between, begin, count = lines[first:start], first, stop - first
-            new = [*own, self._newline, *_stripped(between)]
         else:
-            between, begin, count = lines[stop:last], start, last - start
-            new = [*_stripped(between), self._newline, *own]
-        if not self._try(begin, count, new, expected):
+            runs, target = self._runs(path), self._runs((*holder, keys[place]))
+            if len(runs) > 1 or len(target) > 1:
+                problem = "what the file says of it stands in several places; move them together"
+                raise DocumentError(problem, ".".join(map(str, path)))
+            lines = [each.text for each in self.statements]
+            own, other = ((self._new.with_comments(start), stop) for start, stop in (*runs, *target))
+            if not self._try(*exchanged(lines, own, other, self._newline), expected):
+                raise self._refused(path)
+        if order_of(found_at(self.values, holder)) != order_of(found_at(expected, holder)):
             raise self._refused(path)
 
     # -------------------------------------------------------------------------------------------------- statements
@@ -447,28 +364,6 @@ class Editor:
         splice = Splice(start, self.statements[start : start + count], new, self.values, values)
         self.apply(splice)
         self.log.append(splice)
-
-
-def _names(path: Path_) -> tuple[str, ...]:
-    return tuple(key for key in path if isinstance(key, str))
-
-
-def _is_large(table: dict[str, Any]) -> bool:
-    """Whether a table is written under a header of its own."""
-    holds_tables = any(
-        isinstance(item, dict) and any(isinstance(inner, dict) for inner in item.values()) for item in table.values()
-    )
-    return bool(table) and (holds_tables or len(as_toml(table)) > _LONGEST)
-
-
-def _stripped(lines: list[str]) -> list[str]:
-    """Lines without the blank ones at both ends."""
-    start, stop = 0, len(lines)
-    while start < stop and not lines[start].strip():
-        start += 1
-    while stop > start and not lines[stop - 1].strip():
-        stop -= 1
-    return lines[start:stop]
 
 
 def _pruned(values: Any) -> Any:

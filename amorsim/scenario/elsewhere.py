@@ -95,5 +95,5 @@ def _map_file(file: Path, table: dict[str, Any], registry: Registry) -> MapFile:
         raise RunError(f"{file}: cannot be copied: {error}") from error
     loader = read_component(cls, Node(table, (), Book.silent()), beside=("map", "use", "landmarks"))
     if loader is None:
-        raise RunError(f"{file}: cannot be copied: its options are at fault; `faults` tells how")
+        raise RunError(f"{file}: cannot be copied: its options are at fault; see `faults`")
     return MapFile(path=file, loader=loader)

@@ -60,7 +60,7 @@ class Book:
         self.document: Any = None
         """The whole document, for the names of what stands in its lists."""
         self.warnings: tuple[str, ...] = ()
-        """Of the map, to be told with the faults."""
+        """Warnings about the map, reported with the faults."""
         self.remarks: tuple[str, ...] = ()
         """On what was left out of another program's file."""
         self.lines: Mapping[str, int] = {}
@@ -70,7 +70,7 @@ class Book:
 
     @classmethod
     def silent(cls) -> Book:
-        """A book of which nobody asks where its values came from."""
+        """A book that does not record where its values came from."""
         return cls(Source(file="", folder=Path()))
 
     def again(self, document: Any) -> Book:

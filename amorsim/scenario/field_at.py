@@ -20,18 +20,8 @@ from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.maps import find_loader
 from amorsim.scenario.models import LOOKS
-from amorsim.scenario.spec import (
-    Deviation,
-    Landmark,
-    Light,
-    MountedSensor,
-    Obstacle,
-    Pose,
-    RandomStart,
-    Recording,
-    Robot,
-    Scenario,
-)
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Deviation, Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.scenario.starts import GridStart
 
 __all__ = ["component_at", "field_at"]
@@ -47,10 +37,12 @@ class _At(NamedTuple):
     rest: Path_
     unit: str = ""
     names: tuple[str, ...] | None = None  # of the fields that count
+    default: Any = None  # where nothing says the table: the component that it is by default,
+    use: str = ""  # and the name of its class
 
 
 def field_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> Parameter | None:
-    """The parameter at a path in tables that models were merged into; None where there is none, or nobody knows it.
+    """The parameter at a path in tables that models were merged into; None if there is none.
 
     Parameters
     ----------
@@ -62,10 +54,14 @@ def field_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder:
         if not isinstance(name, str) or _leads_nowhere(values, (*path[:2], *path[3:-1]), registry, folder):
             return None
         return file_fields(Deviation).get(name)
-    at = _at(values, path, registry, folder)
+    at = _innermost(values, path, registry, folder)
     if at is None or not at.rest or not isinstance(at.rest[0], str):
         return None
     found = file_fields(at.cls, at.unit, at.names).get(at.rest[0])
+    if at.default is not None:
+        if at.rest == ("use",):
+            return Parameter(name="use", type=str, default=at.use)
+        found = None if found is None else attrs.evolve(found, default=getattr(at.default, found.name))
     for part in at.rest[1:]:
         if found is None:
             return None
@@ -85,8 +81,25 @@ def _leads_nowhere(values: Mapping[str, Any], path: Path_, registry: Registry, f
 
 def component_at(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> type | None:
     """The class of the component, or of the other thing with fields, that a table at a path is."""
-    at = _at(values, (*path, "use"), registry, folder)
+    at = _innermost(values, (*path, "use"), registry, folder)
     return at.cls if at is not None and at.rest == ("use",) else None
+
+
+def _innermost(values: Mapping[str, Any], path: Path_, registry: Registry, folder: Path) -> _At | None:
+    """What `_at` finds, or the component within it that a field is, however deep."""
+    at = _at(values, path, registry, folder)
+    while at is not None and len(at.rest) > 1 and isinstance(at.rest[0], str):
+        field = file_fields(at.cls, at.unit, at.names).get(at.rest[0])
+        if field is None or not field.component:
+            return at
+        table = path[: len(path) - len(at.rest) + 1]
+        if found_at(values, table) is not MISSING:
+            at = _of_use(values, table, field.component, registry, at.rest[1:])
+            continue
+        default = field.default if at.default is None else getattr(at.default, field.name)
+        name = registry.name_of(field.component, type(default))
+        at = None if name is None else _At(type(default), at.rest[1:], default=default, use=name)
+    return at
 
 
 def _class_in(kind: Any) -> type | None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from amorsim.scenario.statements import Member, members
 from amorsim.scenario.toml_values import keys_as_toml
 
-__all__ = ["find", "insert", "move", "remove"]
+__all__ = ["count", "find", "insert", "move", "remove"]
 
 Path_ = tuple[str | int, ...]
 
@@ -86,9 +86,9 @@ def remove(text: str, at: int, member: Member) -> str:
 
 
 def move(text: str, at: int, number: int, place: int, newline: str) -> str:
-    """The text with a member of the array at `at` elsewhere in it, number `place` afterwards.
+    """The text with a member of the array or table at `at` elsewhere in it, number `place` afterwards.
 
-    Where every member has lines of its own, those go with it, and the comments above it and beside it.
+    Where every member has lines of its own, those go with it, and the comments above it and behind it.
     """
     there = list(members(text, at))
     member = there[number]
@@ -101,7 +101,12 @@ def move(text: str, at: int, number: int, place: int, newline: str) -> str:
         lines.insert(place, lines.pop(number))
         return text[: begins[0]] + "".join(lines) + text[ends[-1] :]
     value = text[member.first : member.last]
-    return insert(remove(text, at, member), at, (), value, place, newline)
+    return insert(remove(text, at, member), at, member.keys, value, place, newline)
+
+
+def count(text: str, at: int) -> int:
+    """How many members the array or inline table at `at` has."""
+    return sum(1 for _ in members(text, at))
 
 
 def _have_lines(text: str, at: int, there: Sequence[Member]) -> bool:

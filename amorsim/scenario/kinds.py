@@ -1,4 +1,4 @@
-"""What a field of a scenario's parts must be, where it is no number: told at once, and not when it is first used."""
+"""Checks fields of a scenario's parts that are no numbers, when a part is made and not when it is first used."""
 
 from __future__ import annotations
 

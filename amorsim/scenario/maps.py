@@ -15,7 +15,7 @@ from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, describe
-from amorsim.core.reading import check_readable, reason
+from amorsim.core.reading import check_readable, no_such_file, reason
 from amorsim.core.same_cells import have_same_cells
 from amorsim.core.whole_files import replacing
 from amorsim.plugins.manager import default_registry
@@ -41,9 +41,9 @@ def load_map(path: str | Path, *, use: str | None = None, registry: Registry | N
     Parameters
     ----------
     path
-        The file. Its extension tells which loader reads it, or else its first bytes.
+        The file. Its extension, or else its first bytes, decide which loader reads it.
     use
-        The loader's name, where neither tells.
+        The loader's name, where neither decides.
     registry
         Where loaders are looked up; the default registry if none is given.
     options
@@ -104,7 +104,7 @@ def companions_of(file: MapFile) -> list[Path]:
     Raises
     ------
     MapError
-        If the loader cannot tell, or one of them is no file.
+        If the loader cannot name them, or one of them is no file.
     """
     loader = type(file.loader).__name__
     try:
@@ -136,7 +136,7 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
     path
         The file. One that is there is replaced once the new one is whole.
     use
-        The loader's name, where the extension does not tell.
+        The loader's name, where the extension does not decide.
     registry
         Where loaders are looked up; the default registry if none is given.
 
@@ -260,7 +260,7 @@ def _head(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(_HEAD)
     except FileNotFoundError:
-        raise MapError(f"{path}: there is no such file") from None
+        raise MapError(f"{path}: {no_such_file(path)}") from None
     except IsADirectoryError:
         raise MapError(f"{path}: this is a folder; a map is a file") from None
     except PermissionError:

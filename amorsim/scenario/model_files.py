@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.components import read_sensor
 from amorsim.scenario.controller_files import is_controller_file
+from amorsim.scenario.data_files import files_of_robot, files_of_sensor
 from amorsim.scenario.devices import load_device
 from amorsim.scenario.elsewhere import near
 from amorsim.scenario.faults import Book, Node
@@ -46,7 +47,7 @@ def read_model(robot: dict[str, Any], kind: str, book: Book, registry: Registry)
             read_sensor(node.child("sensors").child("device"), registry)
         return
     for key in [key for key in robot if key not in (*MODEL_KEYS, "resolved_from")]:
-        del robot[key]  # told at the top
+        del robot[key]  # reported at the top
     drop_removed(robot)
     read_robot(node, Maps(registry), None, registry)
 
@@ -79,8 +80,8 @@ def save_robot(
     target = Path(path)
     if model is None:
         model = robot.model if robot.model in registry.names("robot") else ""
-    own = robot_table(robot, registry)
-    parent = robot_table(load_robot(model, registry=registry), registry) if model else {}
+    own = _robot(robot, target, registry)
+    parent = _robot(load_robot(model, registry=registry), target, registry) if model else {}
     return _write(own, parent, model, target)
 
 
@@ -106,17 +107,26 @@ def save_device(
         If a file cannot name something in the sensor, or the device has faults.
     """
     registry = registry or default_registry()
-    parent = sensor_table(load_device(model, registry=registry), registry) if model else {}
-    return _write(sensor_table(device, registry), parent, model, Path(path))
+    target = Path(path)
+    own = _sensor(device, target, registry)
+    parent = _sensor(load_device(model, registry=registry), target, registry) if model else {}
+    return _write(own, parent, model, target)
+
+
+def _robot(robot: Robot, target: Path, registry: Registry) -> dict[str, Any]:
+    table = robot_table(robot, registry)
+    return _named(table, files_of_robot(robot, table), target)
+
+
+def _sensor(sensor: MountedSensor, target: Path, registry: Registry) -> dict[str, Any]:
+    table = sensor_table(sensor, registry)
+    return _named(table, files_of_sensor(sensor, table), target)
 
 
 def _write(own: dict[str, Any], parent: dict[str, Any], model: str, target: Path) -> Path:
-    folder = target.absolute().parent
-    for table in (own, parent):
-        _name_from(table, folder)
     lines = [f"format = {FORMAT}"]
     if model:
-        name = near(Path(model).absolute(), folder) if model.endswith(".toml") else model
+        name = near(Path(model).absolute(), target.absolute().parent) if model.endswith(".toml") else model
         lines.append(f"model = {as_toml(name)}")
     differs = _difference(own, parent, ())
     lines += [_line((key,), value) for key, value in differs.items() if not _is_headed(key, value)]
@@ -127,12 +137,16 @@ def _write(own: dict[str, Any], parent: dict[str, Any], model: str, target: Path
     return target
 
 
-def _name_from(table: dict[str, Any], folder: Path) -> None:
-    """Name the program of a robot from a folder."""
+def _named(table: dict[str, Any], files: Iterable[tuple[dict[str, Any], str]], target: Path) -> dict[str, Any]:
+    """The table of a robot or sensor, its program and files named from where it is written."""
+    folder = target.absolute().parent
+    for holder, key in files:
+        holder[key] = near(Path(holder[key]), folder)
     controller = table.get("controller", {})
     if is_controller_file(controller.get("use", "")):
         file, _, name = controller["use"].rpartition(":")
         controller["use"] = f"{near(Path(file), folder)}:{name}"
+    return table
 
 
 def _difference(own: dict[str, Any], parent: dict[str, Any], path: tuple[str, ...]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import PluginError, did_you_mean
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Branch, Node, Source, shown
 from amorsim.scenario.written import Written, read_written
@@ -66,7 +66,7 @@ def read_file(path: Path) -> Written | str:
     try:
         text = read_bytes(path).decode()  # with its line ends, for TOML has no lone CR
     except FileNotFoundError:
-        return "there is no such file"
+        return no_such_file(path)
     except UnicodeDecodeError as error:
         return f"not a text file in UTF-8: byte {error.start} is {error.object[error.start]:#04x}"
     except (OSError, ValueError) as error:
@@ -100,7 +100,7 @@ def merge_models(document: dict[str, Any], book: Book, registry: Registry) -> No
             layers = _read_layers(node.child("model"), "robot", registry)
             name = robot.pop("model")
             if "resolved_from" in robot:
-                node.child("resolved_from").fault("a resolved robot has no model: leave one of the two out")
+                node.child("resolved_from").fault("a resolved robot has no model; leave one of the two out")
             if layers is None:
                 book.incomplete.add(node.path)
             else:
@@ -134,7 +134,7 @@ def _merge_devices(robot: Node, registry: Registry) -> None:
         node = robot.child("sensors").child(name)
         layers = _read_layers(node.child("model"), "device", registry)
         if layers is None:
-            # That it lacks what the device would have told is no fault of its own.
+            # The sensor is not to blame for missing what the device would have said.
             del sensors[name]
             robot.book.incomplete.add(robot.path)
             continue
@@ -176,7 +176,7 @@ def _read_layers(node: Node, kind: str, registry: Registry, seen: tuple[Path, ..
         node.fault(f"the model {path}: {model}")
         return None
     if path.resolve() in seen:
-        node.fault(f"{name} builds on itself")
+        node.fault(f"{name} builds on itself; expected the name of another model")
         return None
     source = Source(file=str(path), folder=path.parent, kind="model" if kind == "robot" else kind)
     # Faults at the model's top level are found here, where no scenario's keys are mixed in.

@@ -7,10 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.parameters import describe
 from amorsim.scenario.controller_files import is_controller_file
+from amorsim.scenario.data_files import files_of_scenario
 from amorsim.scenario.spec import Scenario
-from amorsim.scenario.starts import series_of
 
 __all__ = ["name_from", "rename_maps"]
 
@@ -42,7 +41,5 @@ def name_from(folder: Path, document: Document, scenario: Scenario) -> None:
         if is_controller_file(program.get("use", "")):
             file, _, name = program["use"].rpartition(":")
             program["use"] = f"{near(file)}:{name}"
-    for (obstacle, *_), motion in zip(series_of(scenario.obstacles), motions, strict=True):
-        for name, parameter in () if obstacle.motion is None else describe(type(obstacle.motion)).items():
-            if parameter.file and motion.get(name):
-                motion[name] = near(motion[name])
+    for table, key in files_of_scenario(scenario, document):
+        table[key] = near(table[key])

@@ -9,7 +9,8 @@ from amorsim.contracts import Noise
 from amorsim.core.map import Map
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
-from amorsim.scenario.spec import MountedSensor, Obstacle, RandomStart, Robot
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import MountedSensor, Obstacle, Robot
 
 __all__ = ["least_bytes", "most_room", "samples_under_way"]
 

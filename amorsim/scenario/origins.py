@@ -9,10 +9,11 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.parameters import Parameter
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Source
 from amorsim.scenario.field_at import field_at
-from amorsim.scenario.fields import default_in_file
+from amorsim.scenario.fields import default_in_file, file_fields
 from amorsim.scenario.layout import MISSING, Path_, found_at, without
 from amorsim.scenario.lines import line_at
 from amorsim.scenario.models import MODEL_KEYS, merge_models
@@ -135,9 +136,51 @@ class Origins:
         root, at = lifted(values), (*KINDS[kind_of(values)], *path)
         return self._default(self._lifted_merged(root, at), at)
 
+    def default_over(self, values: dict[str, Any], path: Path_) -> tuple[Path_, dict[str, Any]] | None:
+        """The component over a path that holds by default alone: where it is, and its table without needless keys.
+
+        A file that says one of its fields must say which component it is.
+        """
+        root, begin = lifted(values), KINDS[kind_of(values)]
+        at = (*begin, *path)
+        merged = self._lifted_merged(root, at)
+        for length in range(len(begin) + 1, len(at)):
+            if found_at(merged, at[:length]) is not MISSING:
+                continue
+            field = field_at(merged, at[:length], self._registry, self._file.parent)
+            if field is not None and field.component and not field.is_required:
+                is_other = at[length:] == ("use",)
+                return path[: length - len(begin)], {} if is_other else _without_defaults(default_in_file(field), field)
+        return None
+
+    def is_default(self, values: dict[str, Any], path: Path_) -> bool:
+        """Whether a file says at a path the component that would hold there by default."""
+        said = found_at(values, path)
+        if not isinstance(said, dict) or self._inherited_source(values, path) != "default":
+            return False
+        root, at = lifted(values), (*KINDS[kind_of(values)], *path)
+        field = field_at(self._lifted_merged(root, at), at, self._registry, self._file.parent)
+        if field is None or not field.component or field.is_required:
+            return False
+        default = default_in_file(field)
+        if said.get("use") != default["use"]:
+            return False
+        return are_same(_without_defaults(said, field), _without_defaults(default, field))
+
+    def _inherited_source(self, values: dict[str, Any], path: Path_) -> str:
+        found = self._inherited(without(values, path), path)
+        return "" if found is None else found.source
+
     def _default(self, merged: dict[str, Any], at: Path_) -> Any:
         field = field_at(merged, at, self._registry, self._file.parent)
         return None if field is None else default_in_file(field)
+
+
+def _without_defaults(table: dict[str, Any], field: Parameter) -> dict[str, Any]:
+    """A table of the class of a field's default, without what its fields are by default."""
+    fields = file_fields(type(field.default))
+    defaults = {key: default_in_file(one) for key, one in fields.items()}
+    return {key: value for key, value in table.items() if key not in defaults or not are_same(value, defaults[key])}
 
 
 def _may_inherit(root: Mapping[str, Any], path: Path_) -> bool:

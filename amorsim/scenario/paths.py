@@ -81,7 +81,7 @@ def changed(thing: Any, path: list[str], change: Change, *, live: bool = False) 
         raise LookupError(f"the path should end before {name!r}, where there is {thing!r}")
     fields = attrs.fields_dict(type(thing))
     if isinstance(thing, (MountedSensor, NoiseElement)) and (name not in fields or isinstance(thing, NoiseElement)):
-        # The device's own parameters stand beside its mount, and an element's beside its name, as in a file.
+        # As in a file, a device's parameters stand next to its mount, and an element's next to its name.
         inner = "sensor" if isinstance(thing, MountedSensor) else "noise"
         return attrs.evolve(thing, **{inner: changed(getattr(thing, inner), path, change, live=live)})
     if name not in fields:

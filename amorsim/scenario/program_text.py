@@ -80,7 +80,7 @@ def check_program(
     data = read_program(path)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of odd escapes in texts: what runs the file tells
+            warnings.simplefilter("ignore")  # of odd escapes in texts: Python reports them when the file runs
             tree = ast.parse(data, str(path))
     except SyntaxError as error:
         line = f", line {error.lineno}" if error.lineno else ""
@@ -91,7 +91,7 @@ def check_program(
     is_open = False
     for key, definition in _names(tree.body):
         is_open |= key == "*"
-        found[key] = None if key in found else definition  # of several, nobody knows which
+        found[key] = None if key in found else definition  # of several, it is not known which
     if name not in found and not is_open:
         raise no_such_name(path, name, [key for key, definition in found.items() if definition is not None])
     definition = found.get(name)
@@ -136,7 +136,7 @@ class _Said:
 
 
 def _signature(definition: _Definition) -> inspect.Signature | None:
-    """The signature of a function, or of what makes an object of a class; None where its text does not tell."""
+    """The signature of a function, or of what makes an object of a class; None where its text does not say."""
     if definition.decorator_list:
         return None
     if not isinstance(definition, ast.ClassDef):

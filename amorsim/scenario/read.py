@@ -1,6 +1,6 @@
 """Scenarios from files: read, completed from models and defaults, checked; all faults are reported at once.
 
-What a scenario's own words tell is checked here, also whether bodies start in free places. Starts that are drawn, and
+What a scenario's own words say is checked here, also whether bodies start in free places. Starts that are drawn, and
 true poses that differ from the nominal ones, are known to `amorsim.Simulation` only, which reports in the same form.
 """
 
@@ -202,7 +202,7 @@ def check_words(
 ) -> None:
     """Raise the faults of a scenario's own words: of all that `load` would find, but for what the maps hold.
 
-    No map is read, so that nothing is compiled for it: who has just installed waits for that, and hears this before.
+    No map is read, so nothing is compiled: after a fresh installation, faults are reported before that wait.
 
     Parameters
     ----------

@@ -23,18 +23,9 @@ from amorsim.scenario.floor import Floor
 from amorsim.scenario.floor_file import write_floor
 from amorsim.scenario.generated import write_generated
 from amorsim.scenario.initial_belief import InitialBelief
+from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.models import FORMAT, LOOKS
-from amorsim.scenario.spec import (
-    Knowledge,
-    MountedSensor,
-    NoiseElement,
-    Obstacle,
-    Pose,
-    Recording,
-    Robot,
-    Scenario,
-    Zone,
-)
+from amorsim.scenario.spec import MountedSensor, NoiseElement, Obstacle, Pose, Recording, Robot, Scenario, Zone
 from amorsim.scenario.starts import series_of
 from amorsim.scenario.worlds import start_of
 from amorsim.worlds.drawn import DrawnWorld, origin_of
@@ -58,7 +49,7 @@ def resolved_table(
     Raises
     ------
     ScenarioError
-        With a fault for everything that has no name in a file: a component that nobody registered, a map or a
+        With a fault for everything that has no name in a file: a component that is not registered, a map or a
         controller that is in no file, a shape that no table describes.
     """
     writer = _Writer(registry or default_registry(), maps_in_files)

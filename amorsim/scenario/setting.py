@@ -6,8 +6,9 @@ from typing import Any
 
 from amorsim.scenario.bodies import SHAPES
 from amorsim.scenario.editing import Editor
-from amorsim.scenario.layout import MISSING, Path_, changed, found_at
+from amorsim.scenario.layout import MISSING, Path_, changed, found_at, without
 from amorsim.scenario.models import are_of_one_kind
+from amorsim.scenario.neutral import error_over, is_error, meaning_of
 from amorsim.scenario.origins import Origins, kind_of
 from amorsim.scenario.toml_values import are_same, plain
 
@@ -37,11 +38,22 @@ class Setter:
 
     def set(self, at: Path_, value: Any) -> None:
         """Say a plain value at a path."""
+        error = error_over(self._editor.values, at)
+        self._set(at, value)
+        self._drop_component(at)
+        if error is not None:
+            self._drop_error(error)
+
+    def _set(self, at: Path_, value: Any) -> None:
         values = self._editor.values
         written = found_at(values, at)
         if are_same(written, value):
             return
         merged = self._origins.merged(values, at)
+        if component := self._origins.default_over(values, at):
+            path, table = component
+            self._editor.set(path, plain(changed(table, at[len(path) :], value)))
+            return
         if whole := self._whole_over(at, merged):
             self._editor.set(at[:whole], plain(changed(found_at(merged, at[:whole]), at[whole:], value)))
             return
@@ -84,9 +96,31 @@ class Setter:
                     self._drop(holder)
                 return
 
+    def _drop_component(self, at: Path_) -> None:
+        """Leave out the component that a path leads into, where it is the default of its field again."""
+        for length in range(self.models_begin + 1, len(at) + 1):
+            component = at[:length]
+            if found_at(self._opened, component) is MISSING and self._origins.is_default(
+                self._editor.values, component
+            ):
+                self._drop(component)
+                return
+
+    def _drop_error(self, error: Path_) -> None:
+        """Leave out an error that the file says, where the same holds without it."""
+        said = found_at(self._editor.values, error)
+        if said is MISSING or not is_error(said):
+            return
+        rest = without(self._editor.values, error)
+        for length in range(len(error) - 1, error.index("errors"), -1):  # an empty table would hide the model's
+            if found_at(rest, error[:length]) == {}:
+                rest = without(rest, error[:length])
+        if meaning_of(found_at(self._origins.merged(rest, error), error)) == meaning_of(said):
+            self._drop(error)
+
     def _set_table(self, at: Path_, written: dict[str, Any], value: dict[str, Any]) -> None:
         if "use" in value:  # first, for the keys of another component go with it
-            self.set((*at, "use"), value["use"])
+            self._set((*at, "use"), value["use"])
         inherited = found_at(self._origins.merged(self._editor.values, at), at)
         for key in written:
             if key not in value and found_at(self._editor.values, (*at, key)) is not MISSING:
@@ -94,7 +128,7 @@ class Setter:
         for key, item in value.items():
             if key not in written and isinstance(inherited, dict) and are_same(inherited.get(key), item):
                 continue
-            self.set((*at, key), item)
+            self._set((*at, key), item)
         inherited = found_at(self._origins.merged(self._editor.values, at), at)
         if inherited is MISSING:
             self._editor.set(at, {})
@@ -123,14 +157,23 @@ class Setter:
             origin = origin.under
         if origin is None or not _are_equal(origin.value, value):
             return False
-        return origin.source != "default" or found_at(self._opened, at) is MISSING
+        if origin.source != "default":
+            return True
+        opened = found_at(self._opened, at)
+        return opened is MISSING or not _are_equal(opened, value)
 
     def _drop(self, at: Path_) -> None:
-        """Leave out what is at a path, and the tables about it that are empty then and were not in the file."""
+        """Leave out what is at a path, and the tables about it that say nothing then.
+
+        Those that were in the file stay, but for tables of errors.
+        """
         self._editor.remove(at)
         for length in range(len(at) - 1, 0, -1):
-            is_new = found_at(self._opened, at[:length]) is MISSING
-            if found_at(self._editor.values, at[:length]) != {} or not is_new:
+            is_new = found_at(self._opened, at[:length]) is MISSING or "errors" in at[:length]
+            there = found_at(self._editor.values, at[:length])
+            if there is MISSING:  # it went with what was in it
+                continue
+            if there != {} or not is_new:
                 return
             self._editor.remove(at[:length])
 

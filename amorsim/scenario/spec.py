@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import collections
 import math
-import operator
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -20,17 +19,19 @@ import numpy.typing as npt
 from amorsim.contracts import Controller, Drive, Estimator, Motion, Mount, Noise, Recorder, Sensor, parameter
 from amorsim.controllers.user import UserController
 from amorsim.core.distributions import Distribution
-from amorsim.core.errors import did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.checks import check_name
+from amorsim.scenario.columns import column_problem, not_for_sensors
 from amorsim.scenario.floor import Drop, Floor, Marking
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.kinds import by_name, check_colour, is_a, many
+from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.pose import Pose
+from amorsim.scenario.random_start import RandomStart
 
 __all__ = [
     "Deviation",
@@ -39,7 +40,6 @@ __all__ = [
     "Floor",
     "InitialBelief",
     "Kidnapping",
-    "Knowledge",
     "Landmark",
     "Light",
     "Marking",
@@ -47,13 +47,10 @@ __all__ = [
     "NoiseElement",
     "Obstacle",
     "Pose",
-    "RandomStart",
     "Recording",
     "Robot",
     "Scenario",
     "Zone",
-    "column_problem",
-    "not_for_sensors",
 ]
 
 _SHAPE, _POSE, _START = "am.Shape.circle(0.2)", "am.Pose(x=1.0)", "am.RandomStart()"
@@ -62,31 +59,6 @@ _SHAPE, _POSE, _START = "am.Shape.circle(0.2)", "am.Pose(x=1.0)", "am.RandomStar
 def _check_name(_: Any, attribute: Any, value: Any) -> None:
     if problem := check_name(value):
         raise ParameterError(attribute.name, problem)
-
-
-@attrs.frozen(kw_only=True)
-class RandomStart:
-    """A start that is drawn from the seed, free of walls and of all other bodies."""
-
-    random: str | tuple[float, float, float, float] = parameter(
-        "anywhere",
-        unit="m",
-        choices=("anywhere",),
-        help="'anywhere' that a way leads to from the map's roomiest place, or the box xmin, ymin, xmax, ymax",
-    )
-    heading: float | None = parameter(None, unit="rad", help="where it looks; none: drawn too")
-    clearance: float = parameter(0.0, unit="m", ge=0, help="kept free about it, at the start")
-    per: str = parameter("replica", choices=("replica", "study"), help="who draws: each replica, or the study once")
-
-    def __attrs_post_init__(self) -> None:
-        box = self.box
-        if box is not None and not (box[0] <= box[2] and box[1] <= box[3]):
-            raise ParameterError("random", f"expected xmin <= xmax and ymin <= ymax, got {list(box)}")
-
-    @property
-    def box(self) -> tuple[float, float, float, float] | None:
-        """The box that it is drawn in, None for anywhere."""
-        return None if isinstance(self.random, str) else self.random
 
 
 Number = float | Distribution
@@ -114,7 +86,7 @@ class Deviation:
 
 @attrs.frozen(kw_only=True)
 class NoiseElement:
-    """An element of a noise chain, with a name that is unique in it (its draws hang on the name).
+    """An element of a noise chain, with a name that is unique in it (its draws depend on the name).
 
     `column` is which of its sensor's columns it is for, where the sensor has any (`Sensor.columns`); without it, all.
     """
@@ -164,28 +136,6 @@ class MountedSensor:
                 raise ParameterError("noise", f"{element.name}: column: {problem}")
 
 
-def not_for_sensors(noise: type[Noise]) -> str:
-    """Why a noise that is `for_ground` is refused in a sensor's chain."""
-    return (
-        f"{noise.__name__} acts between wheels and ground, on travels [m]; expected it in the robot's `ground` or in a "
-        "zone's, got it in a sensor's noise"
-    )
-
-
-def column_problem(sensor: Sensor, noise: type[Noise], column: str) -> str:
-    """What is wrong with a noise element of this class being for this column of a sensor, or nothing."""
-    columns = sensor.columns()
-    if column in columns:
-        return ""
-    known = ", ".join(repr(name) for name in columns)
-    if column:
-        what = f"one of {known}" if columns else "none, for all its values are of one quantity"
-        return f"expected {what}, got {column!r}.{did_you_mean(column, columns)}"
-    if len(set(columns.values())) > 1 and any(parameter.unit == "sensor" for parameter in describe(noise).values()):
-        return f"missing; the values are of several quantities, so say which: {known}"
-    return ""
-
-
 @attrs.frozen(kw_only=True)
 class Landmark:
     """A mark that can be recognised: a disc that nothing touches, and that hides nothing."""
@@ -205,46 +155,11 @@ class Landmark:
 
 @attrs.frozen(kw_only=True)
 class Light:
-    """A lamp, the same in all directions; walls and bodies are in its way, itself it is in nobody's."""
+    """A lamp that shines equally in all directions. Walls and bodies block its light; the lamp blocks none."""
 
     x: float = parameter(0.0, unit="m", frame="world", help="to the right in the world")
     y: float = parameter(0.0, unit="m", frame="world", help="up in the world")
     intensity: float = parameter(1.0, unit="cd", ge=0, help="how much it shines")
-
-
-def _places(given: Iterable[Iterable[float]]) -> tuple[tuple[float, float], ...]:
-    try:
-        places = np.array([tuple(place) for place in given], dtype=np.float64)
-    except (TypeError, ValueError):
-        places = np.empty((1, 0))
-    if len(places) and (places.ndim != 2 or places.shape[1] != 2 or not np.isfinite(places).all()):
-        raise ParameterError("landmarks", f"expected points [(x, y), ...] of finite numbers [m], got {given!r}")
-    return tuple((x, y) for x, y in places.tolist())
-
-
-def _ids(given: Iterable[int]) -> tuple[int, ...]:
-    try:
-        return tuple(operator.index(number) for number in given)
-    except TypeError:
-        raise ParameterError("landmark_ids", f"expected whole numbers, got {given!r}") from None
-
-
-@attrs.frozen(kw_only=True)
-class Knowledge:
-    """What a robot is told of the world; it may differ from it.
-
-    `landmark_ids` are those of the `landmarks`, 0 for one that it could not tell from others; none for all of them.
-    """
-
-    map: Map | None = None
-    landmarks: tuple[tuple[float, float], ...] = attrs.field(default=(), converter=_places)
-    landmark_ids: tuple[int, ...] = attrs.field(default=(), converter=_ids)
-
-    def __attrs_post_init__(self) -> None:
-        if self.landmark_ids and len(self.landmark_ids) != len(self.landmarks):
-            raise ParameterError(
-                "landmark_ids", f"expected one for each of {len(self.landmarks)} landmarks, got {self.landmark_ids}"
-            )
 
 
 def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, MountedSensor]:
@@ -411,7 +326,7 @@ class Zone:
 
 @attrs.frozen(kw_only=True)
 class Recording:
-    """What a run writes down; `also` are recorders beside that of the text files, which a run always has."""
+    """What a run records; `also` are recorders in addition to that of the text files, which every run has."""
 
     sensors: str = parameter("auto", choices=("auto", "all", "none"), help="sensor files; auto: up to 32 replicas only")
     picture: bool = parameter(True, help="whether a picture of the map and the paths is drawn at the end")
@@ -448,7 +363,7 @@ class Scenario:
     """A world, the robots in it, and how time runs.
 
     `source` is the file it was read from, `resolved` the tables in it with all models and defaults filled in and files
-    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` tell what was left out of
+    named (what a run's folder keeps); both are none for a scenario built in Python. `remarks` say what was left out of
     another program's file.
     """
 

@@ -24,7 +24,8 @@ from amorsim.scenario.fields import read_component
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.needs import least_bytes, most_room
 from amorsim.scenario.parts import parts_at
-from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Obstacle, Pose, Robot
 
 __all__ = ["GridStart", "Placed", "check_starts", "placed", "read_series", "series_of"]
 
@@ -45,11 +46,11 @@ class GridStart:
     heading: float = parameter(0.0, unit="rad", help="where all of them look")
 
     def columns_of(self, count: int) -> int:
-        """How many of so many are in a row."""
+        """How many bodies of a number of them stand in one row."""
         return self.columns or math.ceil(math.sqrt(count))
 
     def pose(self, number: int, count: int) -> Pose:
-        """The pose of number 0, 1, ... of so many."""
+        """The pose of body number 0, 1, ... of a number of them."""
         row, column = divmod(number, self.columns_of(count))
         x, y = self.grid
         return Pose(x=x + column * self.spacing, y=y + row * self.spacing, heading=self.heading)
@@ -68,7 +69,7 @@ class Placed:
 
 
 def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Placed]:
-    """Where those stand that were read from a table, if they are told where; of one at fault, what can be told."""
+    """Where the bodies of a table stand, if it says so; for a table with faults, as far as it can be read."""
     is_one = "count" not in node
     if not bodies and is_one and {"pose", "shape"} <= set(node.value):
         alone = Book(node.book.source(node.path))  # what is wrong with these two has been said
@@ -144,7 +145,7 @@ def _count(node: Node, body: Robot | Obstacle) -> int | None:
 
 
 def _check_room(node: Node, body: Robot | Obstacle, start: RandomStart, count: int, world: Map) -> None:
-    """A fault if so many bodies are larger together than where they are to stand: before any of them is made."""
+    """Adds a fault if the bodies together are larger than the area they start in, before any of them is made."""
     room = most_room(world, start, body.shape.reach)
     if count * body.shape.area > room:
         where = "on the map" if start.box is None else "in their box"

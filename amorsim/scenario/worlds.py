@@ -1,4 +1,4 @@
-"""Maps in documents: the world's, and those that robots are told; and where a robot starts on one."""
+"""Maps in documents: the world's and the robots' own, and where a robot starts."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Node, shown
 from amorsim.scenario.fields import read_component
 from amorsim.scenario.generated import read_generated
+from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.maps import MapFile, find_loader, read_map
 from amorsim.scenario.parts import at_start
-from amorsim.scenario.spec import Knowledge, Landmark, Pose, Robot
+from amorsim.scenario.spec import Landmark, Pose, Robot
 from amorsim.worlds.drawn import DrawnWorld
 from amorsim.worlds.made import MadeWorld, make_world
 
@@ -91,7 +92,7 @@ class Maps:
         return self._read[source]
 
     def read_knowledge(self, node: Node, world: Map | None, marks: Sequence[Landmark]) -> Knowledge | None:
-        """What a robot is told: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``.
+        """What a robot knows: ``{ map = "file", options ..., landmarks = [[x, y], ...] }``.
 
         A landmark may be ``{ id, x, y }`` too; ``"world"`` for all of them is what there really is, `marks`.
         """
@@ -133,7 +134,7 @@ def _make(source: MapFile | MadeWorld | DrawnWorld) -> Map:
 
 
 def _read_landmark(node: Node) -> tuple[int, float, float] | None:
-    """A landmark that a robot is told, as [x, y] or { id, x, y }; id 0 for none."""
+    """A landmark that a robot knows, as [x, y] or { id, x, y }; id 0 for none."""
     if node.is_table:
         mark = read_component(_Known, node)
         return None if mark is None else (mark.id, mark.x, mark.y)
@@ -146,7 +147,7 @@ def _read_landmark(node: Node) -> tuple[int, float, float] | None:
 
 @attrs.frozen(kw_only=True)
 class _Known:
-    """A landmark that a robot is told, with its id."""
+    """A landmark that a robot knows, with its id."""
 
     id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")
     x: float = parameter(unit="m", help="to the right in the world")
@@ -154,7 +155,7 @@ class _Known:
 
 
 def start_of(world: Map, robot: Robot, *, must_be_free: bool = False) -> Pose:
-    """Where a robot starts that is not told where: the map's start, or else a free place with much room for it.
+    """Where a robot without a pose starts: at the map's start, or else at a free place with much room for it.
 
     Also where the map's start leaves it no room, if that `must_be_free`.
 

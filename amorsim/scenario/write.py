@@ -11,10 +11,10 @@ import tomlkit
 from tomlkit.items import Array, Float, InlineTable, Item, Table, Trivia
 
 from amorsim.core.map import Map
-from amorsim.core.parameters import describe
 from amorsim.core.whole_files import write_text
 from amorsim.scenario.angles import LongDegrees
 from amorsim.scenario.copies import Copies
+from amorsim.scenario.data_files import files_of_scenario
 from amorsim.scenario.maps import MapFile
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.spec import Scenario
@@ -150,9 +150,10 @@ def with_copies(scenario: Scenario, folder: str | Path) -> dict[str, Any]:
         if robot.knowledge.map is not None and isinstance(robot.knowledge.map.source, MapFile):
             written["knowledge"]["map"] = copies.of_map(robot.knowledge.map.source)
         copies.of_program(written.get("controller", {}))
-    for (first, *_), written in zip(series_of(scenario.obstacles), table.get("obstacles", ()), strict=True):
+    for written in table.get("obstacles", ()):
         copies.of_program(written.get("motion", {}))
-        _copy_files(first.motion, written.get("motion", {}), copies)
+    for written, key in files_of_scenario(scenario, table):
+        written[key] = copies.of(written[key])
     return table
 
 
@@ -189,10 +190,3 @@ def _with_files(scenario: Scenario, copies: Copies) -> Scenario:
         for robot in scenario.robots
     ]
     return attrs.evolve(scenario, map=in_file(scenario.map), robots=robots)
-
-
-def _copy_files(component: Any, written: dict[str, Any], copies: Copies) -> None:
-    """Name the copies of the files that a component's fields name."""
-    for name, parameter in () if component is None else describe(type(component)).items():
-        if parameter.file and written.get(name):
-            written[name] = copies.of(written[name])

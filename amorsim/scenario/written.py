@@ -12,11 +12,12 @@ from amorsim.core.errors import Fault
 from amorsim.scenario.inline import find
 from amorsim.scenario.layout import Layout, Path_
 from amorsim.scenario.statements import Statement, cut, value_end
+from amorsim.scenario.toml_problems import plain_problem, toml_problem
 from amorsim.scenario.toml_values import parse
 
-__all__ = ["BadLine", "Written", "line_of", "read_written", "toml_problem"]
+__all__ = ["BadLine", "Written", "line_of", "read_written"]
 
-_MOST = 20  # of bad lines, that are told
+_MOST = 20  # bad lines are reported
 
 
 @attrs.frozen
@@ -82,8 +83,8 @@ def read_written(text: str) -> Written:
     else:  # this is no file of TOML
         statements = [Statement(each.text, "bad") for each in statements]
     lines = _line_numbers(statements)
-    told = sorted(bad)[:_MOST]
-    return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in told])
+    reported = sorted(bad)[:_MOST]
+    return Written(text, values, statements, [BadLine(lines[i], statements[i].text.strip(), bad[i]) for i in reported])
 
 
 def _is_open(text: str) -> bool:
@@ -98,7 +99,7 @@ def _sound(statements: Sequence[Statement]) -> str:
 
 
 def _leave_out_body(statements: list[Statement], index: int, text: str) -> None:
-    """Under a header that nobody can read, nobody knows what the pairs are of."""
+    """Mark the pairs under a header that cannot be read: it is not known what they belong to."""
     if not text.lstrip().startswith("["):
         return
     for i in range(index + 1, len(statements)):
@@ -145,22 +146,7 @@ def _problem_of(text: str) -> str:
         parse(text)
     except (ValueError, RecursionError) as error:
         return toml_problem(error)
-    return "not valid TOML"
-
-
-def toml_problem(error: Exception) -> str:
-    """What is wrong with a line of TOML; what Python tells only in words of its own is said plainly."""
-    text = str(error)
-    if isinstance(error, RecursionError):
-        return "not valid TOML that can be read: tables or lists in one another, too many"
-    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
-        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
-        return f"the table [{name}] stands in this file already; put what is here under the first one"
-    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
-        return "this key has a value already; leave one of the two out"
-    column = re.search(r", column (\d+)\)", text)
-    plain = re.sub(r" \(at .*?\)", "", text)
-    return f"not valid TOML: {plain}" + (f" (column {column[1]})" if column else "")
+    return plain_problem()
 
 
 def _line_numbers(statements: Sequence[Statement]) -> list[int]:

@@ -15,7 +15,8 @@ from amorsim.core.errors import Fault, MapError, ScenarioError
 from amorsim.core.free_places import free_places
 from amorsim.core.poses import compose
 from amorsim.scenario.needs import most_room
-from amorsim.scenario.spec import Obstacle, Pose, RandomStart, Robot
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Obstacle, Pose, Robot
 from amorsim.simulation.contact.moved_parts import with_parts
 from amorsim.simulation.world.world import World
 

@@ -72,7 +72,7 @@ def _check_root(path: list[str]) -> None:
     if path[0] not in _ROOTS:
         raise LookupError(f"expected drive, sensors or pose, got {path[0]!r}.{did_you_mean(path[0], _ROOTS)}")
     if path[0] == "sensors" and path[2:3] and path[2] in ("noise", "rate", "latency"):
-        raise LookupError(f"{path[2]!r} has no error: what a device does to its quantity is its noise chain")
+        raise LookupError(f"{path[2]!r} has no error; change the noise chain of the sensor itself")
 
 
 def _apply(robot: Robot, path: str, deviation: Deviation, seed: int, replica: int, nominal: float) -> float:

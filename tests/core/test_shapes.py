@@ -76,8 +76,8 @@ def test_the_paths_of_a_tenth_are_straight():
     ("vertices", "message"),
     [
         ([], "three vertices|pairs"),
-        ([(0, 0), (1, 0)], "three vertices at least, not 2"),
-        ([(0, 0), (1, 0), (0, 0)], "three vertices at least, not 2"),
+        ([(0, 0), (1, 0)], "three vertices at least, got 2"),
+        ([(0, 0), (1, 0), (0, 0)], "three vertices at least, got 2"),
         ([(0, 0), (1, 0), (math.nan, 1)], "finite"),
         ([(0, 0), (1, 0), (math.inf, 1)], "finite"),
         ([(0, 0), (1, 1), (2, 2)], "one line"),

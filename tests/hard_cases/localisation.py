@@ -15,16 +15,8 @@ from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
 from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.noise.gaussian import Gaussian
-from amorsim.scenario.spec import (
-    Deviation,
-    Knowledge,
-    Mount,
-    MountedSensor,
-    NoiseElement,
-    Pose,
-    Robot,
-    Scenario,
-)
+from amorsim.scenario.knowledge import Knowledge
+from amorsim.scenario.spec import Deviation, Mount, MountedSensor, NoiseElement, Pose, Robot, Scenario
 from amorsim.sensors.encoder import Encoder
 from amorsim.sensors.laser import Laser
 from tests.hard_cases.common import SLIP, Weave

@@ -13,7 +13,7 @@ import pytest
 from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, RobotModel, State, parameter
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose, relative, wrap_angle
-from amorsim.scenario.spec import Knowledge
+from amorsim.scenario.knowledge import Knowledge
 from amorsim.simulation.simulation import Simulation
 from tests.hard_cases.common import advance, check_bits
 from tests.hard_cases.localisation import expected_ranges, lost_robots, needs_map, position_errors

@@ -175,7 +175,7 @@ def test_undo_and_redo_go_through_all_changes(document):
         (lambda document: document.remove("simulation.seed"), "the file says nothing of it"),
         (lambda document: document.add("simulation", 1), "expected a list"),
         (lambda document: document.add("obstacles", {}, index=2), "expected a whole number from 0 to 1, got 2"),
-        (lambda document: document.move("simulation", 0), "expected an item of a list"),
+        (lambda document: document.move("recording", 0), "expected what the file says"),
         (lambda document: document.move("robots.rover", 2), "expected a whole number from 0 to 1, got 2"),
     ],
 )
@@ -259,3 +259,73 @@ def test_an_item_of_a_list_within_a_value_moves_with_its_comments(tmp_path, befo
         assert document.text == after
     document.undo()
     assert document.text == before
+
+
+TABLES = """\
+format = 1
+a = 1
+# about b
+b = 2
+c = { x = 1, y = 2, z = 3 }  # inline
+
+[first]
+x = 1
+
+# about second
+[second]
+y = 2
+[second.inner]
+z = 3
+
+[third.u]
+w = 1
+[third.v]
+w = 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("path", "index", "before", "after"),
+    [
+        ("b", 1, "a = 1\n# about b\nb = 2\n", "# about b\nb = 2\na = 1\n"),
+        ("a", 2, "a = 1\n# about b\nb = 2\n", "# about b\nb = 2\na = 1\n"),
+        ("c.z", 0, "{ x = 1, y = 2, z = 3 }", "{ z = 3, x = 1, y = 2 }"),
+        ("c.x", 1, "{ x = 1, y = 2, z = 3 }", "{ y = 2, x = 1, z = 3 }"),
+        ("third.v", 0, "[third.u]\nw = 1\n[third.v]\nw = 2\n", "[third.v]\nw = 2\n\n[third.u]\nw = 1\n"),
+        (
+            "second",
+            4,
+            "[first]\nx = 1\n\n# about second\n[second]\ny = 2\n[second.inner]\nz = 3\n",
+            "# about second\n[second]\ny = 2\n[second.inner]\nz = 3\n\n[first]\nx = 1\n",
+        ),
+    ],
+)
+def test_what_is_in_a_table_moves_with_its_comments(tmp_path, path, index, before, after):
+    (tmp_path / "t.toml").write_text(TABLES)
+    document = am.open_document(tmp_path / "t.toml")
+    assert document.move(path, index) == path
+    assert document.text == TABLES.replace(before, after)
+    assert document.undo()
+    assert document.text == TABLES
+
+
+@pytest.mark.parametrize(("path", "index"), [("first", 0), ("a", 5), ("second.inner", 0)])
+def test_what_toml_cannot_order_so_stays(tmp_path, path, index):
+    (tmp_path / "t.toml").write_text(TABLES)
+    document = am.open_document(tmp_path / "t.toml")
+    with pytest.raises(am.DocumentError):
+        document.move(path, index)
+    assert document.text == TABLES
+    assert not document.undo()
+
+
+def test_the_first_estimator_is_the_one_that_the_controller_gets(tmp_path):
+    (tmp_path / "room.wld").write_text("width 4000\nheight 3000\n")
+    (tmp_path / "e.toml").write_text(
+        "format = 1\nworld.map = 'room.wld'\n[[robots]]\nname = 'a'\nmodel = 'pioneer2dx'\n"
+        "[robots.estimators.dead_reckoning]\nuse = 'dead_reckoning'\n"
+        "[robots.estimators.other]\nuse = 'dead_reckoning'\n"
+    )
+    document = am.open_document(tmp_path / "e.toml")
+    document.move("robots.a.estimators.other", 0)
+    assert list(document.values["robots"][0]["estimators"]) == ["other", "dead_reckoning"]

@@ -185,3 +185,46 @@ def test_a_lone_carriage_return_is_the_same_fault_wherever_a_file_is_read(folder
     with pytest.raises(am.ScenarioError) as caught:
         am.load(file)
     assert caught.value.faults == document.faults()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "a = = 1", "a 1", "a : 1", "a", "[x", "[x]]", "[]", "a = [1,", "a = [1 2]", "a = {b=1", "a = {b=1 c=2}",
+        "a = 'x", 'a = "x', "a = 1 2", "a = 1,5", "a = .5", "a = True", 'a = "C:\\q"', "= 1", "a = ", "a..b = 1",
+        "a = 1\na = 2", "a = {b = 1, b = 2}", "a = {b = 1}\na.c = 2", "[a]\n[a]", "a = 01", "a = \"x\ny\"",
+    ],
+)  # fmt: skip
+def test_each_error_of_toml_has_its_line_its_text_and_a_remedy(tmp_path, line):
+    (tmp_path / "one.toml").write_text(f"# first\n{line}\n")
+    document = am.open_document(tmp_path / "one.toml")
+    faults = [fault for fault in document.faults() if not fault.path]
+    assert faults
+    assert faults[0].line in (2, 3)
+    assert all(fault.remedy and fault.value and fault.file for fault in faults), faults
+
+
+ROBOT = "[[robots]]\nname = 'a'\nmodel = 'pioneer2dx'\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "remedy"),
+    [
+        ("shape.circle = -1", "expected a circle with a radius above 0 m"),
+        ("shape.rectangle = [0, 1]", "expected a rectangle with a length above 0 m"),
+        ("shape.polygon = [[0, 0], [1, 1]]", "expected a polygon of three vertices at least"),
+        ("shape.polygon = [[0, 0], [1, 1], [1, 0], [0, 1]]", "expected a polygon whose border does not meet itself"),
+        ("shape.circle = 1e20", "expected a shape that reaches 1e-06 m to 1e+06 m from its body's origin"),
+        ("knowledge.map = 'rom.wld'", "Did you mean 'room.wld'?"),
+        ("knowledge.map = 'x.png'", "check its name and its folder"),
+        ("controller.use = 'nothing.py:go'", "check its name and its folder"),
+        ("sensors.laser.model = 'nothing.toml'", "check its name and its folder"),
+        ("errors.sensors.laser.rate = 1", "change the noise chain of the sensor itself"),
+        ("resolved_from = 'x'", "leave one of the two out"),
+    ],
+)
+def test_a_fault_says_what_to_do(tmp_path, line, remedy):
+    (tmp_path / "room.wld").write_text("width 4000\nheight 3000\n")
+    (tmp_path / "one.toml").write_text(f"format = 1\nworld = {{ map = 'room.wld' }}\n{ROBOT}{line}\n")
+    (fault,) = am.open_document(tmp_path / "one.toml").faults()
+    assert (fault.line, fault.remedy) == (6, remedy)

@@ -49,7 +49,7 @@ CASES = [
     (f"{ROVER}pose = {{ x_deg = 1.0 }}", "robots.0.pose.x_deg", "this is no angle: write x"),
     (f"{ROVER}pose = {{ x = nan }}", "robots.0.pose.x", "expected a number [m], got nan"),
     (f"{ROVER}pose = [1, 2]", "robots.0.pose", "expected a table, got [1, 2]"),
-    (f"{ROVER}shape = {{ circle = -1 }}", "robots.0.shape.circle", "above 0 m, not -1.0"),
+    (f"{ROVER}shape = {{ circle = -1 }}", "robots.0.shape.circle", "above 0 m, got -1.0"),
     (f"{ROVER}shape = {{ circle = true }}", "robots.0.shape.circle", "expected a finite number [m], got True"),
     (f"{ROVER}shape = {{ circel = 1 }}", "robots.0.shape.circel", "there is no such key"),
     (f"{ROVER}shape = {{ polygon = [[0, 0], [1, 1]] }}", "robots.0.shape.polygon", "three vertices"),

@@ -17,20 +17,11 @@ from amorsim.estimators.dead_reckoning import DeadReckoning
 from amorsim.noise.gaussian import Gaussian
 from amorsim.noise.saturate import Saturate
 from amorsim.scenario.angles import parse_float
+from amorsim.scenario.knowledge import Knowledge
 from amorsim.scenario.maps import load_map
 from amorsim.scenario.read import load, loads
 from amorsim.scenario.resolved import resolved, resolved_table
-from amorsim.scenario.spec import (
-    Deviation,
-    Distribution,
-    Knowledge,
-    MountedSensor,
-    NoiseElement,
-    Obstacle,
-    Pose,
-    Robot,
-    Scenario,
-)
+from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Obstacle, Pose, Robot, Scenario
 from amorsim.scenario.write import table_text, with_copies, write_table
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.laser import Laser

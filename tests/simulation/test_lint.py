@@ -3,7 +3,8 @@
 import pytest
 
 import amorsim as am
-from amorsim.scenario.spec import Knowledge, Landmark, Light
+from amorsim.scenario.knowledge import Knowledge
+from amorsim.scenario.spec import Landmark, Light
 from amorsim.simulation.lint import advice
 from tests.building import robot, room, scenario
 

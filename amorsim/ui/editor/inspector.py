@@ -312,14 +312,22 @@ class _Inspector:
         """The fields of a class, with where each value comes from."""
         table = found_at(self.table, at) if at else self.table
         said = table if isinstance(table, dict) else {}
-        fields = form_of(cls, said, spelling="file", sensor_unit=unit, names=self._names(), path=self._path(at))
+        fields = form_of(
+            cls,
+            said,
+            spelling="file",
+            sensor_unit=unit,
+            names=self._names(),
+            path=self._path(at),
+            registry=self.registry,
+        )
         fields = [field for field in fields if names is None or field["path"].rpartition(".")[2] in names]
         for field in fields:
             self._mark(field, (*at, field["path"].rpartition(".")[2]))
         return fields
 
     def _mark(self, field: FieldForm, at: tuple[str | int, ...]) -> None:
-        """Say where the field's value comes from."""
+        """Say where the field's value comes from, and those of the fields within it."""
         is_own = found_at(self._own(()), at) is not MISSING
         is_said = found_at(self.table, at) is not MISSING
         field["is_given"] = is_own
@@ -327,6 +335,8 @@ class _Inspector:
         if is_said and not is_own:
             more["source"] = self._from_model()
         field.update(more)  # type: ignore[typeddict-item]
+        for inner in field["widget"].get("fields", ()) if field["widget"]["kind"] in ("form", "component") else ():
+            self._mark(inner, (*at, inner["path"].rpartition(".")[2]))
 
     def _from_model(self) -> str:
         model = self._own(()).get("model")

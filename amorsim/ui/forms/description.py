@@ -13,11 +13,13 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 import attrs
 
-from amorsim.core.errors import AmorsimError, PluginError
+from amorsim.core.errors import PluginError
 from amorsim.core.parameters import Parameter, describe
+from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.fields import NONE, default_in_file, file_fields, in_file, write_fields
 from amorsim.scenario.spec import Deviation, Distribution
+from amorsim.ui.forms.values import field_plain, plain
 
 __all__ = [
     "Choice",
@@ -25,12 +27,10 @@ __all__ = [
     "Widget",
     "choices_of",
     "deviation_form",
-    "deviation_of",
     "form_of",
-    "number_of",
     "number_widget",
-    "plain",
     "why_fixed",
+    "why_part_fixed",
 ]
 
 Spelling = Literal["python", "file"]
@@ -53,10 +53,12 @@ class Widget(TypedDict):
     - ``form``: a table with `fields`;
     - ``forms``: a list of tables with `fields` each;
     - ``distribution``: a number, ``{"normal": [mean, standard deviation]}`` or ``{"uniform": [low, high]}``;
+    - ``component``: a component of the kind `component`, one of `choices`, with the `fields` of the one that it is; its
+      value is a table with ``use``;
     - ``either``: what one of the `options` shows.
 
-    An `is_optional` value may be none. A list with a `length` has so many items, another may grow. `frame` is where
-    points are: ``"world"`` or ``"body"``, for windows that show them on a map.
+    An `is_optional` value may be none. A list with a `length` has that number of items; others may grow. `frame` says
+    where points are, ``"world"`` or ``"body"``, for windows that show them on a map.
     """
 
     kind: str
@@ -68,6 +70,7 @@ class Widget(TypedDict):
     is_whole: NotRequired[bool]
     choices: NotRequired[list[str]]
     refers: NotRequired[str]
+    component: NotRequired[str]
     frame: NotRequired[str]
     item: NotRequired[Widget]
     columns: NotRequired[list[str]]
@@ -107,6 +110,7 @@ def form_of(
     names: Names | None = None,
     path: str = "",
     is_running: bool = False,
+    registry: Registry | None = None,
 ) -> list[FieldForm]:
     """The fields of a component class as a form, in their order.
 
@@ -125,8 +129,10 @@ def form_of(
         Where the table is; it begins the path of each field.
     is_running
         Whether the component is part of a running simulation, in which not everything can change.
+    registry
+        Of the components that fields can be.
     """
-    made = _Maker(spelling, sensor_unit, names or {}, is_running)
+    made = _Maker(spelling, sensor_unit, names or {}, is_running, registry or default_registry())
     return made.fields(cls, values, path)
 
 
@@ -161,6 +167,8 @@ def choices_of(kind: str, registry: Registry, **options: Any) -> list[Choice]:
 
 def why_fixed(parameter: Parameter) -> str:
     """Why a parameter cannot change while a simulation runs; empty if it can."""
+    if parameter.component:
+        return f"Which {parameter.component} it is, is set when the simulation is made."
     if parameter.file:
         return "The file is read when the scenario is loaded."
     if parameter.static:
@@ -172,6 +180,13 @@ def why_fixed(parameter: Parameter) -> str:
     if parameter.type is str and not parameter.choices:
         return "A text is set when the simulation is made."
     return ""
+
+
+def why_part_fixed(parameter: Parameter) -> str:
+    """Why nothing in a parameter that has fields of its own can change while a simulation runs; empty if it can."""
+    if parameter.component and parameter.static:
+        return f"The {parameter.component} is set when the simulation is made."
+    return "" if parameter.component else why_fixed(parameter)
 
 
 def number_widget(parameter: Parameter, *, is_whole: bool = False) -> Widget:
@@ -190,57 +205,23 @@ def number_widget(parameter: Parameter, *, is_whole: bool = False) -> Widget:
     return widget
 
 
-def plain(value: Any) -> Any:
-    """A parameter's value as JSON has it: lists for tuples, tables for nested classes and distributions."""
-    if isinstance(value, Distribution):
-        return {value.kind: list(value.values)}
-    if isinstance(value, Mapping):
-        return {str(key): plain(part) for key, part in value.items()}
-    if isinstance(value, (tuple, list)):
-        return [plain(part) for part in value]
-    if attrs.has(type(value)):
-        return {name: plain(getattr(value, name)) for name in describe(type(value))}
-    if value is None or isinstance(value, (bool, int, float, str)):
-        return value
-    return str(value)  # dates and the like, which no field takes
-
-
-def number_of(value: Any) -> Any:
-    """A number as a window gives it: ``{"normal": [1, 0.1]}`` is a distribution, anything else is what it is.
-
-    Raises
-    ------
-    AmorsimError
-        If such a table is none of a distribution.
-    """
-    if not isinstance(value, Mapping):
-        return value
-    (kind, values), *others = [*value.items(), ("", ())]
-    if len(others) != 1 or not isinstance(values, (list, tuple)):
-        raise AmorsimError("expected {normal = [MEAN, STANDARD DEVIATION]} or {uniform = [LOW, HIGH]}")
-    return Distribution(kind=kind, values=tuple(values))
-
-
-def deviation_of(table: Mapping[str, Any]) -> dict[str, Any]:
-    """The parts of an error as `Simulation.set` takes them, of a table that a window gives."""
-    return {str(name): number_of(part) for name, part in table.items()}
-
-
 class _Maker:
     """Makes descriptions in one spelling."""
 
-    def __init__(self, spelling: Spelling, sensor_unit: str, names: Names, is_running: bool) -> None:
+    def __init__(
+        self, spelling: Spelling, sensor_unit: str, names: Names, is_running: bool, registry: Registry
+    ) -> None:
         self._in_files = spelling == "file"
         self._unit = sensor_unit
         self._names = names
         self._is_running = is_running
+        self._registry = registry
 
-    def fields(self, cls: type, values: Any, path: str) -> list[FieldForm]:
+    def fields(self, cls: type, values: Any, path: str, *, is_said: bool = True, fixed: str = "") -> list[FieldForm]:
+        """The fields of a class; `fixed` says why none of them can change, where what they are part of cannot."""
         said = self._said(values)
         found = []
         for key, parameter in self._parameters(cls).items():
-            if parameter.component:  # there is no form for these; the text has them
-                continue
             default = self._default(key, parameter)
             value = said.get(key, default)
             field: FieldForm = {
@@ -250,14 +231,25 @@ class _Maker:
                 "widget": self._widget(in_file(key, parameter) if self._in_files else parameter, parameter.type),
                 "value": None if self._in_files and value == NONE else value,
                 "default": default,
-                "is_given": key in said,
+                "is_given": is_said and key in said,
                 "is_required": parameter.is_required,
-                "fixed": why_fixed(parameter) if self._is_running else "",
+                "fixed": (fixed or why_fixed(parameter)) if self._is_running else "",
             }
-            if field["widget"]["kind"] == "form":
-                field["widget"]["fields"] = self.fields(_class_in(parameter.type), field["value"], field["path"])
+            if inner := self._class_of(parameter, field):
+                part = fixed or (why_part_fixed(parameter) if self._is_running else "")
+                field["widget"]["fields"] = self.fields(
+                    inner, field["value"], field["path"], is_said=field["is_given"], fixed=part
+                )
             found.append(field)
         return found
+
+    def _class_of(self, parameter: Parameter, field: FieldForm) -> type | None:
+        """The class of the fields in a field: of a table, or of the component that it is."""
+        if field["widget"]["kind"] == "form":
+            return _class_in(parameter.type)
+        if not parameter.component or not isinstance(field["value"], Mapping):
+            return None
+        return _fitting(parameter, self._registry).get(str(field["value"].get("use")))
 
     def _parameters(self, cls: type) -> Mapping[str, Parameter]:
         if self._in_files:
@@ -277,10 +269,21 @@ class _Maker:
     def _default(self, key: str, parameter: Parameter) -> Any:
         if parameter.is_required:
             return None
-        default = default_in_file(parameter) if self._in_files else parameter.default
-        return None if self._in_files and default == NONE and key else plain(default)
+        if not self._in_files:
+            return field_plain(parameter, parameter.default)
+        default = default_in_file(parameter)
+        return None if default == NONE and key else plain(default)
 
     def _widget(self, parameter: Parameter, kind: Any) -> Widget:
+        if parameter.component:
+            choices = list(_fitting(parameter, self._registry))
+            return {
+                "kind": "component",
+                "is_optional": False,
+                "component": parameter.component,
+                "choices": choices,
+                "fields": [],
+            }
         if isinstance(kind, types.UnionType) or typing.get_origin(kind) is typing.Union:
             return self._union(parameter, typing.get_args(kind))
         if typing.get_origin(kind) is tuple:
@@ -330,6 +333,19 @@ class _Maker:
             widget["columns"] = _columns(parameter, len(items))
         widget["item"] = self._widget(parameter, item)
         return widget
+
+
+def _fitting(parameter: Parameter, registry: Registry) -> dict[str, type]:
+    """The registered components that a field can be, by their names."""
+    found = {}
+    for name in registry.names(parameter.component):
+        try:
+            cls = registry.get(parameter.component, name)
+        except PluginError:  # it cannot be imported, as the registry's problems say
+            continue
+        if issubclass(cls, parameter.type):
+            found[name] = cls
+    return found
 
 
 def _columns(parameter: Parameter, count: int) -> list[str]:

@@ -11,9 +11,17 @@ from amorsim.core.parameters import Parameter, describe
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Deviation, Distribution, MountedSensor, NoiseElement, Robot
 from amorsim.simulation.simulation import Simulation
-from amorsim.ui.forms.description import FieldForm, Widget, deviation_form, form_of, number_widget, plain
+from amorsim.ui.forms.description import (
+    FieldForm,
+    Widget,
+    deviation_form,
+    form_of,
+    number_widget,
+    why_part_fixed,
+)
 from amorsim.ui.forms.origins import Origins
 from amorsim.ui.forms.sliders import slider_of
+from amorsim.ui.forms.values import field_plain
 from amorsim.ui.simulator.protocol import ParameterForm
 
 __all__ = ["forms_of", "value_at"]
@@ -26,7 +34,7 @@ def forms_of(simulation: Simulation, name: str, origins: Origins | None = None) 
     handle = simulation.robot(name)
     specified = next(robot for robot in simulation.scenario.robots if robot.name == name)
     robots = _Robots(handle.nominal, handle.true, specified)
-    made = [form for place in _places(handle.nominal) for form in _Forms(robots, place)]
+    made = [form for place in _all_places(handle.nominal) for form in _Forms(robots, place)]
     for form in made:
         if origins is not None:
             form["origin"], form["source"] = origins.of(specified, form["path"], form["scenario"])
@@ -64,7 +72,8 @@ class _Robots:
 class _Place:
     """A thing with parameters: its path in the robot, and of which kind its parameters are.
 
-    `label` is how forms call it, `unit` that of what it works on, `names` those of its fields that count.
+    `label` is how forms call it, `unit` that of what it works on, `names` those of its fields that count. `group` is
+    that of its fields, where its path does not say it; `fixed` why none of them can change.
     """
 
     path: str
@@ -73,6 +82,26 @@ class _Place:
     unit: str = ""
     label: str = ""
     names: tuple[str, ...] | None = None
+    group: str = ""
+    fixed: str = ""
+
+
+def _all_places(robot: Robot) -> Iterator[_Place]:
+    """The places of a robot, each with the components that are fields of its thing."""
+    for place in _places(robot):
+        yield place
+        yield from _components_in(place)
+
+
+def _components_in(place: _Place) -> Iterator[_Place]:
+    for name, parameter in describe(type(place.thing)).items():
+        thing = getattr(place.thing, name)
+        if parameter.component and thing is not None and (place.names is None or name in place.names):
+            path = f"{place.path}.{name}"
+            fixed = place.fixed or why_part_fixed(parameter)
+            inner = _Place(path, thing, place.kinds, place.unit, place.label, group=path, fixed=fixed)
+            yield inner
+            yield from _components_in(inner)
 
 
 def _places(robot: Robot) -> Iterator[_Place]:
@@ -126,10 +155,13 @@ class _Forms:
             if place.names is not None and name not in place.names:
                 continue
             value = getattr(place.thing, name)
+            field["fixed"] = place.fixed or field["fixed"]
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             for kind in place.kinds:
                 if kind != "systematic":
                     yield self._form(field, parameter, kind)
+                elif place.fixed:
+                    continue
                 elif is_number and parameter.live:
                     yield from self._error(field, parameter, float(value))
                 elif isinstance(value, tuple) and not parameter.static:
@@ -196,10 +228,12 @@ class _Forms:
         nominal, scenario = (_found(robot, path) for robot in (self._robots.nominal, self._robots.scenario))
         parts = place.path.split(".")
         widget = number_widget(parameter) if is_error else _fitting(field["widget"], nominal)
+        if widget["kind"] == "component":  # whose fields are a group of their own
+            widget["fields"] = []
         is_number = widget["kind"] == "number"
         form: ParameterForm = {
             "path": path,
-            "group": ".".join(parts[:2]) if parts[0] in ("sensors", "estimators") else parts[0],
+            "group": place.group or ".".join(parts[: 2 if parts[0] in ("sensors", "estimators") else 1]),
             "part": place.path,
             "label": " ".join(word for word in (place.label, field["label"]) if word),
             "unit": place.unit if parameter.unit == "sensor" else parameter.unit,
@@ -210,8 +244,8 @@ class _Forms:
             "high": parameter.lt if parameter.le is None else parameter.le,
             "is_open": [parameter.ge is None, parameter.le is None],
             "slider": [],
-            "value": _number(nominal) if is_number else plain(nominal),
-            "scenario": _number(scenario) if is_number else plain(scenario),
+            "value": _number(nominal) if is_number else field_plain(parameter, nominal),
+            "scenario": _number(scenario) if is_number else field_plain(parameter, scenario),
             "is_changed": scenario != nominal,
             "is_added": kind == "noise" and _found(self._robots.scenario, place.path) is None,
             "fixed": field["fixed"] or _fixed_by_value(nominal),

@@ -13,8 +13,8 @@ __all__ = ["slider_of"]
 # How far a slider goes from 0, by unit, where the scenario's value does not ask for more.
 _REACH = {"": 0.1, "m": 0.1, "rad": math.radians(10.0), "rad/s": math.radians(10.0), "count": 10.0, "s": 1.0}
 _FACTOR = 0.1  # a slider of a factor goes so far to both sides of 1
-_NOISE = 10.0  # a slider of a noise goes up to so many times the scenario's value
-_DEVIATIONS = 3.0  # a slider of a value drawn from a normal distribution covers so many standard deviations
+_NOISE = 10.0  # times the scenario's value: how far a slider of a noise goes
+_DEVIATIONS = 3.0  # standard deviations that a slider of a normally drawn value covers
 _CLEAR = 0.9  # of the way to a bound that is itself not allowed
 
 

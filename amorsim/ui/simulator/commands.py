@@ -16,9 +16,9 @@ from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.scenario.chains import chain_at, is_chain, tables_of
 from amorsim.scenario.spec import Robot
 from amorsim.ui.forms.chains import chains_of, noises_for, targets_of, with_element, without
-from amorsim.ui.forms.description import deviation_of, number_of, plain
 from amorsim.ui.forms.live import forms_of, value_at
 from amorsim.ui.forms.origins import Origins
+from amorsim.ui.forms.values import deviation_of, number_of, plain
 from amorsim.ui.scene.robots import sensor_shapes
 from amorsim.ui.simulator.inputs import Input
 from amorsim.ui.simulator.mapped import mapped_of

@@ -13,12 +13,11 @@ from amorsim.core.errors import DocumentError, RunError, ScenarioError
 from amorsim.core.whole_files import copy_file
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
-from amorsim.scenario.changed_robots import set_robots
+from amorsim.scenario.changed_robots import robot_of, set_robots
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.maps import MapFile, companions_of
 from amorsim.scenario.names import name_from, rename_maps
 from amorsim.scenario.overrides import override
-from amorsim.scenario.resolved import robot_table
 from amorsim.scenario.spec import Robot, Scenario
 from amorsim.scenario.toml_values import are_same
 from amorsim.scenario.write import resolved_table, write_table
@@ -92,7 +91,7 @@ def _is_meant(found: Scenario, scenario: Scenario, robots: Sequence[Robot], regi
         all(are_same(before.get(key), after.get(key)) for key in rest)
         and [one.name for one in found.robots] == [one.name for one in robots]
         and all(
-            are_same(robot_table(one, registry), robot_table(other, registry))
+            are_same(robot_of(one, registry), robot_of(other, registry))
             for one, other in zip(found.robots, robots, strict=True)
         )
     )

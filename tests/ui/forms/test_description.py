@@ -11,10 +11,13 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.contracts import Planner
 from amorsim.core.parameters import describe
+from amorsim.planners import AStar
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import KINDS
-from amorsim.scenario.spec import Landmark, MountedSensor, RandomStart
+from amorsim.scenario.random_start import RandomStart
+from amorsim.scenario.spec import Landmark, MountedSensor
 from amorsim.ui.forms.description import choices_of, deviation_form, form_of
 
 
@@ -43,6 +46,7 @@ class Everything(am.Noise):
     mount: am.Mount = am.parameter(am.Mount(x=0.5))
     mounts: tuple[am.Mount, ...] = am.parameter((am.Mount(heading=math.pi),))
     either: str | tuple[int, ...] = am.parameter("all", choices=("all", "none"))
+    planner: Planner = am.parameter(AStar(), static=True, component="planner")
 
     def corrupt(self, values: Any, side: Any, elapsed: Any, state: Any, draws: Any) -> Any:
         return np.asarray(values)
@@ -56,6 +60,7 @@ KIND = {
     "points": "table",
     "mount": "form",
     "mounts": "forms",
+    "planner": "component",
 }
 
 
@@ -120,7 +125,7 @@ def test_a_form_of_a_file_has_degrees_and_what_the_file_says_right_or_wrong() ->
 def test_what_cannot_change_while_it_runs_says_why() -> None:
     form = everything(is_running=True)
     fixed = {path: field["fixed"] for path, field in form.items() if field["fixed"]}
-    assert set(fixed) == {"count", "text", "fixed", "file", "sensor"}
+    assert set(fixed) == {"count", "text", "fixed", "file", "sensor", "planner"}
     assert "file" in fixed["file"]
     assert "size" in fixed["count"]
     assert "name" in fixed["sensor"]

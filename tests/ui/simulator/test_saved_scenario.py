@@ -86,6 +86,35 @@ def test_only_what_was_changed_differs(study: Path) -> None:
     assert am.open_document(saved).inherited("robots.rover.drive.track").under is not None
 
 
+@pytest.mark.parametrize("value", [None, {"scale": 1.0}])
+def test_an_error_that_was_removed_or_set_back_is_not_written_any_more(study: Path, value: object) -> None:
+    simulation = am.Simulation(am.load(study))
+    simulation.set("rover", "errors.drive.track", value)
+    simulation.set("rover", "errors.drive.lag.add", 0.1)
+    simulation.set("rover", "errors.drive.lag.add", 0.0)
+    saved = study.with_name("saved.toml")
+    save_scenario(simulation, saved)
+    assert saved.read_text() == AUTHORED.replace(
+        "[robots.errors]\ndrive.track = { scale = 1.02 } # measured on Monday\n\n", ""
+    )
+
+
+def test_an_error_of_the_model_that_was_removed_is_overridden(study: Path) -> None:
+    study.with_name("mine.toml").write_text('format = 1\nmodel = "pioneer2dx"\nerrors.drive.track.scale = 1.1\n')
+    text = AUTHORED.replace('model = "pioneer2dx"', 'model = "mine.toml"').replace("drive.track", "drive.lag")
+    study.write_text(text.replace("scale = 1.02", "add = 0.02"))
+    simulation = am.Simulation(am.load(study))
+    simulation.set("rover", "errors.drive.track", None)
+    saved = study.with_name("saved.toml")
+    save_scenario(simulation, saved)
+    assert changed_lines(saved.read_text()) == [
+        'model = "mine.toml"',
+        "drive.lag = { add = 0.02 } # measured on Monday",
+        "drive.track = { scale = 1.0 }",
+        'model = "mine.toml"',
+    ]
+
+
 CHAIN = """
 [[robots]]
 name = "third"

@@ -1,7 +1,7 @@
 // The inspector: what the selected thing says, as forms where its fields are known, and else as TOML.
 
 import { h, say } from "../shared/dom.js";
-import { makeField } from "../shared/fields.js";
+import { makeField, shapeOf } from "../shared/fields.js";
 import { holdSensor } from "./mounting.js";
 import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";
@@ -95,7 +95,7 @@ export class Inspector {
    * @param {Section[]} sections */
   show(path, sections) {
     this.sections = sections;
-    const signature = JSON.stringify([path, this.page.watching, sections.map((one) => [one.path, one.use, one.toml === null, one.origin, one.fields.map((field) => [field.path, field.widget])])]);
+    const signature = JSON.stringify([path, this.page.watching, sections.map((one) => [one.path, one.use, one.toml === null, one.origin, shapeOf(one.fields)])]);
     if (signature !== this.signature) {
       this.signature = signature;
       this.path = path;
@@ -126,7 +126,8 @@ export class Inspector {
   /** Say a value, as a step.
    * @param {string} path */
   set(path, value) {
-    const words = `change ${path.split(".").at(-1).replace(/_deg$/, "").replaceAll("_", " ")}`;
+    const [part, key] = path.split(".").slice(-2);
+    const words = key === "use" ? `choose ${value} as ${part}` : `change ${key.replace(/_deg$/, "").replaceAll("_", " ")}`;
     const place = this.placeOf(path);
     if (!place) return this.page.edit(words, [{ op: "set", path, value }]);
     const [x, y, heading] = place.pose;
@@ -155,11 +156,7 @@ export class Inspector {
     if (section.use) parts.push(this.use(section));
     for (const parameter of section.fields) {
       const field = makeField(this.fixed(parameter), on);
-      if (field.back) {
-        field.back.title = LEAVE_OUT;
-        field.back.setAttribute("aria-label", `${parameter.label}: ${LEAVE_OUT}`);
-      }
-      this.fields.set(parameter.path, field);
+      this.know(field);
       parts.push(field.element);
       if (parameter.widget?.kind === "table" && parameter.widget.frame === "world" && !page.watching) parts.push(drawing(page, parameter));
     }
@@ -185,6 +182,14 @@ export class Inspector {
       if (sensor && details.open) holdSensor(page, sensor);
     });
     return details;
+  }
+
+  /** Keep a field by its path, and those within it. @param {any} field */
+  know(field) {
+    this.fields.set(field.path, field);
+    field.back.title = LEAVE_OUT;
+    field.back.setAttribute("aria-label", `${field.parameter.label}: ${LEAVE_OUT}`);
+    for (const inner of field.fields ?? []) this.know(inner);
   }
 
   /** Which component or shape it is. */

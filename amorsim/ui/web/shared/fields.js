@@ -194,6 +194,56 @@ class GroupField extends Field {
   }
 }
 
+/** What decides how fields are shown: all that is known of them but their values. @returns {any[]} */
+export const shapeOf = (fields) => fields.map(({ path, widget }) => [path, { ...widget, fields: shapeOf(widget?.fields ?? []) }]);
+
+/** A component: which one it is, and the fields of its own, which may be components again. */
+class ComponentField extends Field {
+  constructor(parameter, on) {
+    super(parameter, on);
+    /** @type {Field[]} */
+    this.fields = [];
+    this.select = h("select", { id: this.id, "aria-describedby": this.described, onchange: () => this.choose() });
+    this.inner = h("div", { class: "inner", role: "group", "aria-label": parameter.label });
+    this.element.append(h("div", { class: "line" }, this.label(parameter), this.select, this.back), this.help, this.error, this.inner);
+    this.update(parameter);
+  }
+
+  get controls() {
+    return [this.select];
+  }
+
+  /** Which one it is; nothing where it is not chosen yet. */
+  get used() {
+    return this.parameter.value?.use ?? "";
+  }
+
+  async choose() {
+    if (!(await this.give(this.select.value, `${this.path}.use`))) this.select.value = this.used;
+  }
+
+  update(parameter) {
+    const fields = parameter.widget.fields.map((field) => ({ ...field, fixed: parameter.fixed || field.fixed }));
+    const signature = JSON.stringify(shapeOf(fields));
+    if (signature !== this.signature) {
+      this.signature = signature;
+      this.fields = fields.map((field) => makeField(field, this.on));
+      this.inner.replaceChildren(...this.fields.map((field) => field.element));
+      this.inner.hidden = !fields.length;
+    }
+    super.update(parameter);
+    fields.forEach((field, n) => this.fields[n].update(field));
+  }
+
+  put(parameter) {
+    const all = [...new Set([...(this.used ? [] : [""]), ...parameter.widget.choices, this.used])];
+    this.select.replaceChildren(...all.map((word) => h("option", { value: word }, word || "choose …")));
+    this.select.value = this.used;
+    this.select.disabled = Boolean(parameter.fixed);
+    super.put(parameter);
+  }
+}
+
 /** What one of several kinds of value is shown by. */
 class EitherField extends Field {
   constructor(parameter, on) {
@@ -247,6 +297,7 @@ const KINDS = {
   table: ListField,
   forms: ListField,
   form: GroupField,
+  component: ComponentField,
   distribution: DistributionField,
   either: EitherField,
 };

@@ -1,0 +1,60 @@
+"""What a document means: its tables read and checked, and the faults in them."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import attrs
+
+from amorsim.core.errors import Fault
+from amorsim.core.parameters import ParameterError
+from amorsim.plugins.registry import Registry
+from amorsim.scenario.contents import book_of, read_values
+from amorsim.scenario.faults import Book
+from amorsim.scenario.lines import with_lines
+from amorsim.scenario.model_files import check_model, read_model
+from amorsim.scenario.models import merge_models
+from amorsim.scenario.origins import KINDS, kind_of, lifted
+from amorsim.scenario.spec import Scenario
+from amorsim.scenario.worlds import Maps
+from amorsim.scenario.written import Written
+
+__all__ = ["Meaning", "read_meaning"]
+
+
+class Meaning(NamedTuple):
+    """What came of reading a document."""
+
+    book: Book
+    maps: Maps
+    merged: dict[str, Any]  # its tables, with those of the models
+    scenario: Scenario | None  # none if there are faults
+    faults: tuple[Fault, ...]
+
+
+def read_meaning(written: Written, path: Path, registry: Registry) -> Meaning:
+    """All that a file at a path says, read and checked."""
+    book = book_of(written, path)
+    maps = Maps(registry)
+    tables = copy.deepcopy(lifted(written.values))
+    kind = kind_of(written.values)
+    values: dict[str, Any] = {}
+    if kind == "scenario":
+        values = read_values(tables, book, registry, maps, True, False)
+    else:
+        check_model(written.values, kind, book)
+        source = book.source(())
+        at = tuple(map(str, KINDS[kind]))
+        book.set_source(at, attrs.evolve(source, depth=len(at)))
+        merge_models(tables, book, registry)
+        read_model(tables["robots"][0], kind, book, registry)
+    scenario = None
+    if not book.count and kind == "scenario":
+        try:
+            scenario = Scenario(**values, source=path)
+        except ParameterError as error:
+            book.fault((error.name,), error.problem)
+    faults = with_lines(book.faults, {str(path): written})
+    return Meaning(book, maps, tables, scenario, tuple(faults))

@@ -1,0 +1,45 @@
+"""What is wrong with a line that is no TOML, and what to write in its place."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["plain_problem", "toml_problem"]
+
+_ANYTHING = "write KEY = VALUE, [TABLE] or [[LIST]]"
+_REMEDIES = (
+    ("Invalid value", "write a number, a 'text', true, false, a [list] or a { table }"),
+    ("Expected '=' after a key", "write KEY = VALUE"),
+    ("Expected newline", "write one value, and nothing but a # comment behind it; a decimal point is a dot"),
+    ("Expected ']'", "close the header: [TABLE], or [[LIST]] for an item of a list"),
+    ("Expected ", "close the text with the quote that it begins with"),
+    ("Unterminated string", "close the text with the quote that it begins with"),
+    ("Found invalid character", "close the text on the line that it begins on"),
+    ("Illegal character", "close the text on the line that it begins on"),
+    ("Unescaped", "write two backslashes for one, or 'single quotes' around the text"),
+    ("Unclosed array", "separate the items by commas, and close the list with ]"),
+    ("Unclosed inline table", "separate the pairs by commas, and close the table with }"),
+    ("Invalid initial character for a key", "write a key of letters, digits, '_' and '-', or \"any text in quotes\""),
+    ("Cannot mutate immutable namespace", "put it into the { braces } of the table that is there already"),
+)
+
+
+def toml_problem(error: Exception) -> str:
+    """What is wrong with a line of TOML, by the error of its reader, and what to do."""
+    text = str(error)
+    if isinstance(error, RecursionError):
+        return "not valid TOML that can be read: too many tables or lists inside one another; write fewer"
+    if twice := re.match(r"Cannot declare \((.*?),?\) twice", text):
+        name = ".".join(part.strip(" '\"") for part in twice[1].split(","))
+        return f"the table [{name}] stands in this file already; put what is here under the first one"
+    if text.startswith(("Cannot overwrite a value", "Duplicate inline table key")):
+        return "this key has a value already; leave one of the two out"
+    column = re.search(r", column (\d+)\)", text)
+    plain = re.sub(r" \(at .*?\)", "", text)
+    remedy = next((remedy for begin, remedy in _REMEDIES if plain.startswith(begin)), _ANYTHING)
+    return f"not valid TOML: {plain}" + (f" (column {column[1]})" if column else "") + f"; {remedy}"
+
+
+def plain_problem() -> str:
+    """What is wrong with a line of which no more is known."""
+    return f"not valid TOML; {_ANYTHING}"

@@ -1,0 +1,70 @@
+"""Fields that are components themselves, in documents: what is said of them, what holds by default, and what is set."""
+
+from __future__ import annotations
+
+import pytest
+
+import amorsim as am
+
+TEXT = """\
+format = 1
+[world]
+map = "room.wld"
+
+[[robots]]
+name = "rover"
+model = "pioneer2dx"
+pose = { x = 1.0, y = 1.5 }
+
+[robots.controller]
+use = "navigate"
+goals = [[3.0, 2.0]]
+planner = { use = "theta_star", cell = 0.1 }  # fine
+"""
+CONTROLLER = "robots.rover.controller"
+
+
+@pytest.fixture
+def document(tmp_path):
+    (tmp_path / "room.wld").write_text("width 4000\nheight 3000\n")
+    (tmp_path / "way.toml").write_text(TEXT)
+    return am.open_document(tmp_path / "way.toml")
+
+
+def test_a_component_in_a_field_has_the_defaults_of_its_class(document):
+    for path, source, value in (
+        ("planner.use", "file", "theta_star"),
+        ("planner.cell", "file", 0.1),
+        ("avoider.use", "default", "dwa"),
+        ("avoider.speed", "default", 0.5),
+    ):
+        origin = document.inherited(f"{CONTROLLER}.{path}")
+        assert (origin.source, origin.value) == (source, value), path
+    assert document.get(f"{CONTROLLER}.avoider")["use"] == "dwa"
+    with pytest.raises(am.DocumentError, match="nothing says it"):
+        document.get(f"{CONTROLLER}.avoider.sped")
+
+
+def test_setting_a_field_of_a_default_component_says_which_component_it_is(document):
+    document.set(f"{CONTROLLER}.avoider.speed", 0.3)
+    assert document.text == TEXT + 'avoider = { use = "dwa", speed = 0.3 }\n'
+    assert document.faults() == ()
+    assert document.scenario().robots[0].controller.avoider.speed == 0.3
+    document.set(f"{CONTROLLER}.avoider.speed", 0.5)
+    assert document.text == TEXT
+    document.undo()
+    document.undo()
+    assert document.text == TEXT
+
+
+def test_another_component_in_a_field_takes_nothing_of_the_one_before(document):
+    document.set(f"{CONTROLLER}.planner.use", "a_star")
+    assert document.text == TEXT.replace('{ use = "theta_star", cell = 0.1 }', '{ use = "a_star" }')
+    document.undo()
+    assert document.text == TEXT
+    document.set(f"{CONTROLLER}.avoider.use", "vfh_plus")
+    assert document.text == TEXT + 'avoider = { use = "vfh_plus" }\n'
+    document.set(f"{CONTROLLER}.avoider.use", "dwa")
+    assert document.text == TEXT
+    document.set(f"{CONTROLLER}.planner.cell", 0.2)
+    assert document.text == TEXT.replace("cell = 0.1", "cell = 0.2")
