@@ -169,6 +169,79 @@ def asked(address: str, path: str, **headers: str) -> int:
     return status
 
 
+LOOK = """
+    const { pane } = editor.stage;
+    const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const drawings = () => pane.bitmaps.reduce((sum, one) => sum + one.drawings, 0);
+    const look = () => pane.context.getImageData(0, 0, pane.canvas.width, pane.canvas.height).data;
+    const apart = () => { // from what is drawn without bitmaps
+        pane.draw();
+        const cached = look();
+        pane.bitmaps = [];
+        pane.draw();
+        const plain = look();
+        return cached.reduce((most, value, n) => Math.max(most, Math.abs(value - plain[n])), 0);
+    };
+"""
+
+
+def test_what_stands_still_is_drawn_once_while_the_view_is_panned_or_things_are_dragged(
+    open_editor: Any, tmp_path: Path
+) -> None:
+    lines = [f"{500 * (n % 20)} {500 * (n // 20)} {500 * (n % 20) + 300} {500 * (n // 20)}" for n in range(400)]
+    (tmp_path / "w.wld").write_text("\n".join(lines))
+    posts = [
+        f'[[obstacles]]\nname = "o{n}"\nshape = {{ circle = 0.1 }}\npose = {{ x = {n % 8}, y = {n // 8 + 0.3} }}\n'
+        for n in range(40)
+    ]
+    (tmp_path / "w.toml").write_text('format = 1\n[world]\nmap = "w.wld"\n' + "".join(posts))
+    editor = open_editor("w.toml")
+    panned = editor.page.evaluate(
+        f"""async () => {{
+            const editor = {PAGE}; {LOOK}
+            await frame();
+            pane.draw();
+            const before = drawings();
+            for (let n = 0; n < 60; n++) {{
+                editor.stage.camera.pan(3.3, 1.6);
+                await frame();
+            }}
+            return [drawings() - before, apart()];
+        }}"""
+    )
+    assert panned[0] <= 2  # 200 pixels to the side: at most once out of the margin
+    assert panned[1] < 40  # of 255: edges are smoothed by another path through the browser
+    dragged = editor.page.evaluate(
+        f"""async () => {{
+            const editor = {PAGE}; {LOOK}
+            const {{ stage, connection }} = editor;
+            const tool = editor.tools.select;
+            const said = [];
+            const ask = connection.ask.bind(connection);
+            connection.ask = (command) => (command.do !== "document" && said.push(command), ask(command));
+            stage.selection.set(stage.things.filter(({{ pose }}) => pose).map((one) => stage.chosenOf(one)));
+            await frame();
+            tool.shift(0.1, 0.1, true);
+            await frame();
+            pane.draw();
+            const before = drawings();
+            for (let n = 0; n < 30; n++) {{
+                tool.shift(0.02 * n, 0.01 * n, true);
+                await frame();
+            }}
+            const found = [drawings() - before, said.length, apart()];
+            tool.commit("move");
+            await frame();
+            connection.ask = ask;
+            return [...found, said.length, said[0].changes.length];
+        }}"""
+    )
+    assert dragged[:2] == [0, 0]
+    assert dragged[2] < 40
+    assert dragged[3:] == [1, 40]
+    editor.until("!state.is_behind && stage.things.some(({pose}) => pose && Math.abs(pose[0] - 7.58) < 1e-9)")
+
+
 def test_nobody_gets_in_without_the_cookie_or_from_elsewhere(tmp_path: Path) -> None:
     server = Server(tmp_path / "x", words=("edit", "demo"), env={"AMORSIM_STATE": str(tmp_path / ".state")})
     try:

@@ -59,8 +59,8 @@ export class Canvas {
   }
 
   draw() {
-    const { context, camera, ratio, theme } = this;
-    const brush = { context, camera, ratio, theme };
+    const { context, ratio, theme } = this;
+    const brush = { context, camera: this.camera.onPixels(ratio), ratio, theme };
     const shown = this.layers.filter((layer) => layer.isShown);
     let [at, run] = [0, 0];
     // The first run has the paper, also where it has no layer.

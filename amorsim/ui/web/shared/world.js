@@ -9,10 +9,12 @@ import { drawNames } from "./names.js";
 /** @typedef {"true" | "estimated"} View what a pane shows: the world as it is, or as the robot knows it */
 
 /**
- * What layers draw from: a page's scene and the newest frame of it, with the pictures of its maps.
+ * What layers draw from: a page's scene and the newest frame of it, with the pictures of its maps. `version` differs
+ * whenever static layers look otherwise.
  * @typedef {{
  *   scene?: any,
  *   frame?: any,
+ *   version?: string,
  *   pictures: import("./pictures.js").Pictures,
  *   selection: import("./selection.js").Selection<any>,
  *   posesOf: (view: View) => ArrayLike<number>,
@@ -32,6 +34,10 @@ export class SceneLayer extends Layer {
 
   get isShown() {
     return Boolean(this.stage.scene && this.stage.frame);
+  }
+
+  get version() {
+    return this.stage.version ?? "";
   }
 
   /** The robot that is looked at. */
