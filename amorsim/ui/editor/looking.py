@@ -66,7 +66,7 @@ def look(document: Document, text: str, name: str, folder: Path, registry: Regis
     name
         What the file is called.
     folder
-        Where the maps lie that are not saved; no fault names it.
+        Where the files lie that are not saved; no fault names it.
     """
     try:
         partial = document.partial()

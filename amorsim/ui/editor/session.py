@@ -21,6 +21,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.changes import apply, own_table
+from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.inspector import inspect
 from amorsim.ui.editor.looking import FaultAt, Looked
 from amorsim.ui.editor.projects import ASKS, Projects
@@ -90,6 +91,7 @@ class EditSession:
         self._controls = Controls()
         self._looked = Looked(faults=[], things=[], still=None)
         self._code_faults: list[FaultAt] = []
+        self.meant: dict[Path, str] = {}  # programs that may be tried before they are saved
         self._is_checking = False
         self._number = 1
         self._drawn = 0  # the number at which what is drawn was new
@@ -139,7 +141,7 @@ class EditSession:
                 self._looked = Looked.failed(f"{self.work.name}.toml", str(error))
             self._code_faults = []
             self._is_behind = self._wanted.is_set()
-            self._is_checking = not self._is_behind and self.may_run_code and self.has_code
+            self._is_checking = not self._is_behind and self.may_run_code and self.has_code and self._are_meant
             self.tell(is_drawn=True)
             if self._is_checking:
                 await self._check_code(asked)
@@ -166,9 +168,9 @@ class EditSession:
         Raises
         ------
         AmorsimError, OSError
-            If a map cannot be written where that process finds it.
+            If a file cannot be written where that process finds it.
         """
-        folder = Path(self._folder.name) / "maps"
+        folder = Path(self._folder.name) / "files"
         view = self.work.view(folder)
         name = f"{self.work.name}.toml"
         return {"text": view.text, "path": view.path, "shown": self.work.text, "name": name, "folder": folder}
@@ -179,6 +181,15 @@ class EditSession:
         document = self.work.document
         here = document.path.absolute().parent
         return any(named.kind == "program" for named in named_files(document.values, self._registry, here))
+
+    @property
+    def _are_meant(self) -> bool:
+        """Whether all programs are as the user has saved them, or asked to: what is half typed is not run."""
+        return all(
+            held.text == self.meant.get(path)
+            for path, held in self.work.files.differing.items()
+            if path.suffix == PROGRAM
+        )
 
     async def _watch(self) -> None:
         while True:
@@ -211,9 +222,9 @@ class EditSession:
             "name": f"{work.name}.toml",
             "file": "" if work.is_new else str(work.path),
             "folder": str(work.folder),
-            "map": "" if work.map is None else work.map.name,
-            "walls_fixed": work.walls_fixed,
-            "cells": work.cells,
+            "map": "" if work.world.file is None else work.world.file.name,
+            "walls_fixed": work.world.walls_fixed,
+            "cells": work.world.cells,
             "is_saved": work.is_saved,
             "is_new": work.is_new,
             "is_behind": self._is_behind,
@@ -344,7 +355,7 @@ class EditSession:
     async def _start_run(self) -> str:
         """Let the simulation of the document as it is now begin."""
         folder = Path(self._folder.name)
-        view = self.work.view(folder / "maps")
+        view = self.work.view(folder / "files")
         file = Path(tempfile.mkdtemp(prefix="run-", dir=folder)) / f"{self.work.name}.toml"
         view.save(file)
         return await self.run(file)
