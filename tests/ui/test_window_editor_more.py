@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
+import random
+import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +16,9 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
+from amorsim.ui.editor.work import Work
 from tests.ui.test_window_editor import PAGE, Editor
-from tests.ui.windows import SIMULATOR, Server, eventually
+from tests.ui.windows import SIMULATOR, Server, eventually, new_user
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -107,6 +111,53 @@ def test_a_killed_server_and_a_page_loaded_again_lose_nothing(open_editor: Any) 
     again.step(lambda: again.page.click("text=begin without them"))
     said = again.page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")
     assert said["text"] == am.open_document("demo").text
+
+
+CHANGING = f"""(first) => {{
+    window.told = first;
+    (async () => {{
+        for (let n = first + 1; ; n++) {{
+            const changes = [{{ op: "set", path: "simulation.seed", value: n }}];
+            const said = await {PAGE}.connection.ask({{ do: "edit", label: "seed", changes }});
+            if (!said.ok) return;
+            window.told = n;
+        }}
+    }})();
+}}"""
+
+
+def seed_of(editor: Any) -> int:
+    text = editor.page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")["text"]
+    return int(re.findall(r"seed = (\d+)", text)[0])
+
+
+def test_a_page_and_a_server_killed_while_things_are_changed_lose_nothing_that_was_answered(
+    open_editor: Any, browser: Any, tmp_path: Path
+) -> None:
+    chance = random.Random(4)
+    for _ in range(3):
+        editor = open_editor("demo")
+        for _ in range(2):
+            before = seed_of(editor)
+            editor.page.evaluate(CHANGING, before)
+            editor.page.wait_for_timeout(chance.uniform(50.0, 500.0))
+            told = editor.page.evaluate("window.told")
+            with contextlib.suppress(Exception):  # which is what it does
+                editor.page.goto("chrome://crash")
+            editor.page.context.close()
+            editor.page = new_user(browser).new_page()
+            editor.page.goto(editor.server.address)
+            editor.until("state && !state.is_behind && stage.still && isHolder", seconds=60.0)
+            assert seed_of(editor) >= told > before
+        before = seed_of(editor)
+        editor.page.evaluate(CHANGING, before)
+        editor.page.wait_for_timeout(chance.uniform(50.0, 500.0))
+        told = editor.page.evaluate("window.told")
+        editor.server.process.send_signal(signal.SIGKILL)
+        editor.server.process.wait()
+        work = Work("demo", tmp_path, state=tmp_path / ".state")
+        assert work.document.get("simulation.seed") >= told > before
+        work.close()
 
 
 def test_a_file_that_is_changed_by_hand_is_told_and_read_again(open_editor: Any, tmp_path: Path) -> None:
