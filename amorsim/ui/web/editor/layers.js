@@ -2,6 +2,7 @@
 
 import { reach, trace } from "../shared/marks.js";
 import { SceneLayer } from "../shared/world.js";
+import { boxOf } from "./geometry.js";
 
 const MOST_DASHED = 50; // boxes: dashes take long to draw
 
@@ -34,8 +35,8 @@ export class MarksLayer extends SceneLayer {
     for (const thing of chosen) {
       const pose = stage.poseOf(thing);
       if (!pose) continue;
-      const far = reach(thing.footprint) + 4 * px;
-      context.rect(pose[0] - far, pose[1] - far, 2 * far, 2 * far);
+      const [x0, y0, x1, y1] = boxOf(thing.footprint, pose);
+      context.rect(x0 - 4 * px, y0 - 4 * px, x1 - x0 + 8 * px, y1 - y0 + 8 * px);
     }
     context.stroke();
     context.setLineDash([]);

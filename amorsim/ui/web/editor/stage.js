@@ -7,7 +7,7 @@ import { BodiesLayer, NamesLayer } from "../shared/world.js";
 import { Walls, holds, isIn } from "./geometry.js";
 import { gripsOf } from "./grips.js";
 import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
-import { RulersLayer } from "./rulers.js";
+import { RulersLayer, WIDE } from "./rulers.js";
 import { UnderlayLayer } from "./underlay.js";
 import { PlacesLayer, ViewsLayer } from "./views.js";
 
@@ -81,6 +81,7 @@ export class EditStage extends StillStage {
     this.sensor = ""; // whose mount can be dragged
     this.hidden = new Set(); // kinds of things that are hidden
     this.locked = new Set(); // and those that cannot be picked
+    this.pane.edge = WIDE;
     this.underlay = new UnderlayLayer();
     this.pane.layers.unshift(this.underlay);
     const bodies = this.pane.layers.findIndex((layer) => layer instanceof BodiesLayer);

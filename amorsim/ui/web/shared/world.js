@@ -2,7 +2,7 @@
 
 import { drawCrowd } from "./crowd.js";
 import { Layer } from "./layer.js";
-import { drawFloor, drawMap, drawObstacles } from "./marks.js";
+import { drawFloor, drawMap, drawObstacles, drawStanding } from "./marks.js";
 import { drawNames } from "./names.js";
 
 /** @typedef {import("./layer.js").Brush} Brush */
@@ -57,8 +57,9 @@ export class WorldLayer extends SceneLayer {
   /** @param {Brush} brush */
   draw({ context, camera, theme }) {
     const { scene, pictures } = this.stage;
-    drawMap(context, camera, scene.map, pictures.path(scene.map), pictures.of(scene.map, theme.wall), theme.wall);
     drawFloor(context, camera, scene.floor, theme);
+    drawMap(context, camera, scene.map, pictures.path(scene.map), pictures.of(scene.map, theme.wall), theme.wall);
+    drawStanding(context, camera, scene.floor, theme);
   }
 }
 
