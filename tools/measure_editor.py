@@ -4,12 +4,13 @@
 and 500 things are dragged in it; a bitmap of 4,000 x 4,000 cells is panned and painted on. A frame is in time where the
 next comes within two of the screen's moments (33 ms), which depends on what else the machine does: the load is printed.
 The processor time of a frame does not: that of the page's thread (scripts, layout and drawing), and that of all
-processes of the browser (which put the page on the screen, too). With ``--check`` the status is 1 where fewer than 95 %
-of frames are in time.
+processes of the browser (which put the page on the screen, too). With ``--check`` the status is 1 where the page's
+thread needs more than `MOST` ms for a frame, on average; ``--seconds`` says how long each is measured.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 import tempfile
@@ -23,9 +24,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from tests.ui.test_window_editor import PAGE, Editor
 from tests.ui.windows import CHROMIUM, FLAGS
 
-SECONDS = 6.0
 IN_TIME = 33.4 + 0.6  # [ms] two moments of the screen, and what its clock is off
-WANTED = 0.95
+MOST = 25.0  # [ms] of processor time a frame: it has 33, and a slow machine needs twice as long
 WALLS, THINGS, CELLS = 5000, 500, 4000
 
 TICK = os.sysconf("SC_CLK_TCK")
@@ -109,7 +109,7 @@ def _seconds_of(process: Path) -> float:
     return (int(user) + int(system)) / TICK
 
 
-def measure(browser: Any, write: Any, does: dict[str, tuple[str, str, str]]) -> dict[str, Measured]:
+def measure(browser: Any, write: Any, does: dict[str, tuple[str, str, str]], seconds: float) -> dict[str, Measured]:
     """What is measured while each of these is done."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -123,7 +123,7 @@ def measure(browser: Any, write: Any, does: dict[str, tuple[str, str, str]]) -> 
                 editor.page.wait_for_timeout(500.0)
                 code = FRAMES.replace("PAGE", PAGE).replace("BEGIN", begin).replace("EACH", each).replace("END", end)
                 drawn, before = drawings(editor), processor_time(page)
-                times = np.array(editor.page.evaluate(code, SECONDS))
+                times = np.array(editor.page.evaluate(code, seconds))
                 costs = [1000 * (b - a) / len(times) for a, b in zip(before, processor_time(page), strict=True)]
                 found[name] = Measured(times, costs[0], costs[1], drawings(editor) - drawn)
         finally:
@@ -141,7 +141,11 @@ def main() -> int:
     """Print a table; the status."""
     from playwright.sync_api import sync_playwright
 
-    late = False
+    reading = argparse.ArgumentParser(description="Measure the Editor's window.")
+    reading.add_argument("--check", action="store_true")
+    reading.add_argument("--seconds", type=float, default=6.0)
+    options = reading.parse_args()
+    is_slow = False
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
         print(f"Chromium {browser.version}, headless; {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
@@ -161,15 +165,15 @@ def main() -> int:
             (write_walls, {"panning 5,000 walls": ("", PAN, ""), "dragging 500 things": drag}),
             (write_cells, {"panning 4,000 x 4,000 cells": ("", PAN, ""), "brushing": paint}),
         ):
-            for name, (times, thread, whole, drawn) in measure(browser, write, does).items():
+            for name, (times, thread, whole, drawn) in measure(browser, write, does, options.seconds).items():
                 half, most = np.percentile(times, (50, 95))
                 in_time = float(np.mean(times <= IN_TIME))
-                late = late or in_time < WANTED
+                is_slow = is_slow or thread > MOST
                 frames = f"{name:30} {len(times):6} {half:5.1f} {most:5.1f} {times.max():7.0f} {100 * in_time:6.1f} %"
                 print(f"{frames} {thread:9.2f} {whole:14.2f} {drawn:8}")
         browser.close()
         print(f"load at the end {os.getloadavg()[0]:.1f}")
-    return 1 if late and "--check" in sys.argv[1:] else 0
+    return 1 if is_slow and options.check else 0
 
 
 if __name__ == "__main__":
