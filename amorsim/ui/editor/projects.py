@@ -1,4 +1,4 @@
-"""Commands about the project: other scenarios, worlds and models as files, programs, pictures, and what was changed."""
+"""Commands about the project: other scenarios, worlds and models as files, programs, pictures, differences."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ class Projects:
         self._bench = Reader(LONGEST_BENCH)
 
     def close(self) -> None:
-        """End what runs; again if one likes."""
+        """End experiments; calling it again does nothing."""
         self._bench.close()
 
     async def answer(self, command: Mapping[str, Any]) -> Answer | None:
-        """The answer to a command; None for one that is not known here."""
+        """The answer to a command; None if the command is unknown here."""
         work = self._session.work
         match command:
             case {"do": "difference"}:
@@ -96,7 +96,7 @@ class Projects:
     # --------------------------------------------------------------------------------------------------------- reading
 
     async def _ask(self, name: str, **arguments: Any) -> Any:
-        """What the reading process makes of the document as it is now."""
+        """Call a function of the reading process on the document as it is now."""
         reader = self._session.reader
         await asyncio.to_thread(reader.ask, "look", **self._session.asked())
         return await asyncio.to_thread(reader.ask, name, **arguments)
@@ -113,7 +113,7 @@ class Projects:
     # ----------------------------------------------------------------------------------------------------------- files
 
     def _difference(self) -> str:
-        """The lines by which the files and what is edited differ, as a patch."""
+        """A patch from the files to what is edited."""
         work = self._session.work
         found: list[str] = []
         for name, text in work.texts.items():
@@ -127,7 +127,7 @@ class Projects:
         return "\n".join(found)
 
     def _others(self) -> Answer:
-        """Scenarios that can be opened: those of before, those of the project, and the bundled ones."""
+        """Scenarios that can be opened: recent ones, those of the project, and the bundled ones."""
         work = self._session.work
         state = work.state
         files = sorted(work.folder.glob("*.toml"))[:MOST_LISTED]
@@ -138,7 +138,7 @@ class Projects:
         }
 
     def _openable(self, name: str) -> str:
-        """A scenario that a window may open: an empty page, a bundled one, one of before, or one of the project."""
+        """What a window may open: an empty page, a bundled scenario, a recent one, or one of the project."""
         work = self._session.work
         if not name or name in default_registry().names("scenario"):
             return name
@@ -204,7 +204,7 @@ class Projects:
         return place_for(folder, name, PROGRAM).relative_to(folder).as_posix()
 
     def _write_code(self, program: str, text: str, controller: Any = None) -> None:
-        """Let a program say a text, as one step; a new one is the controller at a path from then on."""
+        """Replace the text of a program, as one step; a new one becomes the controller at a path."""
         work = self._session.work
         held = work.program(program)
         if controller is not None and held.text:

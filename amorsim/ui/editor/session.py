@@ -1,7 +1,7 @@
-"""The session of the Editor: a document that windows see and one of them changes.
+"""The session of the Editor: a document that several windows show and one of them changes.
 
-All of it is for the event loop in which it is started. The document is read in a process of its own, which may be
-ended; so are users' programs checked, and run.
+It belongs to the event loop that it is started in. The document is read in a process of its own, which can be ended.
+Users' programs are checked and run in others.
 """
 
 from __future__ import annotations
@@ -103,14 +103,14 @@ class EditSession:
         self._folder = tempfile.TemporaryDirectory(prefix="amorsim-edit-", ignore_cleanup_errors=True)
 
     def start(self) -> None:
-        """Read the document, and look whether something else changes its files, from now on."""
+        """Start reading the document and watching its files."""
         self.reader.start()
         self._wanted.set()
         loop = asyncio.get_running_loop()
         self._tasks = [loop.create_task(self._look()), loop.create_task(self._watch())]
 
     async def close(self) -> None:
-        """End it; again if one likes."""
+        """End the session; calling it again does nothing."""
         for task in self._tasks:
             task.cancel()
         self._checker.close()
@@ -147,7 +147,7 @@ class EditSession:
                 await self._check_code(asked)
 
     async def _check_code(self, asked: dict[str, Any]) -> None:
-        """Try the programs that are named, until the document is changed again."""
+        """Try the programs that the scenario names; stop when the document changes."""
         check = asyncio.create_task(asyncio.to_thread(self._checker.ask, "check_code", **asked))
         change = asyncio.create_task(self._wanted.wait())
         await asyncio.wait((check, change), return_when=asyncio.FIRST_COMPLETED)
@@ -163,7 +163,7 @@ class EditSession:
         self.tell(is_drawn=True)
 
     def asked(self) -> dict[str, Any]:
-        """What the reading process is to read: the document as it is now.
+        """Arguments for the reading process: the document as it is now.
 
         Raises
         ------
@@ -177,7 +177,7 @@ class EditSession:
 
     @property
     def has_code(self) -> bool:
-        """Whether the scenario names programs of a user's."""
+        """Whether the scenario names programs."""
         document = self.work.document
         here = document.path.absolute().parent
         return any(named.kind == "program" for named in named_files(document.values, self._registry, here))
@@ -200,7 +200,7 @@ class EditSession:
                 self.tell()
 
     def tell(self, *, is_drawn: bool = False) -> None:
-        """Let windows ask how it stands; with `is_drawn`, what is drawn is new."""
+        """Wake the windows that wait for a new state; `is_drawn` says that the drawing is new, too."""
         self._number += 1
         if is_drawn:
             self._drawn = self._number
@@ -208,13 +208,13 @@ class EditSession:
         news.set()
 
     def touched(self) -> None:
-        """The document is another: it is read again."""
+        """Read the document again, which has changed."""
         self._is_behind = True
         self._wanted.set()
         self.tell()
 
     def state(self, after: int = 0) -> Answer:
-        """How the document stands; with what is drawn where that is newer than a number."""
+        """The state of the document, with the drawing if that is newer than `after`."""
         work, looked = self.work, self._looked
         answer: Answer = {
             "ok": True,
@@ -247,27 +247,27 @@ class EditSession:
     # --------------------------------------------------------------------------------------------------------- windows
 
     def open_window(self, tab: str = "") -> str:
-        """A new window's name; the first holds the pen."""
+        """Add a window; returns its name. The first one holds the pen."""
         window = self._controls.open(tab)
         self.tell()
         return window
 
     def close_window(self, window: str) -> None:
-        """A window has gone."""
+        """Remove a window."""
         self._controls.close(window)
         self.tell()
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
-        """Nothing, for nothing moves: it never returns."""
+        """Never returns: nothing moves here."""
         await asyncio.Event().wait()
         return b""
 
     def only_asks(self, name: str) -> bool:
-        """Whether a command only asks."""
+        """Whether a command changes nothing."""
         return name in _ASKS
 
     async def ask(self, window: str, command: Table) -> Answer:
-        """The answer to a window's command."""
+        """Carry out a window's command; returns the answer."""
         try:
             name = command.get("do")
             if name not in _ASKS and name != "controls" and self._controls.holder != window:
@@ -281,7 +281,7 @@ class EditSession:
             return {"ok": False, "error": str(error)}
 
     async def request(self, command: Table) -> Answer:
-        """The answer to a command, whoever holds the pen.
+        """Carry out a command, whichever window holds the pen; returns the answer.
 
         ``document`` is answered by `state` once its number is above ``after``; ``inspect`` by the ``sections`` of a
         thing, ``text`` by the scenario's text, ``image`` by a picture of a map, ``menu`` by what can be added.
@@ -353,7 +353,7 @@ class EditSession:
         return answer
 
     async def _start_run(self) -> str:
-        """Let the simulation of the document as it is now begin."""
+        """Start a simulation of the document as it is now; returns the path of its page."""
         folder = Path(self._folder.name)
         view = self.work.view(folder / "files")
         file = Path(tempfile.mkdtemp(prefix="run-", dir=folder)) / f"{self.work.name}.toml"
