@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
+import random
+import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +16,9 @@ import pytest
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
+from amorsim.ui.editor.work import Work
 from tests.ui.test_window_editor import PAGE, Editor
-from tests.ui.windows import SIMULATOR, Server, eventually
+from tests.ui.windows import SIMULATOR, Server, eventually, new_user
 
 pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
 
@@ -109,6 +113,53 @@ def test_a_killed_server_and_a_page_loaded_again_lose_nothing(open_editor: Any) 
     assert said["text"] == am.open_document("demo").text
 
 
+CHANGING = f"""(first) => {{
+    window.told = first;
+    (async () => {{
+        for (let n = first + 1; ; n++) {{
+            const changes = [{{ op: "set", path: "simulation.seed", value: n }}];
+            const said = await {PAGE}.connection.ask({{ do: "edit", label: "seed", changes }});
+            if (!said.ok) return;
+            window.told = n;
+        }}
+    }})();
+}}"""
+
+
+def seed_of(editor: Any) -> int:
+    text = editor.page.evaluate(f"{PAGE}.connection.ask({{do: 'text'}})")["text"]
+    return int(re.findall(r"seed = (\d+)", text)[0])
+
+
+def test_a_page_and_a_server_killed_while_things_are_changed_lose_nothing_that_was_answered(
+    open_editor: Any, browser: Any, tmp_path: Path
+) -> None:
+    chance = random.Random(4)
+    for _ in range(3):
+        editor = open_editor("demo")
+        for _ in range(2):
+            before = seed_of(editor)
+            editor.page.evaluate(CHANGING, before)
+            editor.page.wait_for_timeout(chance.uniform(50.0, 500.0))
+            told = editor.page.evaluate("window.told")
+            with contextlib.suppress(Exception):  # which is what it does
+                editor.page.goto("chrome://crash")
+            editor.page.context.close()
+            editor.page = new_user(browser).new_page()
+            editor.page.goto(editor.server.address)
+            editor.until("state && !state.is_behind && stage.still && isHolder", seconds=60.0)
+            assert seed_of(editor) >= told > before
+        before = seed_of(editor)
+        editor.page.evaluate(CHANGING, before)
+        editor.page.wait_for_timeout(chance.uniform(50.0, 500.0))
+        told = editor.page.evaluate("window.told")
+        editor.server.process.send_signal(signal.SIGKILL)
+        editor.server.process.wait()
+        work = Work("demo", tmp_path, state=tmp_path / ".state")
+        assert work.document.get("simulation.seed") >= told > before
+        work.close()
+
+
 def test_a_file_that_is_changed_by_hand_is_told_and_read_again(open_editor: Any, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     am.open_document("demo").save(file, copy=True)
@@ -167,6 +218,79 @@ def asked(address: str, path: str, **headers: str) -> int:
     status = connection.getresponse().status
     connection.close()
     return status
+
+
+LOOK = """
+    const { pane } = editor.stage;
+    const frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const drawings = () => pane.bitmaps.reduce((sum, one) => sum + one.drawings, 0);
+    const look = () => pane.context.getImageData(0, 0, pane.canvas.width, pane.canvas.height).data;
+    const apart = () => { // from what is drawn without bitmaps
+        pane.draw();
+        const cached = look();
+        pane.bitmaps = [];
+        pane.draw();
+        const plain = look();
+        return cached.reduce((most, value, n) => Math.max(most, Math.abs(value - plain[n])), 0);
+    };
+"""
+
+
+def test_what_stands_still_is_drawn_once_while_the_view_is_panned_or_things_are_dragged(
+    open_editor: Any, tmp_path: Path
+) -> None:
+    lines = [f"{500 * (n % 20)} {500 * (n // 20)} {500 * (n % 20) + 300} {500 * (n // 20)}" for n in range(400)]
+    (tmp_path / "w.wld").write_text("\n".join(lines))
+    posts = [
+        f'[[obstacles]]\nname = "o{n}"\nshape = {{ circle = 0.1 }}\npose = {{ x = {n % 8}, y = {n // 8 + 0.3} }}\n'
+        for n in range(40)
+    ]
+    (tmp_path / "w.toml").write_text('format = 1\n[world]\nmap = "w.wld"\n' + "".join(posts))
+    editor = open_editor("w.toml")
+    panned = editor.page.evaluate(
+        f"""async () => {{
+            const editor = {PAGE}; {LOOK}
+            await frame();
+            pane.draw();
+            const before = drawings();
+            for (let n = 0; n < 60; n++) {{
+                editor.stage.camera.pan(3.3, 1.6);
+                await frame();
+            }}
+            return [drawings() - before, apart()];
+        }}"""
+    )
+    assert panned[0] <= 2  # 200 pixels to the side: at most once out of the margin
+    assert panned[1] < 40  # of 255: edges are smoothed by another path through the browser
+    dragged = editor.page.evaluate(
+        f"""async () => {{
+            const editor = {PAGE}; {LOOK}
+            const {{ stage, connection }} = editor;
+            const tool = editor.tools.select;
+            const said = [];
+            const ask = connection.ask.bind(connection);
+            connection.ask = (command) => (command.do !== "document" && said.push(command), ask(command));
+            stage.selection.set(stage.things.filter(({{ pose }}) => pose).map((one) => stage.chosenOf(one)));
+            await frame();
+            tool.shift(0.1, 0.1, true);
+            await frame();
+            pane.draw();
+            const before = drawings();
+            for (let n = 0; n < 30; n++) {{
+                tool.shift(0.02 * n, 0.01 * n, true);
+                await frame();
+            }}
+            const found = [drawings() - before, said.length, apart()];
+            tool.commit("move");
+            await frame();
+            connection.ask = ask;
+            return [...found, said.length, said[0].changes.length];
+        }}"""
+    )
+    assert dragged[:2] == [0, 0]
+    assert dragged[2] < 40
+    assert dragged[3:] == [1, 40]
+    editor.until("!state.is_behind && stage.things.some(({pose}) => pose && Math.abs(pose[0] - 7.58) < 1e-9)")
 
 
 def test_nobody_gets_in_without_the_cookie_or_from_elsewhere(tmp_path: Path) -> None:

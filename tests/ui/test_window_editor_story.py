@@ -127,7 +127,7 @@ def test_from_nothing_to_a_run_and_back_to_nothing(open_editor: Any, tmp_path: P
     editor.until("playing?.tick > 5", seconds=120.0)
     assert editor.see("watching")
     assert not page.is_visible("[aria-label='add a thing']")
-    assert page.evaluate(f"Array.from({PAGE}.stage.frame.truePoses.slice(0, 2))") != pytest.approx(
+    assert page.evaluate(f"Array.from({PAGE}.stage.carried.truePoses.slice(0, 2))") != pytest.approx(
         there[0][:2], abs=1e-4
     )
     page.click("[aria-label='stop']")

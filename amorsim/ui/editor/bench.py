@@ -1,4 +1,4 @@
-"""Short experiments on a robot that is edited: its errors on a square, and how a sensor's readings scatter."""
+"""Short experiments on the robot that is edited: its errors on a square, and the scatter of a sensor's readings."""
 
 from __future__ import annotations
 

@@ -218,18 +218,18 @@ def _walls(work: Work, change: Change) -> None:
             raise AmorsimError(f"change: expected [number, wall], got {shown(pair)}")
         moved[_number(pair[0])] = _wall(pair[1])
     try:
-        work.walls(add=add, change=moved, remove=remove)
+        work.world.walls(add=add, change=moved, remove=remove)
     except IndexError:
         raise AmorsimError("walls: there is no wall of that number") from None
 
 
 def _paint(work: Work, change: Change) -> None:
-    work.paint(lambda text: painted(text, change.get("spans"), is_occupied=change.get("occupied") is True))
+    work.world.paint(lambda text: painted(text, change.get("spans"), is_occupied=change.get("occupied") is True))
 
 
 def _fill(work: Work, change: Change) -> None:
     row, column = _number(change.get("row")), _number(change.get("column"))
-    work.paint(lambda text: filled(text, row, column, is_occupied=change.get("occupied") is True))
+    work.world.paint(lambda text: filled(text, row, column, is_occupied=change.get("occupied") is True))
 
 
 def _crop(work: Work, change: Change) -> None:
@@ -237,13 +237,13 @@ def _crop(work: Work, change: Change) -> None:
     if not isinstance(box, list) or len(box) != 4 or not all(is_number(part, below=1e9) for part in box):
         raise AmorsimError(f"box: expected [top, left, end, right] in cells, got {shown(box)}")
     top, left, end, right = (int(part) for part in box)
-    rows, _ = work.cells or (0, 0)
+    rows, _ = work.world.cells or (0, 0)
     table: Any = _own(work, "world")
     turned = table.get("origin_yaw_deg", 0.0) if isinstance(table, dict) else 0.0
     resolution: Any = table.get("resolution") if isinstance(table, dict) else None
     if turned or not is_number(resolution):
         raise AmorsimError("only a bitmap with a resolution, and that is not turned, can be cropped")
-    work.paint(lambda text: cropped(text, top, left, end, right))
+    work.world.paint(lambda text: cropped(text, top, left, end, right))
     # What stays is where it was: the picture's lower left corner is another.
     for key, cells in (("origin_x", max(0, left)), ("origin_y", rows - min(rows, end))):
         there = table.get(key, 0.0)

@@ -1,4 +1,4 @@
-"""The steps that can be undone: each says what it changed in which text."""
+"""The steps that can be undone: for each, what it changed in which text."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ class Patch(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A gesture: what it is called, and the change of each text, by the text's name."""
+    """A gesture: its label, and the change of each text by the text's name."""
 
     label: str
     patches: Mapping[str, Patch]
 
 
 def difference(old: str, new: str) -> Patch:
-    """The shortest single change that leads from one text to another."""
+    """The shortest single change that turns one text into another."""
     start = _alike(old, new)
     tail = _alike(old[start:][::-1], new[start:][::-1])
     return Patch(start, old[start : len(old) - tail], new[start : len(new) - tail])
 
 
 def _alike(one: str, other: str) -> int:
-    """How many letters are the same at the beginning."""
+    """The length of the common beginning."""
     low, high = 0, min(len(one), len(other))
     while low < high:
         middle = (low + high + 1) // 2
@@ -50,7 +50,7 @@ def _alike(one: str, other: str) -> int:
 
 
 class History:
-    """Steps that were made, and those that were taken back.
+    """The steps that were made, and those that were undone.
 
     Attributes
     ----------
@@ -63,27 +63,27 @@ class History:
         self.undone: list[Step] = []
 
     def add(self, step: Step) -> None:
-        """Remember a step that was made; those that were taken back are forgotten, and so is the oldest of too many."""
+        """Add a step. Undone steps are forgotten, and so are the oldest ones above `MOST_STEPS`."""
         self.done.append(step)
         self.undone.clear()
         del self.done[:-MOST_STEPS]
 
     def back(self) -> Step | None:
-        """The step to take back, which can be made again then; None where there is none."""
+        """The step to undo, which can be redone afterwards; None if there is none."""
         if not self.done:
             return None
         self.undone.append(self.done.pop())
         return self.undone[-1]
 
     def forward(self) -> Step | None:
-        """The step to make again; None where there is none."""
+        """The step to redo; None if there is none."""
         if not self.undone:
             return None
         self.done.append(self.undone.pop())
         return self.done[-1]
 
     def rename(self, old: str, new: str) -> None:
-        """Call a text otherwise in all steps."""
+        """Rename a text in all steps."""
         for steps in (self.done, self.undone):
             steps[:] = [
                 Step(step.label, {new if name == old else name: patch for name, patch in step.patches.items()})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from amorsim.scenario.field_at import component_at
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.models import LOOKS
-from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Robot, Scenario
+from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.ui.editor.errors import deviations, fields_of, targets
 from amorsim.ui.editor.sections import SHAPES, Section, toml_of
 from amorsim.ui.forms.description import FieldForm, form_of
@@ -85,6 +86,8 @@ class _Inspector:
                 yield self._section("Simulation", (), self._form(Scenario, (), ("dt", "duration", "seed")))
             case ("world",):
                 yield from self._world()
+            case ("recording",):
+                yield from self._recording()
             case _:
                 yield self._as_toml(str(self.at[-1]).capitalize(), ())
 
@@ -157,6 +160,14 @@ class _Inspector:
             section["depth"] = 1
             section["can_go"] = True
             yield section
+
+    def _recording(self) -> Iterator[Section]:
+        yield self._section("Recording", (), self._form(Recording, (), ("sensors", "picture")))
+        yield self._heading("Other recorders", ("also",), "recorder", is_list=True)
+        also = self.table.get("also")
+        for number, one in enumerate(also if isinstance(also, list) else []):
+            name = one.get("use", "?") if isinstance(one, dict) else "?"
+            yield from self._component(str(name), ("also", number), "recorder", depth=1, can_go=True)
 
     def _obstacle(self) -> Iterator[Section]:
         yield self._section("Obstacle", (), [*self._name(), *self._form(Obstacle, (), LOOKS)])
@@ -256,8 +267,16 @@ class _Inspector:
             "choices": list(SHAPES),
             "is_optional": False,
         }
-        if len(kinds) == 1 and kinds[0] == "circle" and isinstance(table["circle"], (int, float)):
-            section["fields"] = [self._number(("shape", "circle"), "radius", "m", table["circle"])]
+        value = table[kinds[0]] if isinstance(table, dict) and len(kinds) == 1 else None
+        if kinds == ["circle"] and is_number(value):
+            section["fields"] = [self._number(("shape", "circle"), "radius", "m", value)]
+        elif kinds == ["rectangle"] and isinstance(value, list) and [*map(is_number, value)] == [True, True]:
+            section["fields"] = [
+                self._number(("shape", "rectangle", number), label, "m", value[number])
+                for number, label in enumerate(("length", "width"))
+            ]
+            for field in section["fields"]:
+                field["is_given"] = False  # one of the two cannot be left out
         else:
             section["toml"] = toml_of(table) if isinstance(table, dict) else ""
         yield section
@@ -265,18 +284,20 @@ class _Inspector:
     def _heading(self, title: str, at: tuple[str, ...], kind: str, *, is_list: bool, depth: int = 0) -> Section:
         section = self._section(title, at, [])
         section["depth"] = depth
-        names = [name for name in self.registry.names(kind) if kind != "noise" or self._suits(name, at)]
+        names = self._noises(at) if kind == "noise" else list(self.registry.names(kind))
         section["adding"] = [
             {"label": f"add to {title}", "path": self._path(at), "kind": kind, "choices": names, "is_list": is_list}
         ]
         return section
 
-    def _suits(self, name: str, at: tuple[str, ...]) -> bool:
-        """Whether a noise is one for the ground, or for sensors, as the chain is."""
-        try:
-            return bool(self.registry.get("noise", name).for_ground) == (at[-1] == "ground")
-        except PluginError:
-            return False
+    def _noises(self, at: tuple[str, ...]) -> list[str]:
+        """The noises that a chain can have: those for the ground come first there, and suit no sensor."""
+        own: list[str] = []
+        others: list[str] = []
+        for name in self.registry.names("noise"):
+            with contextlib.suppress(PluginError):
+                (own if self.registry.get("noise", name).for_ground else others).append(name)
+        return own + others if at[-1] == "ground" else others
 
     def _as_toml(self, title: str, at: tuple[str, ...]) -> Section:
         section = self._section(title, at, [])
@@ -374,7 +395,7 @@ class _Inspector:
         field["widget"] = {"kind": "choice", "is_optional": True, "choices": list(choices)}
         return field
 
-    def _number(self, at: tuple[str, ...], label: str, unit: str, value: Any) -> FieldForm:
+    def _number(self, at: tuple[str | int, ...], label: str, unit: str, value: Any) -> FieldForm:
         field = self._text(at, label, "", "number")
         field["widget"] = {
             "kind": "number",

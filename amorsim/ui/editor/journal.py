@@ -1,4 +1,4 @@
-"""The journal of a scenario that is edited: its steps on disk, so that they survive a server that was killed.
+"""The journal of an edited scenario: its steps on disk, which survive a killed server.
 
 A line of JSON each: first the texts before the first step, then what happened. It lies in the user's state folder and
 never next to the scenario. A step is written as soon as it is made; a line that a kill cut off is left out.
@@ -43,13 +43,13 @@ def state_folder() -> Path:
 
 
 def mark_of(text: str | None) -> str:
-    """What tells a text from others; empty for a file that is not there."""
+    """A digest of a text; empty for a file that does not exist."""
     return "" if text is None else hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 @attrs.define(kw_only=True)
 class Kept:
-    """What a journal holds: the texts as they are now, the steps, and what the files had when they were saved last."""
+    """What a journal holds: the present texts, the steps, and marks of the texts that were saved last."""
 
     texts: dict[str, str]
     history: History = attrs.field(factory=History)
@@ -65,7 +65,7 @@ class Kept:
 
 
 class Journal:
-    """The journal of what is edited under a key, for this process alone.
+    """The journal of a key, locked by this process.
 
     Raises
     ------
@@ -93,7 +93,7 @@ class Journal:
                 raise JournalError("another Editor has this scenario open; the steps made here are not kept") from None
 
     def close(self) -> None:
-        """Let another have it."""
+        """Release it, so that another process can open it."""
         for stream in (self._stream, self._lock):
             if stream is not None:
                 with contextlib.suppress(OSError):
@@ -101,7 +101,7 @@ class Journal:
         self._stream = self._lock = None
 
     def read(self) -> Kept | None:
-        """What it holds; None where there is nothing, or nothing that can be read."""
+        """What the journal holds; None if it is empty or cannot be read."""
         try:
             first, *lines = self.file.read_text(encoding="utf-8").split("\n")
             head = json.loads(first)
@@ -118,7 +118,7 @@ class Journal:
         return kept
 
     def rewrite(self, kept: Kept) -> None:
-        """Begin it again with this; raises `JournalError` if it cannot be written."""
+        """Replace all of it; raises `JournalError` if it cannot be written."""
         history = kept.history
         lines: list[Any] = [{"format": FORMAT, "texts": kept.base, "saved": kept.saved}]
         lines += [_said(step) for step in (*history.done, *reversed(history.undone))]
@@ -133,24 +133,24 @@ class Journal:
             raise JournalError(f"{self.file}: cannot be written; steps are not kept: {error}") from None
 
     def forget(self) -> None:
-        """Hold nothing any more."""
+        """Delete it."""
         with contextlib.suppress(OSError):
             self.file.unlink()
 
     def step(self, step: Step) -> None:
-        """A step was made."""
+        """Note a step."""
         self._write(_said(step))
 
     def undo(self) -> None:
-        """The last step was taken back."""
+        """Note that the last step was undone."""
         self._write({"undo": 1})
 
     def redo(self) -> None:
-        """A step was made again."""
+        """Note that a step was redone."""
         self._write({"redo": 1})
 
     def saved(self, marks: Mapping[str, str]) -> None:
-        """The files were saved with these texts."""
+        """Note that the files were saved with texts of these marks."""
         self._write({"saved": dict(marks)})
 
     def _write(self, line: Mapping[str, Any]) -> None:
@@ -167,7 +167,7 @@ def _said(step: Step) -> dict[str, Any]:
 
 
 def _happened(kept: Kept, line: Mapping[str, Any]) -> None:
-    """Do what a line says."""
+    """Replay a line."""
     if "step" in line:
         step = Step(line["step"], {name: Patch(*patch) for name, patch in line["patches"].items()})
         _apply(kept.texts, step)

@@ -1,4 +1,4 @@
-"""What a window is shown of a document: what can be drawn, the things, and the faults. Nothing of a user's runs."""
+"""What a window shows of a document: the drawing, the things, and the faults. No program of a user is run."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ CODE_LIMIT = 5.0  # [s] that a user's program may take to be loaded and made
 
 
 class FaultAt(FaultLine):
-    """A fault, and the path of what it is about, with numbers in the places of names."""
+    """A fault, and the path of what it is about; the path has numbers in place of names."""
 
     at: str
 
 
 @attrs.frozen(kw_only=True)
 class Looked:
-    """What came of looking at a document: plain values, for a window."""
+    """What a window shows of a document, as plain values."""
 
     faults: list[FaultAt]
     things: list[Thing]
@@ -40,14 +40,14 @@ class Looked:
 
     @classmethod
     def failed(cls, name: str, problem: str) -> Looked:
-        """Of a document that cannot be looked at."""
+        """What is shown of a document that cannot be read: one fault."""
         fault = Fault(file=name, path="", message=f"cannot be read: {problem}")
         return cls(faults=[{**line, "at": ""} for line in fault_lines([fault])], things=[], still=None)
 
 
 @attrs.frozen(kw_only=True)
 class Seen:
-    """What a window is shown, and what it was made of: none where nothing could be read."""
+    """What a window shows, and what that was made from: None if nothing could be read."""
 
     looked: Looked
     partial: Partial | None = None
@@ -66,7 +66,7 @@ def look(document: Document, text: str, name: str, folder: Path, registry: Regis
     name
         What the file is called.
     folder
-        Where the maps lie that are not saved; no fault names it.
+        Where the files lie that are not saved; no fault names it.
     """
     try:
         partial = document.partial()

@@ -1,4 +1,4 @@
-"""Commands about the project: other scenarios, worlds and models as files, programs, pictures, and what was changed."""
+"""Commands about the project: other scenarios, worlds and models as files, programs, pictures, differences."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import asyncio
 import base64
 import difflib
 import io
+import re
 import tempfile
 import zipfile
 from collections.abc import Mapping
@@ -14,10 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.reading import read_text, reason
-from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.elsewhere import near
+from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.reader import Reader
 from amorsim.ui.editor.recent import recent_files
 from amorsim.ui.editor.work import Work
@@ -45,11 +45,11 @@ class Projects:
         self._bench = Reader(LONGEST_BENCH)
 
     def close(self) -> None:
-        """End what runs; again if one likes."""
+        """End experiments; calling it again does nothing."""
         self._bench.close()
 
     async def answer(self, command: Mapping[str, Any]) -> Answer | None:
-        """The answer to a command; None for one that is not known here."""
+        """The answer to a command; None if the command is unknown here."""
         work = self._session.work
         match command:
             case {"do": "difference"}:
@@ -78,20 +78,25 @@ class Projects:
             case {"do": "histogram", "robot": str(robot), "sensor": str(sensor)}:
                 return {"ok": True, **await self._experiment("noise", robot=robot, sensor=sensor)}
             case {"do": "code", "file": name}:
-                return {"ok": True, "text": self._code(self._program(name))}
+                held = work.program(self._program(name))
+                return {"ok": True, "text": held.text or _template(), "is_saved": held.text == held.saved}
+            case {"do": "write_code", "file": name, "text": str(text)} if len(text) <= LONGEST_CODE:
+                program = self._program(name)
+                self._write_code(program, text, command.get("controller"))
+                return {"ok": True, "file": program}
             case {"do": "save_code", "file": name, "text": str(text)} if len(text) <= LONGEST_CODE:
-                file = self._program(name)
-                if command.get("is_new") is True and file.exists():
-                    raise AmorsimError(f"{file.name} is there already; name another file")
-                write_text(file, text)
+                program = self._program(name)
+                self._write_code(program, text)
+                self._session.meant[work.here / program] = text
+                is_saved = work.save_program(program)
                 self._session.touched()
-                return {"ok": True, "file": file.relative_to(work.folder).as_posix()}
+                return {"ok": True, "file": program, "is_saved": is_saved}
         return None
 
     # --------------------------------------------------------------------------------------------------------- reading
 
     async def _ask(self, name: str, **arguments: Any) -> Any:
-        """What the reading process makes of the document as it is now."""
+        """Call a function of the reading process on the document as it is now."""
         reader = self._session.reader
         await asyncio.to_thread(reader.ask, "look", **self._session.asked())
         return await asyncio.to_thread(reader.ask, name, **arguments)
@@ -108,7 +113,7 @@ class Projects:
     # ----------------------------------------------------------------------------------------------------------- files
 
     def _difference(self) -> str:
-        """The lines by which the files and what is edited differ, as a patch."""
+        """A patch from the files to what is edited."""
         work = self._session.work
         found: list[str] = []
         for name, text in work.texts.items():
@@ -122,7 +127,7 @@ class Projects:
         return "\n".join(found)
 
     def _others(self) -> Answer:
-        """Scenarios that can be opened: those of before, those of the project, and the bundled ones."""
+        """Scenarios that can be opened: recent ones, those of the project, and the bundled ones."""
         work = self._session.work
         state = work.state
         files = sorted(work.folder.glob("*.toml"))[:MOST_LISTED]
@@ -133,7 +138,7 @@ class Projects:
         }
 
     def _openable(self, name: str) -> str:
-        """A scenario that a window may open: an empty page, a bundled one, one of before, or one of the project."""
+        """What a window may open: an empty page, a bundled scenario, a recent one, or one of the project."""
         work = self._session.work
         if not name or name in default_registry().names("scenario"):
             return name
@@ -186,7 +191,8 @@ class Projects:
 
     # -------------------------------------------------------------------------------------------------------- programs
 
-    def _program(self, name: Any) -> Path:
+    def _program(self, name: Any) -> str:
+        """The name of a program in the project's folder."""
         if not self._session.may_run_code:
             raise AmorsimError(
                 "other machines can reach this window, so no programs are taken; start the Editor with --allow-code, "
@@ -194,16 +200,38 @@ class Projects:
             )
         if not isinstance(name, str) or not name.endswith(".py"):
             raise AmorsimError(f"expected the name of a file of Python such as my_controller.py, got {shown(name)}")
-        return place_for(self._session.work.folder, name, ".py")
+        folder = self._session.work.folder
+        return place_for(folder, name, PROGRAM).relative_to(folder).as_posix()
 
-    def _code(self, file: Path) -> str:
-        """What a program says; for one that is not there yet, the controller that `amorsim new` begins with."""
-        if not file.exists():
-            return (resources.files("amorsim.cli") / "template" / "controller.py").read_text(encoding="utf-8")
-        try:
-            return read_text(file)
-        except (OSError, ValueError) as error:
-            raise AmorsimError(f"{file.name}: cannot be read: {reason(error)}") from None
+    def _write_code(self, program: str, text: str, controller: Any = None) -> None:
+        """Replace the text of a program, as one step; a new one becomes the controller at a path."""
+        work = self._session.work
+        held = work.program(program)
+        if controller is not None and held.text:
+            raise AmorsimError(f"{program} is there already; name another file")
+        if held.text == text:
+            return
+
+        def change(work: Work) -> None:
+            work.set_program(program, text)
+            if isinstance(controller, str):
+                work.document.set(controller, {"use": f"{program}:{_first_name(text)}"})
+
+        work.edit(f"write {program}", change)
+        if controller is not None:
+            self._session.meant[work.here / program] = text
+        self._session.touched()
+
+
+def _template() -> str:
+    """The controller that `amorsim new` begins with."""
+    return (resources.files("amorsim.cli") / "template" / "controller.py").read_text(encoding="utf-8")
+
+
+def _first_name(text: str) -> str:
+    """The name of the first function or class of a program."""
+    found = re.search(r"^(?:def|class) +(\w+)", text, re.MULTILINE)
+    return found[1] if found else "drive"
 
 
 def _take(work: Work, file: Path, options: Mapping[str, Any]) -> None:

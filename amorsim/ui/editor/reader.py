@@ -1,4 +1,4 @@
-"""The process that reads documents for the Editor: what takes too long in it is ended, and the server goes on."""
+"""The process that reads documents for the Editor. It is ended if it takes too long; the server goes on."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class _EndedError(Exception):
 
 
 class Reader:
-    """A process that answers requests, one at a time; where it was ended, the next request starts another.
+    """A process that answers one request at a time. If it was ended, the next request starts another.
 
     Its functions are those of `amorsim.ui.editor.reader_child`.
 
@@ -47,7 +47,7 @@ class Reader:
         self._is_closed = False
 
     def start(self) -> None:
-        """Start the process, if there is none; it says when it is there, and nobody waits for that here."""
+        """Start the process if there is none, without waiting until it is ready."""
         with self._changing:
             if self._is_closed:
                 raise ReaderError("it is closed")
@@ -62,7 +62,7 @@ class Reader:
                 self._is_there = False
 
     def ask(self, name: str, /, **arguments: Any) -> Any:
-        """What a function of the process returns for its arguments.
+        """Call a function in the process; returns its result.
 
         Raises
         ------
@@ -122,12 +122,12 @@ class Reader:
         end_with_children(process)
 
     def kill(self) -> None:
-        """End the process, whatever it does; the next request starts another."""
+        """End the process; the next request starts another."""
         with self._changing:
             self._drop()
 
     def close(self) -> None:
-        """End the process for good; again if one likes."""
+        """End the process for good; calling it again does nothing."""
         with self._changing:
             self._is_closed = True
             self._drop()

@@ -15,7 +15,7 @@ _FILE = "recent.json"
 
 
 def recent_files(state: Path) -> list[str]:
-    """Their paths, the last one first; those that are no longer there are left out."""
+    """Paths of the files, the newest first, without those that no longer exist."""
     try:
         found = json.loads((state / _FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -27,7 +27,7 @@ def recent_files(state: Path) -> list[str]:
 
 
 def remember(state: Path, path: Path) -> None:
-    """Put a file first; where that cannot be written, nothing happens."""
+    """Put a file first; does nothing if that cannot be written."""
     name = str(path.absolute())
     names = [name, *(other for other in recent_files(state) if other != name)][:MOST]
     with contextlib.suppress(OSError):

@@ -1,7 +1,7 @@
-"""The session of the Editor: a document that windows see and one of them changes.
+"""The session of the Editor: a document that several windows show and one of them changes.
 
-All of it is for the event loop in which it is started. The document is read in a process of its own, which may be
-ended; so are users' programs checked, and run.
+It belongs to the event loop that it is started in. The document is read in a process of its own, which can be ended.
+Users' programs are checked and run in others.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.changes import apply, own_table
+from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.inspector import inspect
 from amorsim.ui.editor.looking import FaultAt, Looked
 from amorsim.ui.editor.projects import ASKS, Projects
@@ -90,6 +91,7 @@ class EditSession:
         self._controls = Controls()
         self._looked = Looked(faults=[], things=[], still=None)
         self._code_faults: list[FaultAt] = []
+        self.meant: dict[Path, str] = {}  # programs that may be tried before they are saved
         self._is_checking = False
         self._number = 1
         self._drawn = 0  # the number at which what is drawn was new
@@ -101,14 +103,14 @@ class EditSession:
         self._folder = tempfile.TemporaryDirectory(prefix="amorsim-edit-", ignore_cleanup_errors=True)
 
     def start(self) -> None:
-        """Read the document, and look whether something else changes its files, from now on."""
+        """Start reading the document and watching its files."""
         self.reader.start()
         self._wanted.set()
         loop = asyncio.get_running_loop()
         self._tasks = [loop.create_task(self._look()), loop.create_task(self._watch())]
 
     async def close(self) -> None:
-        """End it; again if one likes."""
+        """End the session; calling it again does nothing."""
         for task in self._tasks:
             task.cancel()
         self._checker.close()
@@ -139,13 +141,13 @@ class EditSession:
                 self._looked = Looked.failed(f"{self.work.name}.toml", str(error))
             self._code_faults = []
             self._is_behind = self._wanted.is_set()
-            self._is_checking = not self._is_behind and self.may_run_code and self.has_code
+            self._is_checking = not self._is_behind and self.may_run_code and self.has_code and self._are_meant
             self.tell(is_drawn=True)
             if self._is_checking:
                 await self._check_code(asked)
 
     async def _check_code(self, asked: dict[str, Any]) -> None:
-        """Try the programs that are named, until the document is changed again."""
+        """Try the programs that the scenario names; stop when the document changes."""
         check = asyncio.create_task(asyncio.to_thread(self._checker.ask, "check_code", **asked))
         change = asyncio.create_task(self._wanted.wait())
         await asyncio.wait((check, change), return_when=asyncio.FIRST_COMPLETED)
@@ -161,24 +163,33 @@ class EditSession:
         self.tell(is_drawn=True)
 
     def asked(self) -> dict[str, Any]:
-        """What the reading process is to read: the document as it is now.
+        """Arguments for the reading process: the document as it is now.
 
         Raises
         ------
         AmorsimError, OSError
-            If a map cannot be written where that process finds it.
+            If a file cannot be written where that process finds it.
         """
-        folder = Path(self._folder.name) / "maps"
+        folder = Path(self._folder.name) / "files"
         view = self.work.view(folder)
         name = f"{self.work.name}.toml"
         return {"text": view.text, "path": view.path, "shown": self.work.text, "name": name, "folder": folder}
 
     @property
     def has_code(self) -> bool:
-        """Whether the scenario names programs of a user's."""
+        """Whether the scenario names programs."""
         document = self.work.document
         here = document.path.absolute().parent
         return any(named.kind == "program" for named in named_files(document.values, self._registry, here))
+
+    @property
+    def _are_meant(self) -> bool:
+        """Whether all programs are as the user has saved them, or asked to: what is half typed is not run."""
+        return all(
+            held.text == self.meant.get(path)
+            for path, held in self.work.files.differing.items()
+            if path.suffix == PROGRAM
+        )
 
     async def _watch(self) -> None:
         while True:
@@ -189,7 +200,7 @@ class EditSession:
                 self.tell()
 
     def tell(self, *, is_drawn: bool = False) -> None:
-        """Let windows ask how it stands; with `is_drawn`, what is drawn is new."""
+        """Wake the windows that wait for a new state; `is_drawn` says that the drawing is new, too."""
         self._number += 1
         if is_drawn:
             self._drawn = self._number
@@ -197,13 +208,13 @@ class EditSession:
         news.set()
 
     def touched(self) -> None:
-        """The document is another: it is read again."""
+        """Read the document again, which has changed."""
         self._is_behind = True
         self._wanted.set()
         self.tell()
 
     def state(self, after: int = 0) -> Answer:
-        """How the document stands; with what is drawn where that is newer than a number."""
+        """The state of the document, with the drawing if that is newer than `after`."""
         work, looked = self.work, self._looked
         answer: Answer = {
             "ok": True,
@@ -211,9 +222,9 @@ class EditSession:
             "name": f"{work.name}.toml",
             "file": "" if work.is_new else str(work.path),
             "folder": str(work.folder),
-            "map": "" if work.map is None else work.map.name,
-            "walls_fixed": work.walls_fixed,
-            "cells": work.cells,
+            "map": "" if work.world.file is None else work.world.file.name,
+            "walls_fixed": work.world.walls_fixed,
+            "cells": work.world.cells,
             "is_saved": work.is_saved,
             "is_new": work.is_new,
             "is_behind": self._is_behind,
@@ -236,27 +247,27 @@ class EditSession:
     # --------------------------------------------------------------------------------------------------------- windows
 
     def open_window(self, tab: str = "") -> str:
-        """A new window's name; the first holds the pen."""
+        """Add a window; returns its name. The first one holds the pen."""
         window = self._controls.open(tab)
         self.tell()
         return window
 
     def close_window(self, window: str) -> None:
-        """A window has gone."""
+        """Remove a window."""
         self._controls.close(window)
         self.tell()
 
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
-        """Nothing, for nothing moves: it never returns."""
+        """Never returns: nothing moves here."""
         await asyncio.Event().wait()
         return b""
 
     def only_asks(self, name: str) -> bool:
-        """Whether a command only asks."""
+        """Whether a command changes nothing."""
         return name in _ASKS
 
     async def ask(self, window: str, command: Table) -> Answer:
-        """The answer to a window's command."""
+        """Carry out a window's command; returns the answer."""
         try:
             name = command.get("do")
             if name not in _ASKS and name != "controls" and self._controls.holder != window:
@@ -270,7 +281,7 @@ class EditSession:
             return {"ok": False, "error": str(error)}
 
     async def request(self, command: Table) -> Answer:
-        """The answer to a command, whoever holds the pen.
+        """Carry out a command, whichever window holds the pen; returns the answer.
 
         ``document`` is answered by `state` once its number is above ``after``; ``inspect`` by the ``sections`` of a
         thing, ``text`` by the scenario's text, ``image`` by a picture of a map, ``menu`` by what can be added.
@@ -342,9 +353,9 @@ class EditSession:
         return answer
 
     async def _start_run(self) -> str:
-        """Let the simulation of the document as it is now begin."""
+        """Start a simulation of the document as it is now; returns the path of its page."""
         folder = Path(self._folder.name)
-        view = self.work.view(folder / "maps")
+        view = self.work.view(folder / "files")
         file = Path(tempfile.mkdtemp(prefix="run-", dir=folder)) / f"{self.work.name}.toml"
         view.save(file)
         return await self.run(file)

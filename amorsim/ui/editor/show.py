@@ -35,7 +35,7 @@ Say = Callable[[str], None]
 def edit(
     name: str, *, host: str, port: int, browser: bool, allow_code: bool, say: Say, complain: Say, folder: Path
 ) -> None:
-    """Serve the Editor's window until Ctrl-C. The process is not to do anything more afterwards: it may be ended here.
+    """Serve the Editor's window until Ctrl-C. The process may be ended here, so do nothing after the call.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class _Opened:
             await runs.close()
 
     async def close(self) -> None:
-        """End it all."""
+        """End all sessions and simulations."""
         await self.end_runs()
         for session, _, _ in self._sessions:
             await session.close()
@@ -150,7 +150,7 @@ class _Runs:
         editing.run = self.start
 
     async def start(self, file: Path) -> str:
-        """Start the simulation of a file in place of the one before; returns the path of its page.
+        """Start the simulation of a file in place of the previous one; returns the path of its page.
 
         Raises
         ------
@@ -174,7 +174,7 @@ class _Runs:
         return f"{self._page.path}?from={self._editing_page.path}"
 
     async def close(self) -> None:
-        """End the simulation, and its page; again if one likes."""
+        """End the simulation and its page; calling it again does nothing."""
         if self._page is not None:
             self._pages.remove(self._page)
         if self._session is not None:

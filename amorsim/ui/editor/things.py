@@ -99,9 +99,9 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
                 shape = Shape.circle(max(getattr(one, "radius", 0.1), 0.01))
                 thing |= {"footprint": outline_of(shape), "pose": [one.x, one.y, 0.0], "moves": True}
             found.append(thing)
-    for key in ("recording", "floor"):
-        if isinstance(values.get(key), dict):
-            found.append(_thing(key, "settings", key, ""))
+    found.insert(2, _thing("recording", "settings", "recording", "what a run writes"))
+    if isinstance(values.get("floor"), dict):
+        found.append(_thing("floor", "settings", "floor", ""))
     for thing in found:
         if thing["kind"] in ("robot", "obstacle") or thing["path"] == "floor":
             thing["places"] = places_at(values, thing["path"], registry, folder)
@@ -163,7 +163,9 @@ def _body(
     else:
         thing["obstacles"] = places
     if is_series:
-        thing["note"] = f"{len(own)} of them"
+        start = table.get("start")
+        is_drawn = isinstance(start, dict) and "random" in start
+        thing["note"] = f"{len(own)} of them" + (", placed by the run" if is_drawn else "")
         return thing
     outline = outlines.get(name)
     body: Robot | Obstacle | None = own[0][1] if own else None

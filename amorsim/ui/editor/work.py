@@ -1,32 +1,29 @@
-"""A scenario that is being edited: its document, the walls of its map, the steps that can be undone, and saving."""
+"""A scenario that is being edited: its document and its files, the steps that can be undone, and saving."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable, Iterable, Mapping
+import tempfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import attrs
-
-from amorsim.core.errors import AmorsimError, DocumentError
-from amorsim.core.whole_files import write_bytes
+from amorsim.core.errors import AmorsimError
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.elsewhere import named_files
-from amorsim.ui.editor.bitmaps import SUFFIXES, shape_of
+from amorsim.ui.editor.files import Files, FilesError, FileText
 from amorsim.ui.editor.history import History, Patch, Step, difference
 from amorsim.ui.editor.journal import Journal, JournalError, Kept, mark_of
-from amorsim.ui.editor.map_text import MapText, read_map_text
 from amorsim.ui.editor.recent import remember
-from amorsim.ui.editor.walls import EMPTY_WORLD, WallsError, world_of
-from amorsim.ui.faults.files import Stamp, stamps_of
+from amorsim.ui.editor.walls import WallsError
+from amorsim.ui.editor.world_map import WorldMap
+from amorsim.ui.faults.files import Stamps, stamps_of
 
 __all__ = ["EMPTY", "ChangedError", "Work"]
 
 EMPTY = "format = 1\n"
-SCENARIO = ""  # the name of the scenario's text; that of a map is its path
+SCENARIO = ""  # the name of the scenario's text; that of a file is its path
 
 
 class ChangedError(AmorsimError):
@@ -34,24 +31,27 @@ class ChangedError(AmorsimError):
 
 
 class Work:
-    """A scenario that is being edited, and its map where that is a line world.
+    """A scenario that is being edited, with its map and its programs as texts.
 
-    What is not touched stays byte for byte, and nothing of a user's runs.
+    What is not touched stays byte for byte, and no program is run.
 
     Parameters
     ----------
     name
-        A file, the name of a bundled scenario, of which a copy is edited, or nothing for an empty page.
+        A file, the name of a bundled scenario (a copy is edited), or empty for an empty page.
     folder
         Where a copy or an empty page is saved.
     state
-        The folder in which the steps are kept, so that they are there again when the same is opened; nowhere if none
-        is given.
+        The folder of the journal, which restores the steps when the scenario is opened again; None keeps no journal.
 
     Attributes
     ----------
+    files
+        The files that are edited with the scenario.
+    world
+        The map of its world.
     remark
-        What the user should know of what was kept, or nothing.
+        What to tell the user about the journal; empty for nothing.
     state
         As given.
 
@@ -65,8 +65,8 @@ class Work:
         self.registry = registry or default_registry()
         self.folder = folder.absolute()
         self.history = History()
-        self._maps: dict[Path, MapText] = {}
-        self._refused: dict[Path, str] = {}  # bitmaps that cannot be painted on, and why, since they were read
+        self.files = Files()
+        self.world = WorldMap(self)
         self.is_new = True  # whether it has no file of its own yet
         if not name:
             self.path = self.folder / "untitled.toml"
@@ -81,7 +81,7 @@ class Work:
                 self.folder = self.path.parent
         self.name = "untitled" if not name else self.path.stem
         self._original = self.document.text
-        self._stamps = self._stamped()
+        self._stamps: Stamps = {} if self.is_new else stamps_of([self.path])
         self.state = state
         self._known: set[str] = set()  # the texts that the journal has
         self.remark = ""
@@ -93,12 +93,12 @@ class Work:
         self._note()
 
     def _note(self) -> None:
-        """Count it among the files that were edited last."""
+        """Remember the scenario among those that were edited last."""
         if self.state is not None and not self.is_new:
             remember(self.state, self.path)
 
     def close(self) -> None:
-        """Let another have its journal."""
+        """Release the journal, so that another Editor can open the scenario."""
         if self._journal is not None:
             self._journal.close()
             self._journal = None
@@ -112,18 +112,25 @@ class Work:
 
     @property
     def texts(self) -> dict[str, str]:
-        """All texts that are edited: the scenario's under an empty name, those of maps under their paths."""
-        return {SCENARIO: self.text, **{str(path): found.text for path, found in self._maps.items()}}
+        """All texts that are edited: the scenario's under an empty name, those of files under their paths."""
+        return {SCENARIO: self.text, **self.files.texts}
 
     @property
     def is_saved(self) -> bool:
-        """Whether the files have it all."""
-        return self._saved == self.text and all(
-            held.text == held.saved for path, held in self._maps.items() if held.saved is not None or path == self.map
-        )
+        """Whether all that is edited is in the files."""
+        return self._saved == self.text and not self._to_write
+
+    @property
+    def _is_bundled(self) -> bool:
+        return self.is_new and self._saved is not None
+
+    @property
+    def here(self) -> Path:
+        """The folder from which the scenario names files."""
+        return self.document.path.absolute().parent
 
     def edit(self, label: str, change: Callable[[Work], Any]) -> Any:
-        """Let a function change the work: all that it changes is one step, and nothing is if it raises."""
+        """Let a function change the work. All its changes are one step; if it raises, nothing is changed."""
         before = self.texts
         try:
             found = change(self)
@@ -137,47 +144,22 @@ class Work:
         """Replace the whole text of the scenario."""
         self.document = Document(text, self.document.path, registry=self.registry)
 
-    def walls(
-        self,
-        *,
-        add: Iterable[list[float]] = (),
-        change: Mapping[int, list[float]] | None = None,
-        remove: Iterable[int] = (),
-    ) -> None:
-        """Change the walls of the world's map; a scenario without a map gets one, which is saved next to it.
+    def program(self, name: str) -> FileText:
+        """The text of a program by its name from the scenario's folder; without text where there is no such file.
 
         Raises
         ------
-        AmorsimError
-            If the map is no line world, or would be none.
+        FilesError
+            If it cannot be read.
         """
-        if self._is_generated:
-            raise AmorsimError(self.walls_fixed)
-        if self._world() is None:
-            path = self._free_map()
-            self._maps[path] = MapText(text=EMPTY_WORLD, saved=None)
-            self.document.set("world.map", path.name)
-        path = self._map_path()
-        held = self._held(path)
-        held.text = world_of(self._world(), path.name).changed(
-            held.text, add=list(add), change=dict(change or {}), remove=set(remove)
-        )
+        return self.held(self.here / name)
 
-    def paint(self, change: Callable[[str], str]) -> None:
-        """Change the runs of the world's bitmap (see `amorsim.ui.editor.bitmaps`).
-
-        Raises
-        ------
-        AmorsimError
-            If the map is no bitmap that can be painted on.
-        """
-        if self.paint_fixed:
-            raise WallsError(self.paint_fixed)
-        held = self._held(self._map_path())
-        held.text = change(held.text)
+    def set_program(self, name: str, text: str) -> None:
+        """Replace the text of a program."""
+        self.program(name).text = text
 
     def undo(self) -> str:
-        """Take the last step back; what it is called, or nothing where there is none."""
+        """Undo the last step; returns its label, empty if there is none."""
         step = self.history.back()
         if step is None:
             return ""
@@ -187,7 +169,7 @@ class Work:
         return step.label
 
     def redo(self) -> str:
-        """Make the step again that was taken back last; what it is called, or nothing where there is none."""
+        """Redo the step that was undone last; returns its label, empty if there is none."""
         step = self.history.forward()
         if step is None:
             return ""
@@ -200,25 +182,20 @@ class Work:
         texts = self.texts
         for name in step.patches:
             if name not in texts:
-                texts[name] = self._held(Path(name)).text
+                texts[name] = self.held(Path(name)).text
         self._restore(texts | {name: patch.apply(texts[name], back=back) for name, patch in step.patches.items()})
 
     def _restore(self, texts: Mapping[str, str]) -> None:
         if texts[SCENARIO] != self.text:
             self.set_text(texts[SCENARIO])
-        for path, found in list(self._maps.items()):
-            if str(path) in texts:
-                found.text = texts[str(path)]
-            else:
-                del self._maps[path]
+        self.files.restore(texts)
 
     def _remember(self, label: str, before: Mapping[str, str]) -> None:
         patches: dict[str, Patch] = {}
         for name, text in self.texts.items():
             there = before.get(name)
-            if there is None:  # of a map that was read for this step
-                there = self._maps[Path(name)].saved
-                there = EMPTY_WORLD if there is None else there
+            if there is None:  # of a file that was read for this step
+                there = self.files[Path(name)].first
             if there != text:
                 patches[name] = difference(there, text)
         if patches:
@@ -229,115 +206,28 @@ class Work:
             else:
                 self._rewrite_journal()
 
-    # ----------------------------------------------------------------------------------------------------------- maps
+    # ---------------------------------------------------------------------------------------------------------- looking
 
-    def _world(self) -> dict[str, Any] | None:
-        """The table of the world, or None where it names no map."""
-        try:
-            table = self.document.get("world")
-        except DocumentError:
-            return None
-        return table if isinstance(table, dict) and isinstance(table.get("map"), str) else None
-
-    @property
-    def _is_generated(self) -> bool:
-        try:
-            return isinstance(self.document.get("world.map"), dict)
-        except DocumentError:
-            return False
-
-    @property
-    def map(self) -> Path | None:
-        """The file of the world's map, or None where none is named."""
-        return None if self._world() is None else self._map_path()
-
-    def _map_path(self) -> Path:
-        table = self._world() or {}
-        return Path(self.document.path.absolute().parent / table["map"])
-
-    def _free_map(self) -> Path:
-        folder = self.document.path.absolute().parent if not self._is_bundled else self.folder
-        number, path = 1, folder / f"{self.name}.wld"
-        while path.exists() or path in self._maps:
-            number, path = number + 1, folder / f"{self.name}-{number}.wld"
-        return path
-
-    @property
-    def _is_bundled(self) -> bool:
-        return self.is_new and self._saved is not None
-
-    def _held(self, path: Path) -> MapText:
-        """The text of a map's file.
+    def held(self, path: Path) -> FileText:
+        """The text of a file, which is read if that has not been done.
 
         Raises
         ------
-        WallsError
-            If it cannot be read.
+        FilesError, WallsError
+            If it cannot be read, or is a bitmap that cannot be painted on.
         """
-        if path not in self._maps:
-            if not path.exists():
-                self._maps[path] = MapText(text=EMPTY_WORLD, saved=None)
-                return self._maps[path]
-            self._maps[path] = read_map_text(path, self._world() or {})
-            self._stamps |= stamps_of([path])
-        return self._maps[path]
-
-    @property
-    def walls_fixed(self) -> str:
-        """Why walls cannot be changed, or nothing."""
-        if self._is_generated:
-            return "the world is generated; write it into a file with amorsim generate, and draw in that"
-        table = self._world()
-        try:
-            if table is not None:
-                world_of(table, self._map_path().name)
-        except WallsError as error:
-            return str(error)
-        return ""
-
-    @property
-    def paint_fixed(self) -> str:
-        """Why the map cannot be painted on, or nothing."""
-        table = self._world()
-        if table is None or self._map_path().suffix.lower() not in SUFFIXES:
-            return "the world is no bitmap; save it as .png to paint on it"
-        if "size" in table:
-            return f"{self._map_path().name}: is stretched by `size`; say its `resolution` instead to paint on it"
-        path = self._map_path()
-        if path not in self._refused:
-            try:
-                self._held(path)
-            except WallsError as error:
-                self._refused[path] = str(error)  # which takes a while to find out
-        return self._refused.get(path, "")
-
-    @property
-    def cells(self) -> list[int] | None:
-        """Rows and columns of the bitmap that can be painted on, or None."""
-        return None if self.paint_fixed else list(shape_of(self._held(self._map_path()).text))
-
-    # ---------------------------------------------------------------------------------------------------------- looking
+        return self.files.read(path, self.world.table or {})
 
     def view(self, folder: Path) -> Document:
-        """The document as it is now, with the maps as they are now: where those are not saved, they lie in `folder`.
-
-        A document of its own, for another thread.
-        """
+        """A new document with all that is edited: it names copies in `folder` of the files that are not saved."""
         found = Document(self.text, self.document.path, registry=self.registry)
-        unsaved = {path: held for path, held in self._maps.items() if held.text != held.saved}
-        if not unsaved:
-            return found
-        here = self.document.path.absolute().parent
-        for named in named_files(self.document.values, self.registry, here):
-            path = Path(here / named.name)
-            if named.kind == "map" and path in unsaved:
-                held = unsaved[path]
-                data = held.data(path.suffix.lower())
-                place = folder / hashlib.sha256(data).hexdigest()[:16] / path.name
-                if not place.exists():
-                    place.parent.mkdir(parents=True, exist_ok=True)
-                    write_bytes(place, data)
-                found.set(".".join(map(str, named.at)), str(place))
+        if self.files.differing:
+            for named in named_files(self.document.values, self.registry, self.here):
+                path = self.here / named.name
+                if named.kind == "program" or (named.kind == "map" and path in self.files):
+                    place = self.files.place(path, folder)
+                    if place != path:
+                        found.set(".".join(map(str, named.at)), named.said(str(place)))
         return found
 
     # ----------------------------------------------------------------------------------------------------------- saving
@@ -345,11 +235,18 @@ class Work:
     @property
     def files_changed(self) -> list[Path]:
         """The files that something else has changed since they were read or saved."""
-        now = stamps_of(self._stamps)
-        return [path for path, stamp in self._stamps.items() if now[path] != stamp]
+        before = self._stamps | self.files.stamps
+        now = stamps_of(before)
+        return [path for path, stamp in before.items() if now[path] != stamp]
 
-    def _stamped(self) -> dict[Path, Stamp]:
-        return {} if self.is_new else stamps_of([self.path, *self._maps])
+    @property
+    def _to_write(self) -> list[Path]:
+        """The files to write: those that differ, but new ones only where the scenario names them."""
+        differing = self.files.differing
+        if all(held.saved is not None for held in differing.values()):
+            return list(differing)
+        named = {self.here / one.name for one in named_files(self.document.values, self.registry, self.here)}
+        return [path for path, held in differing.items() if held.saved is not None or path in named]
 
     def save(self, *, force: bool = False) -> Path:
         """Write the files that differ.
@@ -372,24 +269,40 @@ class Work:
         if changed and not force:
             names = " and ".join(path.name for path in changed)
             raise ChangedError(f"{names}: changed by something else since it was read; reload it, or keep yours")
-        self._save_maps()
+        for path in self._to_write:
+            self.files.write(path)
+        for path in changed:
+            if path in self.files:
+                self.files.write(path)
         if self._saved != self.text or force:
             self.document.save(self.path)
         self._saved = self.text
-        self._stamps = self._stamped()
-        if self._journal is not None:
-            self._journal.saved(self._marks())
+        self._stamps = stamps_of([self.path])
+        self._note_saved()
         return self.path
 
-    def _save_maps(self) -> None:
-        for path, held in self._maps.items():
-            is_named = path == self.map or held.saved is not None
-            if held.text != held.saved and is_named:
-                write_bytes(path, held.data(path.suffix.lower()))
-                held.saved = held.text
+    def save_program(self, name: str) -> bool:
+        """Write a program alone; returns whether that was done: a bundled scenario has no folder before it is saved.
+
+        Raises
+        ------
+        AmorsimError
+            If it cannot be written.
+        """
+        if self._is_bundled:
+            return False
+        self.files.write(self.here / name)
+        self._note_saved()
+        return True
+
+    def _note_saved(self) -> None:
+        if self._journal is not None:
+            self._journal.saved(self._marks())
 
     def save_as(self, path: Path, *, overwrite: bool = False) -> Path:
-        """Write it all as another file, whose name it has from now on; maps that are not saved are written there too.
+        """Write it all as another file, whose name it has from now on.
+
+        In another folder, it gets copies of its files.
 
         Raises
         ------
@@ -399,66 +312,68 @@ class Work:
         path = path.absolute()
         if path.exists() and not overwrite:
             raise AmorsimError(f"{path.name} is there already; name another file")
-        before = self.text
-        self.document.save(path, copy=self._is_bundled or path.parent != self.document.path.absolute().parent)
+        before, here = self.text, self.here
+        is_copied = self._is_bundled or path.parent != here
+        if is_copied:
+            with tempfile.TemporaryDirectory(prefix="amorsim-save-") as folder:
+                self.view(Path(folder)).save(path, copy=True)
+        else:
+            for file in self._to_write:
+                self.files.write(file)
+            self.document.save(path)
         other = open_document(path, registry=self.registry)
-        self._bring_maps(other)
+        if is_copied:
+            self._follow_copies(other, here)
         self.document, self.path, self.name, self.is_new = other, path, path.stem, False
         self.folder, self._saved = path.parent, other.text
         if other.text != before:  # files are named otherwise from there: the steps are of another text
             self.history = History()
-        self._stamps = self._stamped()
+        self._stamps = stamps_of([path])
         self._forget_journal()
         self._journal = self._open_journal()
         self._rewrite_journal()
         self._note()
         return path
 
-    def _bring_maps(self, other: Document) -> None:
-        """Write the maps that are not saved where the other document names them."""
-        here, there = self.document.path.absolute().parent, other.path.absolute().parent
-        try:
-            new = other.get("world.map")
-        except DocumentError:
-            return
-        if not isinstance(new, str):  # it is generated
-            return
-        path = Path(there / new)
-        old = Path(here / self.document.get("world.map"))
-        held = self._maps.get(old)
-        if held is not None:
-            self.history.rename(str(old), str(path))
-            write_bytes(path, held.data(path.suffix.lower()))
-            self._maps = {path: attrs.evolve(held, saved=held.text)}
+    def _follow_copies(self, other: Document, here: Path) -> None:
+        """Hold the copies of files in place of the files that were held."""
+        there = other.path.absolute().parent
+        old = named_files(self.document.values, self.registry, here)
+        new = named_files(other.values, self.registry, there)
+        places = {here / one.name: there / two.name for one, two in zip(old, new, strict=True)}
+        # What an undone step has left unnamed was not written, and has its place there too.
+        unnamed = {file: there / file.relative_to(here) for file in self.files if file.is_relative_to(here)}
+        self.files.move(unnamed | places, written=places)
+        for file, place in (unnamed | places).items():
+            self.history.rename(str(file), str(place))
 
     def reload(self) -> None:
-        """Read the files again, or begin again what has none; what was not saved is gone, but `undo` brings it back."""
+        """Read the files again, or begin again if there are none. `undo` brings back what was not saved."""
         before = self.texts
-        self._refused.clear()
+        self.world.forget()
         if self.is_new:
-            self._maps = {path: held for path, held in self._maps.items() if held.saved is not None}
-            for held in self._maps.values():
-                held.text = held.saved or ""
+            for path in self.files:
+                self.files[path].text = self.files[path].first
             self.set_text(self._original)
         else:
             self.document = open_document(self.path, registry=self.registry)
             self._saved = self.text
-            for path in list(self._maps):
-                del self._maps[path]
+            for path in self.files:
+                self.files.drop(path)
                 if path.exists():
-                    self._held(path)
+                    self.held(path)
         if set(before) == set(self.texts):
             self._remember("reload", before)
         else:
             self.history = History()
             self._rewrite_journal()
-        self._stamps = self._stamped()
+        self._stamps = {} if self.is_new else stamps_of([self.path])
 
     # ---------------------------------------------------------------------------------------------------------- journal
 
     def _marks(self) -> dict[str, str]:
-        """What the files have, as far as is known."""
-        return {SCENARIO: mark_of(self._saved), **{str(path): mark_of(held.saved) for path, held in self._maps.items()}}
+        """Marks of what is in the files, as far as is known."""
+        return {SCENARIO: mark_of(self._saved), **self.files.marks}
 
     def _open_journal(self) -> Journal | None:
         if self.state is None:
@@ -481,20 +396,20 @@ class Work:
             self.close()
 
     def _forget_journal(self) -> None:
-        """What had no file has one now: the next that begins so begins with nothing."""
+        """Empty the journal: what is saved under a name has another one, and the next new page starts empty."""
         if self._journal is not None:
             self._journal.forget()
         self.close()
 
     def _take_up(self, kept: Kept) -> None:
-        """Go on where the steps of before ended."""
+        """Continue from the steps in the journal."""
         on_disk = self.texts
         try:
             for name in kept.texts:
                 if name != SCENARIO:
-                    on_disk[name] = self._held(Path(name)).text
-        except WallsError:  # a map that is gone: its steps mean nothing
-            self._maps.clear()
+                    on_disk[name] = self.held(Path(name)).text
+        except (FilesError, WallsError):  # a file that can no longer be read: its steps mean nothing
+            self.files.clear()
             return
         marks = self._marks()
         changed = [name for name, mark in kept.saved.items() if marks.get(name) != mark]
@@ -506,6 +421,6 @@ class Work:
             self._remember("changed by hand", kept.texts)
         elif changed and not self.is_new:
             for name in changed:
-                self._stamps[Path(name) if name else self.path] = None
+                (self.files.stamps if name else self._stamps)[Path(name) if name else self.path] = None
         if not self.is_saved and self.history.done:
-            self.remark = "changes of before, which were not saved, are here again"
+            self.remark = "changes that were not saved last time are restored"

@@ -53,6 +53,8 @@ def check(folder: Path, before: int) -> int:
     assert found in (last, last + 1) or (last + 1) % 7 == 0, f"{last} was told, {found} is there"
     texts = work.texts
     back = min(BACK, len(work.history.done))
+    if found >= 5:  # each fifth step writes a program, too
+        assert work.program("drive.py").text == program(int(found) // 5 * 5)
     for _ in range(back):
         work.undo()
     assert work.document.get("simulation.seed") == max(1, found - back)
@@ -89,8 +91,18 @@ def make_steps(folder: Path, first: int) -> None:
 
 
 def make_step(work: Work, number: int) -> None:
-    """The seed is the step's number; each third step draws a wall, too."""
+    """The seed is the step's number; each third step draws a wall, too, and each fifth one writes a program."""
     changes = [{"op": "set", "path": "simulation.seed", "value": number}]
     if number % 3 == 0:
         changes.append({"op": "walls", "add": [[0.001 * (number % 900), 0.5, 1.0, 0.5]]})
-    work.edit("step", lambda work: apply(work, changes))
+
+    def change(work: Work) -> None:
+        apply(work, changes)
+        if number % 5 == 0:
+            work.set_program("drive.py", program(number))
+
+    work.edit("step", change)
+
+
+def program(number: int) -> str:
+    return f"SPEED = {number}\n"

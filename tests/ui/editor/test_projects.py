@@ -15,6 +15,7 @@ import pytest
 
 import amorsim as am
 from amorsim.ui.editor.session import EditSession
+from amorsim.ui.editor.work import Work
 from tests.ui.editor.talking import do, drawn, own_copy, talk
 
 
@@ -253,8 +254,7 @@ def test_a_program_is_tried_in_a_process_of_its_own_and_its_fault_has_a_line(tmp
         assert "def drive" in template
         assert not (tmp_path / "mine.py").exists()
         await write_controller(session, "")
-        controller = {"use": str(tmp_path / "mine.py") + ":drive"}
-        change = {"op": "set", "path": "robots.0.controller", "value": controller}
+        change = {"op": "set", "path": "robots.0.controller", "value": {"use": "mine.py:drive"}}
         await do(session, do="edit", label="controller", changes=[change])
         assert (await drawn(session))["faults"] == []
         await write_controller(session, "raise RuntimeError('so not')\n")
@@ -263,6 +263,10 @@ def test_a_program_is_tried_in_a_process_of_its_own_and_its_fault_has_a_line(tmp
         assert "mine.py" in fault["message"]
         assert "line 6" in fault["message"]
         assert fault["at"].startswith("robots.0.controller")
+        # What is typed and not saved is not run.
+        await do(session, do="write_code", file="mine.py", text=f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+        assert (await drawn(session))["faults"] == []
+        assert not (tmp_path / "ran").exists()
         # One that never ends does not hold anybody up: the next change is read at once.
         await write_controller(session, "while True:\n    pass\n")
         await do(session, do="edit", label="seed", changes=[{"op": "set", "path": "simulation.seed", "value": 5}])
@@ -293,6 +297,98 @@ def test_programs_lie_in_the_project(file: Any, tmp_path: Path) -> None:
 
     talk("demo", tmp_path, say, may_run_code=True)
     assert list(tmp_path.iterdir()) == []
+
+
+DRIVE = "import amorsim as am\n\n\ndef drive(readings, estimate, clock):\n    return am.Twist(0.1, 0.0)\n"
+
+
+def test_a_program_is_part_of_the_steps_and_of_the_journal(tmp_path: Path) -> None:
+    state, file = tmp_path / ".state", tmp_path / "mine.py"
+    at = "robots.0.controller"
+
+    async def write(session: EditSession) -> None:
+        robot = {"name": "r", "model": "pioneer2dx", "pose": {"x": 1.0, "y": 1.0}}
+        await do(session, do="edit", label="robot", changes=[{"op": "add", "path": "robots", "value": robot}])
+        await do(session, do="write_code", file="mine.py", text=DRIVE, controller=at)
+        await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")
+        await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")  # which is no step
+        assert len(session.work.history.done) == 3
+        assert session.work.document.get(f"{at}.use") == "mine.py:drive"
+        said = await session.request({"do": "write_code", "file": "mine.py", "text": "", "controller": at})
+        assert "is there already" in said["error"]
+        assert (await do(session, do="undo"))["label"] == "write mine.py"
+        assert (await do(session, do="code", file="mine.py"))["text"] == DRIVE
+
+    talk("", tmp_path, write, state=state, may_run_code=True)
+    assert not file.exists()
+
+    async def go_on(session: EditSession) -> None:
+        """As after the end of the server: nothing was saved."""
+        work = session.work
+        assert (await do(session, do="redo"))["label"] == "write mine.py"
+        assert await do(session, do="code", file="mine.py") == {
+            "ok": True,
+            "text": DRIVE + "# more\n",
+            "is_saved": False,
+        }
+        for _ in range(2):
+            await do(session, do="undo")
+        assert work.document.get("robots.0").get("controller") is None
+        for _ in range(2):
+            await do(session, do="redo")
+        assert not work.is_saved
+        await do(session, do="save_as", name="room")
+        assert work.is_saved
+        assert file.read_text() == DRIVE + "# more\n"
+        await do(session, do="undo")
+        assert not work.is_saved
+        await do(session, do="save")
+        assert file.read_text() == DRIVE
+        file.write_text("# by hand\n")
+        assert work.files_changed == [file]
+
+    talk("", tmp_path, go_on, state=state, may_run_code=True)
+
+
+def test_a_program_that_is_not_saved_is_seen_with_what_it_imports(tmp_path: Path) -> None:
+    (tmp_path / "turns.py").write_text("TURN = 0.25\n")
+    room = 'format = 1\n[world]\nmap = "room.wld"\n[[robots]]\nname = "r"\nmodel = "pioneer2dx"\n'
+    (tmp_path / "room.wld").write_text("0 0 5000 0\n5000 0 5000 5000\n")
+    (tmp_path / "room.toml").write_text(room + 'pose = { x = 1.0, y = 1.0 }\ncontroller = { use = "mine.py:drive" }\n')
+    (tmp_path / "mine.py").write_text(DRIVE)
+    text = DRIVE.replace("import amorsim as am\n", "import amorsim as am\nfrom turns import TURN\n").replace(
+        "0.0", "TURN"
+    )
+    work = Work(str(tmp_path / "room.toml"), tmp_path)
+    assert work.view(tmp_path / "unsaved").get("robots.0.controller.use") == "mine.py:drive"
+    work.edit("write", lambda work: work.set_program("mine.py", text))
+    view = work.view(tmp_path / "unsaved")
+    program = Path(view.get("robots.0.controller.use").removesuffix(":drive"))
+    assert program.read_text() == text
+    assert (program.parent / "turns.py").read_text() == "TURN = 0.25\n"
+    view.scenario()  # which loads the program
+    assert (tmp_path / "mine.py").read_text() == DRIVE
+    # What it imports is edited, too.
+    work.edit("write", lambda work: work.set_program("turns.py", "TURN = 0.5\n"))
+    program = Path(work.view(tmp_path / "unsaved").get("robots.0.controller.use").removesuffix(":drive"))
+    assert (program.parent / "turns.py").read_text() == "TURN = 0.5\n"
+
+
+def test_a_program_for_a_bundled_scenario_is_saved_with_its_copy(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        await do(session, do="write_code", file="mine.py", text=DRIVE, controller="robots.0.controller")
+        assert not (await do(session, do="save_code", file="mine.py", text=DRIVE))["is_saved"]
+        assert not (session.work.here / "mine.py").exists()
+        await do(session, do="save_as", name="own")
+        assert (tmp_path / "mine.py").read_text() == DRIVE
+        assert session.work.is_saved
+        assert len(session.work.history.done) == 1
+        await do(session, do="undo")
+        await do(session, do="redo")
+        assert session.work.is_saved
+
+    talk("demo", tmp_path, say, may_run_code=True)
+    assert am.load(tmp_path / "own.toml").robots[0].name
 
 
 @pytest.mark.long

@@ -4,7 +4,7 @@ import { askName, open } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
 
 const VENDOR = "/amorsim/web/vendor/codemirror";
-const KEPT = "amorsim-code ";
+const PAUSE = 1000; // [ms] without typing, after which what was typed is a step
 
 /** @type {Promise<any> | null} */
 let loading = null;
@@ -23,12 +23,17 @@ function codeMirror() {
   return loading;
 }
 
-/** Make a text area an editor of code; `value` and `mark` work on either.
+/** Make a text area an editor of code: what is returned works on either.
  * @param {HTMLTextAreaElement} area
  * @param {"python" | "toml"} mode */
 export async function dress(area, mode) {
   const Mirror = await codeMirror();
-  if (!Mirror || !area.isConnected) return { value: () => area.value, mark: () => {}, changed: (does) => area.addEventListener("input", does), focus: () => area.focus() };
+  if (!Mirror || !area.isConnected) {
+    return {
+      value: () => area.value, put: (text) => (area.value = text), mark: () => {}, focus: () => area.focus(),
+      changed: (does) => area.addEventListener("input", does), left: (does) => area.addEventListener("blur", does),
+    };
+  }
   const label = area.getAttribute("aria-label");
   const editor = Mirror.fromTextArea(area, {
     mode, lineNumbers: true, matchBrackets: true, indentUnit: 4, readOnly: area.readOnly, inputStyle: "contenteditable", viewportMargin: 50,
@@ -42,6 +47,7 @@ export async function dress(area, mode) {
   let marks = [];
   return {
     value: () => editor.getValue(),
+    put: (text) => editor.setValue(text),
     mark: (faults) => {
       for (const one of marks) one.clear();
       marks = faults.map(({ line, message }) => {
@@ -54,6 +60,7 @@ export async function dress(area, mode) {
       });
     },
     changed: (does) => editor.on("change", does),
+    left: (does) => editor.on("blur", does),
     focus: () => editor.focus(),
   };
 }
@@ -73,12 +80,12 @@ export function newController(page, path) {
     const file = given.endsWith(".py") ? given : `${given}.py`;
     const template = await page.connection.ask({ do: "code", file });
     if (!template.ok) return template;
-    const made = await page.connection.ask({ do: "save_code", file, text: template.text, is_new: true });
-    if (!made.ok) return made;
-    const name = template.text.match(/^(?:def|class) +(\w+)/m)?.[1] ?? "drive";
-    const said = await page.edit(`write ${made.file}`, [{ op: "set", path, value: { use: `${made.file}:${name}` } }]);
-    if (said.ok) showCode(page, made.file);
-    return said;
+    const made = await page.connection.ask({ do: "write_code", file, text: template.text, controller: path });
+    if (made.ok) {
+      page.hint(`write ${made.file}`);
+      showCode(page, made.file);
+    }
+    return made;
   });
 }
 
@@ -88,7 +95,7 @@ const faultsIn = (page, file) => page.faults.flatMap(({ message }) => {
   return message.includes(file) ? [{ line: line ? Number(line) : 1, message }] : [];
 });
 
-/** Show a program, to be changed.
+/** Show a program, to be changed: each pause in typing is a step of the document. It is tried when it is saved.
  * @param {import("./editor.js").EditorPage} page
  * @param {string} file */
 export async function showCode(page, file) {
@@ -97,48 +104,65 @@ export async function showCode(page, file) {
     page.hint(said.error);
     return;
   }
-  const key = `${KEPT}${page.state.folder}/${file}`;
-  const kept = localStorage.getItem(key); // what was typed and not saved, when the browser ended
   const area = /** @type {HTMLTextAreaElement} */ (h("textarea", { "aria-label": file, spellcheck: "false" }));
-  area.value = kept ?? said.text;
+  area.value = said.text;
   area.readOnly = page.watching;
-  const state = h("p", { class: "note", role: "status" }, kept === null ? "" : "what was typed before and not saved is here again");
+  const state = h("p", { class: "note", role: "status" });
   const save = h("button", { class: "main holders-only", title: "Ctrl + S" }, "save");
   const close = h("button", {}, "close");
   const dialog = open(file, h("div", { class: "code" }, area, state), [close, save]);
   const editor = await dress(area, "python");
-  let saved = said.text;
+  let [written, isSaved] = [said.text, said.is_saved]; // what the document says, and whether the file does
+  let pause = 0;
   const show = () => {
-    editor.mark(faultsIn(page, file));
-    const isSaved = editor.value() === saved;
-    say(state, !isSaved ? "not saved" : page.state.is_checking ? "saved; it is being tried" : faultsIn(page, file).length ? "saved; it has faults" : "saved");
+    const faults = faultsIn(page, file);
+    editor.mark(faults);
+    const where = editor.value() !== written ? "changed" : isSaved ? "saved" : "kept; Ctrl + S saves it and tries it";
+    say(state, page.state.is_checking ? "it is being tried" : faults.length ? `${where}; it has faults` : where);
   };
-  const keep = async () => {
+  const send = async (command) => {
+    clearTimeout(pause);
+    pause = 0;
     const text = editor.value();
-    const done = await page.connection.ask({ do: "save_code", file, text });
+    if (page.watching || (command === "write_code" && text === written)) return;
+    const done = await page.connection.ask({ do: command, file, text });
     if (!done.ok) {
       say(state, done.error);
       return;
     }
-    saved = text;
-    localStorage.removeItem(key);
+    [written, isSaved] = [text, Boolean(done.is_saved)];
     show();
   };
+  const step = () => send("write_code");
   editor.changed(() => {
-    if (editor.value() === saved) localStorage.removeItem(key);
-    else localStorage.setItem(key, editor.value());
+    clearTimeout(pause);
+    pause = setTimeout(step, PAUSE);
     show();
   });
-  save.addEventListener("click", keep);
+  editor.left(step);
+  save.addEventListener("click", () => send("save_code"));
   close.addEventListener("click", () => dialog.close());
   dialog.addEventListener("keydown", (event) => {
     if (event.key === "s" && (event.ctrlKey || event.metaKey)) {
       event.preventDefault();
-      keep();
+      send("save_code");
     }
   });
-  page.showCodeFaults = show;
-  dialog.addEventListener("close", () => (page.showCodeFaults = null));
+  page.showCodeFaults = async () => {
+    if (editor.value() !== written) await (pause ? null : step()); // what was lost with the connection
+    else {
+      const now = await page.connection.ask({ do: "code", file });
+      if (now.ok && editor.value() === written) { // another window, or an undo, may have changed it
+        [written, isSaved] = [now.text, now.is_saved];
+        if (editor.value() !== written) editor.put(written);
+      }
+    }
+    show();
+  };
+  dialog.addEventListener("close", () => {
+    step();
+    page.showCodeFaults = null;
+  });
   show();
   editor.focus();
 }

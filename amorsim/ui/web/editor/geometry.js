@@ -112,6 +112,16 @@ export class Walls {
 export const isIn = ([a, b, c, d], [x0, y0, x1, y1]) =>
   Math.min(a, c) >= x0 && Math.max(a, c) <= x1 && Math.min(b, d) >= y0 && Math.max(b, d) <= y1;
 
+/** The box about a footprint at a pose: x0, y0, x1, y1.
+ * @param {import("../simulator/wire.js").Outline} footprint
+ * @param {number[]} pose */
+export function boxOf(footprint, [x, y, heading]) {
+  if (footprint.circle) return [x - footprint.circle, y - footprint.circle, x + footprint.circle, y + footprint.circle];
+  const [c, s] = [Math.cos(heading), Math.sin(heading)];
+  const [xs, ys] = [footprint.polygon.map(([u, v]) => x + u * c - v * s), footprint.polygon.map(([u, v]) => y + u * s + v * c)];
+  return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+}
+
 /** Whether a point is within a footprint at a pose.
  * @param {import("../simulator/wire.js").Outline} footprint
  * @param {number[]} pose */

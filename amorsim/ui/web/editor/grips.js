@@ -46,10 +46,6 @@ export function gripsOf(stage) {
  * @param {PlaceOf} place
  * @returns {Grip[]} */
 function pointGrips(stage, thing, place) {
-  const bend = (points) => {
-    stage.bent.set(place.path, points);
-    stage.redraw();
-  };
   /** @param {number} number
    * @param {number[]} at
    * @param {boolean} isNew */
@@ -58,7 +54,7 @@ function pointGrips(stage, thing, place) {
     let to = null;
     const drag = (point) => {
       to = [round(point.x), round(point.y)];
-      bend(isNew ? [...place.points.slice(0, number), to, ...place.points.slice(number)] : place.points.map((one, n) => (n === number ? to : one)));
+      stage.bend(place.path, isNew ? [...place.points.slice(0, number), to, ...place.points.slice(number)] : place.points.map((one, n) => (n === number ? to : one)));
       stage.preview = { words: `${to[0]}, ${to[1]} m`, at: to };
     };
     const drop = () => to && { label: `${isNew ? "add" : "move"} a point of ${thing.name}`, change: { op: "point", path: place.path, number, value: to, ...(isNew ? { insert: true } : {}) } };
@@ -84,9 +80,8 @@ function mountGrips(stage, thing, sensor) {
   let to = null;
   const show = (pose, words, at) => {
     to = pose;
-    stage.mounted.set(`${thing.path} ${sensor}`, pose);
     stage.preview = { words, at };
-    stage.redraw();
+    stage.mount(thing, sensor, pose);
   };
   const path = `${thing.path}.sensors.${sensor}`;
   const drop = (value, verb) => to && { label: `${verb} ${sensor} of ${thing.name}`, change: { op: "mount", path, value: value(to) } };

@@ -2,12 +2,63 @@
 
 import { reach, trace } from "../shared/marks.js";
 import { SceneLayer } from "../shared/world.js";
+import { boxOf } from "./geometry.js";
+
+const MOST_DASHED = 50; // boxes: dashes take long to draw
 
 /**
- * What a tool is about to do, and the marks of what is selected.
+ * Boxes about what is selected, and rings about what has faults: of things that are being dragged, or of all others.
  * @extends {SceneLayer<import("./stage.js").EditStage>}
  */
 export class MarksLayer extends SceneLayer {
+  /** @param {import("./stage.js").EditStage} stage
+   * @param {boolean} isDragged */
+  constructor(stage, isDragged) {
+    super(stage);
+    this.isDragged = isDragged;
+  }
+
+  get isShown() {
+    return !this.isDragged || this.stage.moved.size > 0;
+  }
+
+  /** @param {import("../shared/layer.js").Brush} brush */
+  draw({ context, camera, theme }) {
+    const { stage } = this;
+    const px = 1 / camera.scale;
+    const isMine = ({ path }) => stage.moved.has(path) === this.isDragged;
+    context.lineWidth = 1.5 * px;
+    context.strokeStyle = theme.estimated;
+    const chosen = stage.chosenThings.filter(isMine);
+    context.setLineDash(chosen.length > MOST_DASHED ? [] : [5 * px, 3 * px]);
+    context.beginPath();
+    for (const thing of chosen) {
+      const pose = stage.poseOf(thing);
+      if (!pose) continue;
+      const [x0, y0, x1, y1] = boxOf(thing.footprint, pose);
+      context.rect(x0 - 4 * px, y0 - 4 * px, x1 - x0 + 8 * px, y1 - y0 + 8 * px);
+    }
+    context.stroke();
+    context.setLineDash([]);
+    context.strokeStyle = theme.danger;
+    context.lineWidth = 2 * px;
+    context.beginPath();
+    for (const thing of stage.things.filter(isMine)) {
+      const pose = thing.faults && thing.footprint && !stage.hidden.has(thing.kind) ? stage.poseOf(thing) : null;
+      if (!pose) continue;
+      const far = reach(thing.footprint) + 7 * px;
+      context.moveTo(pose[0] + far, pose[1]);
+      context.arc(pose[0], pose[1], far, 0, 2 * Math.PI);
+    }
+    context.stroke();
+  }
+}
+
+/**
+ * What a tool is about to do, and what of the selected things can be taken hold of.
+ * @extends {SceneLayer<import("./stage.js").EditStage>}
+ */
+export class PreviewLayer extends SceneLayer {
   get isShown() {
     return true;
   }
@@ -16,29 +67,6 @@ export class MarksLayer extends SceneLayer {
   draw({ context, camera, theme }) {
     const { stage } = this;
     const px = 1 / camera.scale;
-    context.lineWidth = 1.5 * px;
-    context.strokeStyle = theme.estimated;
-    context.setLineDash([5 * px, 3 * px]);
-    context.beginPath();
-    for (const thing of stage.chosenThings) {
-      const pose = stage.poseOf(thing);
-      if (!pose) continue;
-      const far = reach(thing.footprint) + 4 * px;
-      context.rect(pose[0] - far, pose[1] - far, 2 * far, 2 * far);
-    }
-    context.stroke();
-    context.setLineDash([]);
-    context.strokeStyle = theme.danger; // a ring about what has faults
-    context.lineWidth = 2 * px;
-    context.beginPath();
-    for (const thing of stage.things) {
-      const pose = thing.faults && thing.footprint && !stage.hidden.has(thing.kind) ? stage.poseOf(thing) : null;
-      if (!pose) continue;
-      const far = reach(thing.footprint) + 7 * px;
-      context.moveTo(pose[0] + far, pose[1]);
-      context.arc(pose[0], pose[1], far, 0, 2 * Math.PI);
-    }
-    context.stroke();
     context.strokeStyle = theme.estimated;
     const preview = stage.preview;
     if (preview) {

@@ -23,5 +23,5 @@ export function showMounts(page) {
 export function holdSensor(page, name) {
   page.stage.sensor = name;
   showMounts(page);
-  page.stage.redraw();
+  page.stage.touch();
 }

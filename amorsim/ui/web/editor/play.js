@@ -52,9 +52,9 @@ async function begin(page, playing) {
 function frameCame(page, playing, frame) {
   playing.connection.drawn(frame.number);
   if (!playing.robots || !page.stage.frame) return;
-  const put = (poses, to, places) => places.forEach((n, i) => n >= 0 && to.set(poses.subarray(3 * i, 3 * i + 3), 3 * n));
-  put(frame.truePoses, page.stage.frame.truePoses, playing.robots);
-  put(frame.obstacles, page.stage.frame.obstacles, playing.obstacles);
+  for (const [which, places] of /** @type {["truePoses" | "obstacles", number[]][]} */ ([["truePoses", playing.robots], ["obstacles", playing.obstacles]])) {
+    places.forEach((n, i) => n >= 0 && page.stage.carry(which, n, frame[which].subarray(3 * i, 3 * i + 3)));
+  }
   playing.tick = frame.tick;
   page.hint(`playing, ${clock(frame.time)}: nothing can be changed until it is stopped`);
   page.stage.redraw();

@@ -3,7 +3,7 @@
 import { niceStep } from "../shared/dom.js";
 import { Layer } from "../shared/layer.js";
 
-const WIDE = 18; // pixels
+export const WIDE = 18; // pixels
 const APART = 60; // pixels from one number to the next, at least
 
 export class RulersLayer extends Layer {

@@ -2,12 +2,12 @@
 
 import { NEAR } from "../shared/pick.js";
 import { reach } from "../shared/marks.js";
-import { StillStage } from "../shared/still.js";
-import { BodiesLayer } from "../shared/world.js";
+import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still.js";
+import { BodiesLayer, NamesLayer } from "../shared/world.js";
 import { Walls, holds, isIn } from "./geometry.js";
 import { gripsOf } from "./grips.js";
-import { MarksLayer, WordsLayer } from "./layers.js";
-import { RulersLayer } from "./rulers.js";
+import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
+import { RulersLayer, WIDE } from "./rulers.js";
 import { UnderlayLayer } from "./underlay.js";
 import { PlacesLayer, ViewsLayer } from "./views.js";
 
@@ -25,8 +25,40 @@ import { PlacesLayer, ViewsLayer } from "./views.js";
  * @typedef {import("../shared/pick.js").Found & {path?: string, wall?: number}} Chosen
  */
 
+const NOWHERE = [NaN, NaN, NaN];
 export const HANDLE = 26; // pixels from a body's edge to the handle that turns it
 
+/** What layers of bodies draw from that are dragged, or play: nothing but those. */
+class Carried {
+  /** @param {EditStage} stage */
+  constructor(stage) {
+    this.stage = stage;
+  }
+
+  get scene() {
+    return this.stage.scene;
+  }
+
+  get frame() {
+    return this.stage.carried;
+  }
+
+  get pictures() {
+    return this.stage.pictures;
+  }
+
+  get selection() {
+    return this.stage.selection;
+  }
+
+  posesOf() {
+    return this.frame?.truePoses ?? [];
+  }
+}
+
+/**
+ * The canvas of the Editor. What stands still is drawn into a bitmap; what is dragged, or plays, is drawn above it, frame by frame.
+ */
 export class EditStage extends StillStage {
   /** @param {HTMLElement} root */
   constructor(root) {
@@ -44,14 +76,22 @@ export class EditStage extends StillStage {
     this.bent = new Map();
     /** Mounts while they are dragged, by robot and sensor. @type {Map<string, number[]>} */
     this.mounted = new Map();
+    /** Where bodies are that are dragged, or play; all others are nowhere. @type {ReturnType<typeof stillFrame> | null} */
+    this.carried = null;
     this.sensor = ""; // whose mount can be dragged
     this.hidden = new Set(); // kinds of things that are hidden
     this.locked = new Set(); // and those that cannot be picked
+    this.pane.edge = WIDE;
     this.underlay = new UnderlayLayer();
     this.pane.layers.unshift(this.underlay);
     const bodies = this.pane.layers.findIndex((layer) => layer instanceof BodiesLayer);
-    this.pane.layers.splice(bodies, 0, new ViewsLayer(this), new PlacesLayer(this));
-    this.pane.layers.push(new MarksLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid));
+    this.pane.layers.splice(bodies, 0, atRest(new ViewsLayer(this, false)), atRest(new PlacesLayer(this, false)));
+    const above = new Carried(this);
+    this.pane.layers.push(
+      atRest(new MarksLayer(this, false)),
+      new ViewsLayer(this, true), new PlacesLayer(this, true), new BodiesLayer(above), new StillRobotLayer(above), new NamesLayer(above, "true"), new MarksLayer(this, true),
+      new PreviewLayer(this), new WordsLayer(this), new RulersLayer(() => this.options.grid),
+    );
   }
 
   /** Show what was read of the document; what is selected stays so, by its path.
@@ -61,7 +101,7 @@ export class EditStage extends StillStage {
     const chosen = this.selection.things;
     this.things = things;
     this.byPath = new Map(things.map((thing) => [thing.path, thing]));
-    for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
+    this.drop();
     const listeners = this.selection.listeners;
     this.selection.listeners = []; // nobody is told that nothing is selected meanwhile
     this.show(still, pictureOf);
@@ -137,19 +177,61 @@ export class EditStage extends StillStage {
    * @param {Thing} thing
    * @param {number[]} pose */
   place(thing, pose) {
+    if (!this.moved.has(thing.path)) this.touch();
     this.moved.set(thing.path, pose);
-    if (!this.frame) return;
-    if (thing.robots.length === 1) this.frame.truePoses.set(pose, 3 * thing.robots[0]);
-    if (thing.obstacles.length === 1) this.frame.obstacles.set(pose, 3 * thing.obstacles[0]);
+    if (thing.robots.length === 1) this.carry("truePoses", thing.robots[0], pose);
+    if (thing.obstacles.length === 1) this.carry("obstacles", thing.obstacles[0], pose);
     this.redraw();
+  }
+
+  /** Draw a body at a pose above what stands still, until all is put back or read again.
+   * @param {"truePoses" | "obstacles"} which
+   * @param {number} n
+   * @param {ArrayLike<number>} pose */
+  carry(which, n, pose) {
+    if (!this.frame) return;
+    if (!this.carried) {
+      this.carried = stillFrame(this.still);
+      this.carried.truePoses.fill(NaN);
+      this.carried.obstacles.fill(NaN);
+    }
+    this.carried[which].set(pose, 3 * n);
+    if (Number.isNaN(this.frame[which][3 * n])) return;
+    this.frame[which].set(NOWHERE, 3 * n);
+    this.touch();
+  }
+
+  /** Draw the points of a path, a box or the like elsewhere.
+   * @param {string} path of the list
+   * @param {number[][]} points */
+  bend(path, points) {
+    if (!this.bent.has(path)) this.touch();
+    this.bent.set(path, points);
+    this.redraw();
+  }
+
+  /** Draw a sensor mounted elsewhere.
+   * @param {Thing} thing
+   * @param {string} sensor
+   * @param {number[]} pose */
+  mount(thing, sensor, pose) {
+    const key = `${thing.path} ${sensor}`;
+    if (!this.mounted.has(key)) this.touch();
+    this.mounted.set(key, pose);
+    this.redraw();
+  }
+
+  /** Hold nothing any more. */
+  drop() {
+    for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
+    this.carried = null;
   }
 
   /** Take back what was drawn elsewhere. */
   putBack() {
-    for (const thing of this.things) if (this.moved.has(thing.path) && thing.pose) this.place(thing, thing.pose);
-    for (const drag of [this.moved, this.bent, this.mounted]) drag.clear();
+    this.drop();
     this.preview = null;
-    this.redraw();
+    this.settle();
   }
 
   /** What lies at a point: the smallest body, or else a wall.
@@ -186,14 +268,22 @@ export class EditStage extends StillStage {
       map: this.hidden.has("wall") ? undefined : this.whole.map,
       floor: { ...floor, landmarks: kept("landmark", floor.landmarks), lights: kept("light", floor.lights), zones: kept("zone", floor.zones) },
     };
-    const nowhere = [NaN, NaN, NaN];
-    still.robots.forEach((pose, i) => this.frame.truePoses.set(this.hidden.has("robot") || !pose ? nowhere : pose, 3 * i));
-    still.obstacles.forEach((pose, i) => {
-      const kind = still.scene.obstacles[i].part_of ? "robot" : "obstacle";
-      this.frame.obstacles.set(this.hidden.has(kind) || !pose ? nowhere : pose, 3 * i);
-    });
     this.pictures.version += 1;
-    this.redraw();
+    this.settle();
+  }
+
+  /** Put bodies where they stand, but for those that are hidden or carried. */
+  settle() {
+    const { still, frame, carried, hidden } = this;
+    if (still && frame) {
+      const put = (which, poses, kindOf) => poses.forEach((pose, i) => {
+        const isElsewhere = hidden.has(kindOf(i)) || (carried && !Number.isNaN(carried[which][3 * i]));
+        frame[which].set(isElsewhere || !pose ? NOWHERE : pose, 3 * i);
+      });
+      put("truePoses", still.robots, () => "robot");
+      put("obstacles", still.obstacles, (i) => (still.scene.obstacles[i].part_of ? "robot" : "obstacle"));
+    }
+    this.touch();
   }
 
   isFree(kind) {

@@ -12,7 +12,7 @@ const KEPT = "amorsim-underlay ";
 
 /** The picture, in the world: its lower left corner [m], metres a pixel, and its opacity. */
 export class UnderlayLayer extends Layer {
-  isStatic = false;
+  isStatic = true;
 
   constructor() {
     super();
@@ -23,6 +23,10 @@ export class UnderlayLayer extends Layer {
 
   get isShown() {
     return this.image !== null;
+  }
+
+  get version() {
+    return this.place; // another object whenever it, or the picture, changes
   }
 
   /** @param {import("../shared/layer.js").Brush} brush */

@@ -7,12 +7,19 @@ import { legs } from "./grips.js";
 const MOST_BEAMS = 720;
 
 /**
- * Paths, goals and boxes of all things, dashed.
+ * Paths, goals and boxes of all things, dashed: those that are being dragged, or all others.
  * @extends {SceneLayer<import("./stage.js").EditStage>}
  */
 export class PlacesLayer extends SceneLayer {
+  /** @param {import("./stage.js").EditStage} stage
+   * @param {boolean} isDragged */
+  constructor(stage, isDragged) {
+    super(stage);
+    this.isDragged = isDragged;
+  }
+
   get isShown() {
-    return this.stage.things.some(({ places }) => places.length);
+    return this.isDragged ? this.stage.bent.size > 0 : this.stage.things.some(({ places }) => places.length);
   }
 
   /** @param {import("../shared/layer.js").Brush} brush */
@@ -25,6 +32,7 @@ export class PlacesLayer extends SceneLayer {
       context.strokeStyle = context.fillStyle = chosen.has(thing.path) ? theme.estimated : theme.soft;
       context.lineWidth = 1.5 * px;
       for (const place of stage.placesOf(thing)) {
+        if (stage.bent.has(place.path) !== this.isDragged) continue;
         context.setLineDash([7 * px, 5 * px]);
         context.beginPath();
         for (const { a, b } of legs(place)) {
@@ -45,12 +53,21 @@ export class PlacesLayer extends SceneLayer {
 }
 
 /**
- * The fields of view of the robot that is selected.
+ * The fields of view of the robot that is selected: while it, or one of its sensors, is dragged, or else.
  * @extends {SceneLayer<import("./stage.js").EditStage>}
  */
 export class ViewsLayer extends SceneLayer {
+  /** @param {import("./stage.js").EditStage} stage
+   * @param {boolean} isDragged */
+  constructor(stage, isDragged) {
+    super(stage);
+    this.isDragged = isDragged;
+  }
+
   get isShown() {
-    return super.isShown && this.stage.chosenThings.length === 1 && this.stage.chosenThings[0].robots.length === 1;
+    const [thing, ...others] = this.stage.chosenThings;
+    if (!super.isShown || !thing || others.length || thing.robots.length !== 1) return false;
+    return (this.stage.moved.has(thing.path) || this.stage.mounted.size > 0) === this.isDragged;
   }
 
   /** @param {import("../shared/layer.js").Brush} brush */

@@ -21,6 +21,18 @@ export class Camera {
     return [this.x + (left - this.width / 2) / this.scale, this.y - (top - this.height / 2) / this.scale];
   }
 
+  /** This camera, moved by less than a pixel so that pictures of the world at one scale differ by whole device pixels, and as
+   * much more around it as `margin` says [device pixels].
+   * @param {number} ratio device pixels a CSS pixel
+   * @param {number[]} margin to the left and right, above and below */
+  onPixels(ratio, [beside, above] = [0, 0]) {
+    const k = this.scale * ratio;
+    const found = new Camera();
+    [found.x, found.y, found.scale] = [Math.round(this.x * k) / k, Math.round(this.y * k) / k, this.scale];
+    found.resize(this.width + (2 * beside) / ratio, this.height + (2 * above) / ratio);
+    return found;
+  }
+
   /** Put the world's metres on a canvas: after this, draw in metres with y upwards. */
   apply(context, ratio) {
     const k = this.scale * ratio;

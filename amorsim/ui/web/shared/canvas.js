@@ -20,6 +20,7 @@ export class Canvas {
     this.layers = []; // the lowest first
     /** @type {Bitmap[]} */
     this.bitmaps = [];
+    this.edge = 0; // pixels on the left that something else needs
     this.tool = new Tool();
     /** @type {Tool | null} */
     this.active = null; // the tool that the pointer is down with
@@ -59,8 +60,8 @@ export class Canvas {
   }
 
   draw() {
-    const { context, camera, ratio, theme } = this;
-    const brush = { context, camera, ratio, theme };
+    const { context, ratio, theme } = this;
+    const brush = { context, camera: this.camera.onPixels(ratio), ratio, theme };
     const shown = this.layers.filter((layer) => layer.isShown);
     let [at, run] = [0, 0];
     // The first run has the paper, also where it has no layer.
@@ -84,7 +85,7 @@ export class Canvas {
     const { context, camera, theme } = this;
     const length = niceStep(50 / camera.scale);
     const wide = length * camera.scale;
-    const [left, base] = [12.5, camera.height - 12.5];
+    const [left, base] = [12.5 + this.edge, camera.height - 12.5];
     const text = length >= 1 ? `${length} m` : `${Math.round(length * 1000)} mm`;
     context.font = "12px system-ui, sans-serif";
     context.globalAlpha = 0.8;

@@ -162,7 +162,7 @@ export function drawRobot(context, camera, robot, poses, i, kind, theme, alarm) 
   context.restore();
 }
 
-/** Markings and drops of the floor, its zones, lamps and landmarks, as they truly are. */
+/** Markings and drops of the floor, and its zones: what lies under the walls. */
 export function drawFloor(context, camera, floor, theme) {
   for (const { points, width, colour } of floor.patches ?? []) {
     context.beginPath();
@@ -184,6 +184,10 @@ export function drawFloor(context, camera, floor, theme) {
     context.lineWidth = px(camera, 1);
     context.stroke();
   }
+}
+
+/** Lamps and landmarks, as they truly are. */
+export function drawStanding(context, camera, floor, theme) {
   for (const [x, y] of floor.lights) {
     const size = px(camera, 7);
     context.beginPath();

@@ -35,8 +35,16 @@ export function stillFrame(still) {
   };
 }
 
+/** A layer of what does not move here: it is drawn into the bitmap.
+ * @template {SceneLayer} T
+ * @param {T} layer */
+export function atRest(layer) {
+  layer.isStatic = true;
+  return layer;
+}
+
 /** The robot that is selected, which `BodiesLayer` leaves out. */
-class StillRobotLayer extends SceneLayer {
+export class StillRobotLayer extends SceneLayer {
   /** @param {import("./layer.js").Brush} brush */
   draw({ context, camera, theme }) {
     const { scene, frame } = this.stage;
@@ -99,11 +107,12 @@ export class StillStage {
     this.picker = new StillPicker();
     /** @type {Selection<Found>} */
     this.selection = new Selection();
-    this.selection.listen(() => this.redraw());
+    this.selection.listen(() => this.touch());
+    this.looks = 0; // how often what stands still has come to look otherwise
     this.pane = new Canvas({ id, label: `${label}. ${HELP}`, camera: this.camera, theme: this.theme });
     this.pane.layers = [
-      new GridLayer(() => this.options.grid), new WorldLayer(this), new BodiesLayer(this), new StillRobotLayer(this),
-      new OutlinesLayer(this), new SelectionLayer(this, "true"), new NamesLayer(this, "true"),
+      new GridLayer(() => this.options.grid), new WorldLayer(this),
+      ...[new BodiesLayer(this), new StillRobotLayer(this), new OutlinesLayer(this), new SelectionLayer(this, "true"), new NamesLayer(this, "true")].map(atRest),
     ];
     const hand = new Hand(this.camera, { clicked: (place) => this.pick(place) });
     this.pane.panning = hand;
@@ -130,6 +139,17 @@ export class StillStage {
     const isSame = before && still && before.every((value, n) => value === still.extent[n]);
     this.resize();
     if (!isSame) this.fit();
+    this.touch();
+  }
+
+  /** What the bitmap of what stands still depends on. */
+  get version() {
+    return String(this.looks);
+  }
+
+  /** Draw what stands still again. */
+  touch() {
+    this.looks += 1;
     this.redraw();
   }
 

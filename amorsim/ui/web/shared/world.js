@@ -2,17 +2,19 @@
 
 import { drawCrowd } from "./crowd.js";
 import { Layer } from "./layer.js";
-import { drawFloor, drawMap, drawObstacles } from "./marks.js";
+import { drawFloor, drawMap, drawObstacles, drawStanding } from "./marks.js";
 import { drawNames } from "./names.js";
 
 /** @typedef {import("./layer.js").Brush} Brush */
 /** @typedef {"true" | "estimated"} View what a pane shows: the world as it is, or as the robot knows it */
 
 /**
- * What layers draw from: a page's scene and the newest frame of it, with the pictures of its maps.
+ * What layers draw from: a page's scene and the newest frame of it, with the pictures of its maps. `version` differs
+ * whenever static layers look otherwise.
  * @typedef {{
  *   scene?: any,
  *   frame?: any,
+ *   version?: string,
  *   pictures: import("./pictures.js").Pictures,
  *   selection: import("./selection.js").Selection<any>,
  *   posesOf: (view: View) => ArrayLike<number>,
@@ -34,6 +36,10 @@ export class SceneLayer extends Layer {
     return Boolean(this.stage.scene && this.stage.frame);
   }
 
+  get version() {
+    return this.stage.version ?? "";
+  }
+
   /** The robot that is looked at. */
   get robot() {
     return this.stage.scene.robots[this.stage.frame.selected];
@@ -51,8 +57,9 @@ export class WorldLayer extends SceneLayer {
   /** @param {Brush} brush */
   draw({ context, camera, theme }) {
     const { scene, pictures } = this.stage;
-    drawMap(context, camera, scene.map, pictures.path(scene.map), pictures.of(scene.map, theme.wall), theme.wall);
     drawFloor(context, camera, scene.floor, theme);
+    drawMap(context, camera, scene.map, pictures.path(scene.map), pictures.of(scene.map, theme.wall), theme.wall);
+    drawStanding(context, camera, scene.floor, theme);
   }
 }
 

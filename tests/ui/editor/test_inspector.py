@@ -1,0 +1,83 @@
+"""What the inspector offers for settings and zones, set by its forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from amorsim.ui.editor.session import EditSession
+from tests.ui.editor.talking import do, drawn, talk
+
+
+async def sections_of(session: EditSession, path: str) -> dict[str, Any]:
+    return {one["path"]: one for one in (await do(session, do="inspect", path=path))["sections"]}
+
+
+async def change(session: EditSession, **what: Any) -> None:
+    await do(session, do="edit", label="change", changes=[what])
+
+
+def test_recorders_have_forms_and_can_be_added(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        text = session.work.text
+        assert "recording" not in session.work.document.values
+        assert "recording" in [thing["path"] for thing in (await drawn(session))["things"]]
+        sections = await sections_of(session, "recording")
+        assert [field["path"] for field in sections["recording"]["fields"]] == [
+            "recording.sensors",
+            "recording.picture",
+        ]
+        (adding,) = sections["recording.also"]["adding"]
+        assert "arrays" in adding["choices"]
+        await change(session, op="set", path="recording.sensors", value="all")
+        await change(session, op="add", path="recording.also", value={"use": "arrays"})
+        assert "recording.also.0" in await sections_of(session, "recording")
+        assert (await drawn(session))["faults"] == []
+        assert session.work.document.get("recording") == {"sensors": "all", "also": [{"use": "arrays"}]}
+        for _ in range(2):
+            await do(session, do="undo")
+        assert session.work.text == text
+
+    talk("doors", tmp_path, say)
+
+
+def test_errors_bound_to_a_zone_are_added_and_changed_by_forms(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        zone = {"name": "oil", "shape": {"circle": 0.8}, "pose": {"x": 3.0, "y": 2.0}}
+        await change(session, op="add", path="zones", value=zone)
+        (adding,) = (await sections_of(session, "zones.0"))["zones.0.ground"]["adding"]
+        assert {"scale", "diffusion", "bump"} <= set(adding["choices"])
+        assert adding["choices"][1] == "diffusion"  # what is made for the ground comes first
+        (others,) = (await sections_of(session, "robots.0"))["robots.0.sensors.laser.noise"]["adding"]
+        assert "scale" in others["choices"]
+        assert "diffusion" not in others["choices"]
+        await change(session, op="add", path="zones.0.ground", value={"use": "scale"})
+        await change(session, op="add", path="zones.0.ground", value={"use": "diffusion"})
+        fields = (await sections_of(session, "zones.0"))["zones.0.ground.0"]["fields"]
+        assert "zones.0.ground.0.factor" in [field["path"] for field in fields]
+        await change(session, op="set", path="zones.0.ground.0.factor", value=0.7)
+        await change(session, op="set", path="zones.0.ground.1.variance_per_length", value=1e-4)
+        await change(session, op="move", path="zones.0.ground.1", index=0)
+        assert (await drawn(session))["faults"] == []
+        ground = [element.noise for element in session.work.document.scenario().zones[0].ground]
+        assert [type(one).__name__ for one in ground] == ["Diffusion", "Scale"]
+        assert ground[1].factor == 0.7
+
+    talk("demo", tmp_path, say)
+
+
+@pytest.mark.parametrize("path", ["robots.0", "zones.0"])
+def test_the_sides_of_a_rectangle_are_numbers(path: str, tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        zone = {"name": "oil", "shape": {"circle": 0.8}, "pose": {"x": 3.0, "y": 2.0}}
+        await change(session, op="add", path="zones", value=zone)
+        await change(session, op="shape", path=f"{path}.shape", value="rectangle")
+        shape = (await sections_of(session, path))[f"{path}.shape"]
+        assert shape["toml"] is None
+        assert [(field["label"], field["value"]) for field in shape["fields"]] == [("length", 0.6), ("width", 0.4)]
+        await change(session, op="set", path=shape["fields"][1]["path"], value=0.5)
+        assert session.work.document.get(f"{path}.shape") == {"rectangle": [0.6, 0.5]}
+
+    talk("demo", tmp_path, say)
