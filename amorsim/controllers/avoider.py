@@ -219,7 +219,8 @@ def guarded(
     ``state["moving"]`` is brought up to the twist.
     """
     rows = len(wanted)
-    no_memory = Window(np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64), 1.0)
+    never, corner = np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64)
+    no_memory = Window(never, corner, 1.0, np.zeros((rows, 1, 1, 2), dtype=np.int8))
     twist = np.empty((rows, 3))
     guard(
         sight,

@@ -134,6 +134,7 @@ class Navigate(Controller):
             **start_sight(context, self.sensor, "navigate", "look_"),
             **no_path(context.pose),
             "seen": np.full((rows, size, size), -1e30, dtype=np.float32),
+            "seen_at": np.zeros((rows, size, size, 2), dtype=np.int8),
             "corner": np.full((rows, 2), -(2**40), dtype=np.int64),
             "mode": np.full((rows, 1), DRIVING, dtype=np.int64),
             "goal": np.zeros((rows, 1), dtype=np.int64),
@@ -162,7 +163,7 @@ class Navigate(Controller):
         course = Course.of(robot, readings, estimate)
         reading = readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state, "look_")
-        window = Window(state["seen"], state["corner"], self.cell)
+        window = Window(state["seen"], state["corner"], self.cell, state["seen_at"])
         fresh = reading.fresh[:, 0].astype(np.int64)
         asked = sight, course.poses, clock.time, fresh, window
         draws.share(_WORK, lambda first, end: remember(*asked, first, end))
