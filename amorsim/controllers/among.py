@@ -163,8 +163,37 @@ class Orca(Among):
         return out
 
     def beliefs(self, state: State) -> Beliefs:
-        """The others, and the border of the velocities that each permits: a point and a direction [m/s]."""
-        return {**super().beliefs(state), "borders": state["borders"].copy()}
+        """The others, and what each leaves the robot."""
+        name = self.leaves[0]
+        return {**super().beliefs(state), name: state[name].copy()}
+
+
+@attrs.frozen(kw_only=True)
+class Orca(_ByVelocity):
+    """Drives to goals among robots that do the same, by optimal reciprocal collision avoidance (ORCA).
+
+    Two robots share the work of keeping apart for `horizon`: each does half. Of the velocities that this permits, the
+    robot takes the one nearest to the velocity towards its goal. If none is permitted, it takes the one that violates
+    the worst limit least. After J. van den Berg, S. J. Guy, M. Lin and D. Manocha, "Reciprocal n-body collision
+    avoidance", ISRR 2009.
+
+    It assumes that a robot can change its velocity at once, in any direction. A robot on wheels cannot, so give it a
+    `clearance`. Robots may block one another for ever; they then report a ``deadlock``.
+
+    Parameters
+    ----------
+    horizon
+        Time for which it keeps apart from others [s].
+    """
+
+    horizon: float = parameter(5.0, unit="s", gt=0, help="for which it keeps apart from others")
+
+    leaves: ClassVar[tuple[str, int]] = ("borders", 4)
+
+    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
+        """By ORCA. Of each of the others, `left` is the border of what it permits: a point and a direction [m/s]."""
+        mine: Any = self
+        reciprocal_velocities(*known, mine.speed, mine.horizon, dt, first, end, left, out)
 
 
 @attrs.frozen(kw_only=True)
@@ -199,9 +228,14 @@ class HumanLike(Among):
         return self.relaxation
 
     def start_steering(self, context: Context) -> State:
+        state["towards"] = np.arctan2(target[:, 1:], target[:, :1])
         """The robot's account of its twist, and the free ways."""
         count = 2 * int(1.6 / (2.0 * math.pi / self.directions)) + 1
-        return {**super().start_steering(context), "ways": np.full((context.rows, count, 2), np.nan)}
+        return {
+            **super().start_steering(context),
+            "ways": np.full((context.rows, count, 2), np.nan),
+            "towards": np.zeros((context.rows, 1)),
+        }
 
     def choose(
         self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
@@ -214,8 +248,10 @@ class HumanLike(Among):
         return out
 
     def beliefs(self, state: State) -> Beliefs:
-        """The others, and the directions from the target's [rad] with the free way in each [m]."""
-        return {**super().beliefs(state), "ways": state["ways"].copy()}
+        """The others, and directions [rad] in the robot's frame with the free way in each [m]."""
+        ways = state["ways"].copy()
+        ways[:, :, 0] += state["towards"]
+        return {**super().beliefs(state), "ways": ways}
 
 
 @attrs.frozen(kw_only=True)

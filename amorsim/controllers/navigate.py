@@ -25,7 +25,7 @@ from amorsim.contracts import (
 from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
 from amorsim.controllers.driving import Course
 from amorsim.controllers.dwa import Dwa
-from amorsim.controllers.planning import STATUSES, Ways, lay_path, no_path
+from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.memory import Window, guard, look_along, remember
@@ -276,11 +276,12 @@ class Navigate(Controller):
         due = (state["mode"] == DRIVING) & (time - state["planned"] >= self.replan_after)
         due &= state["wanted"] | blocked | (state["status"] > 0)
         for row in np.flatnonzero(due).tolist():
-            status, points = ways.plan(pose[row], self._goal(state)[row], window, row, float(since[row, 0]))
+            status, points, searched = ways.plan(pose[row], self._goal(state)[row], window, row, float(since[row, 0]))
             state["status"][row] = STATUSES.index(status)
             state["planned"][row] = time[row]
             state["plans"][row] += 1
             state["wanted"][row] = False
+            keep_searched(searched, row, state)
             if status == "found":
                 lay_path(points, row, state)
         return Guide(state["path"], state["along"], state["count"], state["leg"])
@@ -305,12 +306,16 @@ class Navigate(Controller):
         return found
 
     def beliefs(self, state: State) -> Beliefs:
-        """The path (nan beyond its end), the goal's number, what it does, and what its avoider believes."""
+        """The path, what was searched for it (nan beyond the end of both), the goal's number, what it does, and more.
+
+        That is what its avoider believes. Of more than 1024 places that were searched, it keeps every n-th.
+        """
         beyond = np.arange(state["path"].shape[1])[None, :] >= state["count"][:, None]
         no = (state["status"] != 0) | (state["mode"] >= ARRIVED)
         path = np.where((beyond | no)[:, :, None], np.nan, state["path"])
         return {
             "path": path,
+            "searched": state["searched"].copy(),
             "goal": state["goal"].copy(),
             "mode": state["mode"].copy(),
             "plans": state["plans"].copy(),
