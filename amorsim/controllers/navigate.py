@@ -49,14 +49,14 @@ _WORK = 100  # cost of one look round for a robot, in rays
 class Navigate(Controller):
     """Drives to one goal after another: a planner finds the way, an avoider drives along it.
 
-    The planner plans on the map that the robot was given (`knowledge.map`), and on open ground if it was given none, as
-    far as it has not seen anything there. The path keeps the reach of the footprint from walls, so that the robot can
-    turn anywhere on it; where no such way leads to the goal, or it is much longer, `least_clearance`. The robot
-    remembers what it sees around itself, and plans again if that blocks its path.
+    The planner plans on the map that the robot was given (`knowledge.map`), or else on open ground, and adds what the
+    robot has seen. The path keeps the reach of the footprint from walls, so that the robot can turn anywhere on it;
+    where no such way leads to the goal, or it is much longer, `least_clearance`. The robot remembers what it sees
+    around itself, and plans again if that blocks its path.
 
-    If it does not get away from a place, it tries the `recovery` in turn, plans again after each, and gives up the
-    goal after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery``
-    and ``gave_up`` as events, with their time.
+    If it stays in one place too long, it tries the `recovery` in turn, plans again after each, and gives up the goal
+    after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery`` and
+    ``gave_up`` as events, with their time.
 
     Parameters
     ----------
