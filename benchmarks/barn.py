@@ -4,8 +4,9 @@
 are D. Perille, A. Truong, X. Xiao and P. Stone, "Benchmarking metric ground navigation", 2020; those of
 https://github.com/Daffan/the-barn-challenge are read from a file that is no part of the project.
 
-All fields lie beside one another on one plain, far enough apart that no laser sees the next, a robot in each; each run
-is a replica. A run ends when the robot is within 1 m of its goal, touches anything, or after 100 s.
+Each run is a replica. A run ends when the robot is within 1 m of its goal, touches anything, or after 100 s. Fields lie
+next to one another on one plain, far enough apart that no laser sees the next, with a robot in each. A batch goes on
+until its last run has ended, so the command makes a batch of each field: in most of them all runs end within seconds.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ def _dwa(goal: tuple[float, float]) -> am.Controller:
         goals=(goal,),
         planner=am.planners.AStar(),
         avoider=am.controllers.Dwa(speed=0.5, turn_rate=1.57, clearance=0.012, horizon=2.0),
-        tolerance=0.5,
+        tolerance=0.2,
         least_clearance=0.17,
         memory=100.0,
         window=8.0,
@@ -115,7 +116,7 @@ def _best(goal: tuple[float, float]) -> am.Controller:
         goals=(goal,),
         planner=am.planners.ThetaStar(lazy=True),
         avoider=am.controllers.Dwa(speed=2.0, turn_rate=4.0, clearance=0.012, horizon=1.0),
-        tolerance=0.5,
+        tolerance=0.2,
         least_clearance=0.17,
         memory=100.0,
         window=8.0,
@@ -214,8 +215,8 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     return f"{count} runs: {parts}; mean time {mean:.2f} s; score {total:.4f}"
 
 
-def _part(numbers: Sequence[int], way: str, runs: int, seed: int) -> list[Outcome]:
-    return run_fields([field for field in fields_of() if field.number in numbers], way, runs, seed=seed)
+def _one(number: int, way: str, runs: int, seed: int) -> list[Outcome]:
+    return run_fields([field for field in fields_of() if field.number == number], way, runs, seed=seed)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -235,20 +236,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if chosen.worlds:
         numbers = [number for number in numbers if number in chosen.worlds]
     began = time.perf_counter()
-    jobs = min(chosen.jobs, len(numbers))
     outcomes: list[Outcome] = []
-    if jobs == 1:
-        outcomes = _part(numbers, chosen.way, chosen.runs, chosen.seed)
-    else:
-        with concurrent.futures.ProcessPoolExecutor(jobs) as pool:
-            parts = [
-                pool.submit(_part, numbers[job::jobs], chosen.way, chosen.runs, chosen.seed) for job in range(jobs)
-            ]
-            for part in parts:
-                outcomes += part.result()
-    if chosen.each:
-        for number in numbers:
-            print(f"world {number:3d}: {summary([one for one in outcomes if one.world == number])}")
+    with concurrent.futures.ProcessPoolExecutor(min(chosen.jobs, len(numbers))) as pool:
+        parts = [pool.submit(_one, number, chosen.way, chosen.runs, chosen.seed) for number in numbers]
+        for number, part in zip(numbers, parts, strict=True):
+            found = part.result()
+            outcomes += found
+            if chosen.each:
+                print(f"world {number:3d}: {summary(found)}", flush=True)
     print(f"{chosen.way}: {summary(outcomes)}; computed in {time.perf_counter() - began:.1f} s")
     return 0
 

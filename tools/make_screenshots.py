@@ -35,21 +35,25 @@ def make(folder: Path) -> None:
 
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as work:
-        for name in ("demo.toml", "office.wld"):
+        for name in ("demo.toml", "find-the-way.toml", "office.wld"):
             shutil.copy(Path(amorsim.__file__).parent / "scenarios" / name, work)
-        server = Server(Path(work) / "demo.toml")
         browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=FLAGS)
         try:
-            page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-            window = Window(page).open(server.address)
-            for picture in (drift, overlay, past):
-                picture(window)
-                page.mouse.move(WIDTH - 5, 5)
-                page.wait_for_timeout(400)
-                _save(page.screenshot(), folder / f"simulator-{picture.__name__}.png")
+            for scenario, pictures in (("demo", (drift, overlay, past)), ("find-the-way", (intended,))):
+                server = Server(Path(work) / f"{scenario}.toml")
+                try:
+                    page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+                    window = Window(page).open(server.address)
+                    for picture in pictures:
+                        picture(window)
+                        page.mouse.move(WIDTH - 5, 5)
+                        page.wait_for_timeout(400)
+                        _save(page.screenshot(), folder / f"simulator-{picture.__name__}.png")
+                    page.close()
+                finally:
+                    server.close()
         finally:
             browser.close()
-            server.close()
 
 
 def drift(window: Window) -> None:
@@ -87,6 +91,14 @@ def past(window: Window) -> None:
     window.see("stage.camera.zoom(1.2)")
     window.see("numbers.choose('forward')")
     window.see("numbers.setMode('values')")
+
+
+def intended(window: Window) -> None:
+    """The path, what was searched for it, and the arcs of a robot that finds its way."""
+    window.do(do="step", steps=80)
+    window.until("stage.intended.key.includes(' 80 ')")
+    window.page.keyboard.press("f")
+    window.see("stage.camera.zoom(1.7)")
 
 
 def _play(window: Window, steps: int) -> None:

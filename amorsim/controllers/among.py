@@ -1,4 +1,4 @@
-"""Avoiders among robots that tell one another where they are and how fast they go."""
+"""Avoiders among robots that know where the others are: from what these send, or from the marks that they carry."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from amorsim.contracts import Beliefs, Clock, Context, Draws, Measurement, RobotModel, State, parameter
 from amorsim.controllers.avoider import Avoider, start_moving
 from amorsim.controllers.driving import Course
-from amorsim.core.errors import ComponentError, did_you_mean
+from amorsim.controllers.others import know_others, start_others
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.human_like import human_velocities
 from amorsim.kernels.avoidance.hybrid import hybrid_velocities
@@ -27,7 +27,6 @@ __all__ = ["Among", "Hrvo", "HumanLike", "Orca", "SocialForce"]
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
-_TABLE = ["range", "x", "y", "vx", "vy", "radius"]
 _WORK = 60  # cost of one decision for a robot, in rays
 
 
@@ -35,13 +34,18 @@ _WORK = 60  # cost of one decision for a robot, in rays
 class Among(Avoider):
     """The base of avoiders that know where the others are: they choose a velocity, and turn towards it.
 
-    They know of the others what their `neighbours` sensor tells, and nothing of walls.
+    They know nothing of walls, and of the others what their sensor gives. A `neighbours` sensor gives places,
+    velocities and radii. A `fiducial` gives the places of marks; the robot estimates their velocities from one reading
+    to the next, and takes their radius to be `others_radius`.
     """
 
     blocked_word: ClassVar[str] = "deadlock"
 
     sensor: str = parameter(
-        "neighbours", refers="sensors", help="name of the sensor that tells of the others, a 'neighbours'"
+        "neighbours", refers="sensors", help="name of the sensor that finds the others, a 'neighbours' or a 'fiducial'"
+    )
+    others_radius: float | None = parameter(
+        None, unit="m", ge=0, static=True, help="of others that a 'fiducial' finds; the robot's own if not given"
     )
     look_ahead: float = parameter(1.0, unit="m", gt=0, help="how far ahead on its path it looks")
     rotation_time: float = parameter(0.5, unit="s", gt=0, help="in which it turns towards the velocity that it chose")
@@ -62,25 +66,14 @@ class Among(Avoider):
         """
 
     def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist.
+        """The robot's account of its twist, and what it knows of the others.
 
         Raises
         ------
         ComponentError
             If the robot has no such sensor.
         """
-        robot = context.robot
-        model = robot.sensors.get(self.sensor)
-        name = type(self).__name__.lower()
-        if model is None or list(model.sensor.columns()) != _TABLE:
-            known = [other for other, one in robot.sensors.items() if list(one.sensor.columns()) == _TABLE]
-            raise ComponentError(
-                f"{name} goes by the sensor {self.sensor!r}, which is no 'neighbours' of {robot.who(0)}; it has: "
-                f"{', '.join(map(repr, known)) or 'none'}.{did_you_mean(self.sensor, known)} Give it one, and name it "
-                "in the field 'sensor'."
-            )
-        slots = model.size // len(_TABLE)
-        return {**start_moving(context), "others": np.full((context.rows, slots, 5), np.nan)}
+        return {**start_moving(context), **start_others(context, self.sensor, type(self).__name__.lower())}
 
     def steer(
         self,
@@ -95,18 +88,14 @@ class Among(Avoider):
     ) -> Array:
         """The twists `(N, 3)` along the paths of `guide`; robots that are not `active` brake."""
         rows = robot.rows
-        reading = readings[self.sensor]
-        table = reading.measured.reshape(rows, -1, len(_TABLE))
-        others = np.ascontiguousarray(table[:, :, 1:])
-        # Where they are by now.
-        others[:, :, 0] += others[:, :, 2] * reading.age
-        others[:, :, 1] += others[:, :, 3] * reading.age
-        state["others"] = np.where(np.isfinite(others[:, :, :1]), others, np.nan)
+        reach = np.zeros((rows, 1)) + robot.shape.reach
+        size = reach if self.others_radius is None else np.full((rows, 1), self.others_radius)
+        others = know_others(robot, readings[self.sensor], self.sensor, course, size, clock.time, state)
         own = np.zeros((rows, 2))
         own[:, 0] = state["moving"][:, 0]
         target = np.empty((rows, 2))
         aims(course.poses, guide, self.look_ahead, target)
-        radius: Any = np.zeros((rows, 1)) + robot.shape.reach + self.clearance
+        radius: Any = reach + self.clearance
         chosen = self.choose(others, own, target, radius, clock.dt, state, draws)
         twist = np.empty((rows, 3))
         twists_towards(
@@ -128,15 +117,52 @@ class Among(Avoider):
 
 
 @attrs.frozen(kw_only=True)
-class Orca(Among):
+class _ByVelocity(Among):
+    """The base of those that choose, of the velocities that the others leave it, the nearest to the one it wants."""
+
+    leaves: ClassVar[tuple[str, int]]
+    """The belief that says what each of the others leaves it, and how many numbers that is."""
+
+    @abc.abstractmethod
+    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
+        """The velocities `(N, 2)` of the rows from `first` to `end`, into `out`, and what the others leave into `left`.
+
+        `known` are the others, its own velocity, the one it wants, and its radius, as in `choose`.
+        """
+
+    def start_steering(self, context: Context) -> State:
+        """The robot's account of its twist, the others, and room for what they leave it."""
+        state = super().start_steering(context)
+        name, numbers = self.leaves
+        return {**state, name: np.full((*state["others"].shape[:2], numbers), np.nan)}
+
+    def choose(
+        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
+    ) -> Array:
+        """The velocities nearest to those that are wanted."""
+        wanted = _wanted(target, self.speed)
+        out = np.empty_like(wanted)
+        known, left = (others, own, wanted, radius), state[self.leaves[0]]
+        draws.share(_WORK, lambda first, end: self.nearest(known, dt, first, end, left, out))
+        return out
+
+    def beliefs(self, state: State) -> Beliefs:
+        """The others, and what each leaves the robot."""
+        name = self.leaves[0]
+        return {**super().beliefs(state), name: state[name].copy()}
+
+
+@attrs.frozen(kw_only=True)
+class Orca(_ByVelocity):
     """Drives to goals among robots that do the same, by optimal reciprocal collision avoidance (ORCA).
 
-    Of the velocities that keep it apart from every other robot for `horizon`, if both do half of it, it takes the one
-    nearest to that which leads to the goal. If there is none, it takes the one that breaks the worst least. After J.
-    van den Berg, S. J. Guy, M. Lin and D. Manocha, "Reciprocal n-body collision avoidance", ISRR 2009.
+    Two robots share the work of keeping apart for `horizon`: each does half. Of the velocities that this permits, the
+    robot takes the one nearest to the velocity towards its goal. If none is permitted, it takes the one that violates
+    the worst limit least. After J. van den Berg, S. J. Guy, M. Lin and D. Manocha, "Reciprocal n-body collision
+    avoidance", ISRR 2009.
 
-    It assumes that a robot moves any way at once. One on wheels does not, so give it a `clearance`. Robots may come to
-    stand in one another's way for ever; they report a ``deadlock``.
+    It assumes that a robot can change its velocity at once, in any direction. A robot on wheels cannot, so give it a
+    `clearance`. Robots may block one another for ever; they then report a ``deadlock``.
 
     Parameters
     ----------
@@ -146,35 +172,22 @@ class Orca(Among):
 
     horizon: float = parameter(5.0, unit="s", gt=0, help="for which it keeps apart from others")
 
-    def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist, and the borders of what it may do."""
-        state = super().start_steering(context)
-        return {**state, "borders": np.full((*state["others"].shape[:2], 4), np.nan)}
+    leaves: ClassVar[tuple[str, int]] = ("borders", 4)
 
-    def choose(
-        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
-    ) -> Array:
-        """The velocities nearest to those that are wanted."""
-        wanted = _wanted(target, self.speed)
-        out = np.empty_like(wanted)
+    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
+        """By ORCA. Of each of the others, `left` is the border of what it permits: a point and a direction [m/s]."""
         mine: Any = self
-        asked = others, own, wanted, radius, mine.speed, mine.horizon, dt
-        draws.share(_WORK, lambda first, end: reciprocal_velocities(*asked, first, end, state["borders"], out))
-        return out
-
-    def beliefs(self, state: State) -> Beliefs:
-        """The others, and the border of the velocities that each permits: a point and a direction [m/s]."""
-        return {**super().beliefs(state), "borders": state["borders"].copy()}
+        reciprocal_velocities(*known, mine.speed, mine.horizon, dt, first, end, left, out)
 
 
 @attrs.frozen(kw_only=True)
 class HumanLike(Among):
     """Drives to goals among others as people do: where the free way ahead leads nearest to the goal.
 
-    It looks in all directions up to about a right angle from the goal, sees how far it could go in each at its speed,
-    as the others go on, and takes the best; it is no faster than lets it stop within `reaction`. After J. Guzzi and
-    others, "Human-friendly robot navigation in dynamic environments", ICRA 2013. Robots may come to stand in one
-    another's way for ever; they report a ``deadlock``.
+    It looks in all directions up to about a right angle from the goal's, and computes how far it could go in each
+    before it meets another robot that keeps its velocity. It takes the direction that leads nearest to the goal, at a
+    speed at which the free way ahead lasts for `reaction`. After J. Guzzi and others, "Human-friendly robot navigation
+    in dynamic environments", ICRA 2013. Robots may block one another for ever; they then report a ``deadlock``.
 
     Parameters
     ----------
@@ -199,9 +212,13 @@ class HumanLike(Among):
         return self.relaxation
 
     def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist, and the free ways."""
+        """The robot's account of its twist, the free ways, and the bearing of the target from which they count."""
         count = 2 * int(1.6 / (2.0 * math.pi / self.directions)) + 1
-        return {**super().start_steering(context), "ways": np.full((context.rows, count, 2), np.nan)}
+        return {
+            **super().start_steering(context),
+            "ways": np.full((context.rows, count, 2), np.nan),
+            "towards": np.zeros((context.rows, 1)),
+        }
 
     def choose(
         self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
@@ -211,43 +228,33 @@ class HumanLike(Among):
         mine: Any = self
         asked = others, target, radius, mine.speed, mine.reaction, mine.horizon, self.directions
         draws.share(_WORK, lambda first, end: human_velocities(*asked, first, end, state["ways"], out))
+        state["towards"] = np.arctan2(target[:, 1:], target[:, :1])
         return out
 
     def beliefs(self, state: State) -> Beliefs:
-        """The others, and the directions from the target's [rad] with the free way in each [m]."""
-        return {**super().beliefs(state), "ways": state["ways"].copy()}
+        """The others, and directions [rad] in the robot's frame with the free way in each [m]."""
+        ways = state["ways"].copy()
+        ways[:, :, 0] += state["towards"]
+        return {**super().beliefs(state), "ways": ways}
 
 
 @attrs.frozen(kw_only=True)
-class Hrvo(Among):
+class Hrvo(_ByVelocity):
     """Drives to goals among robots that do the same, by hybrid reciprocal velocity obstacles (HRVO).
 
-    The velocities that lead into another robot make a cone. Its apex is set so that both do half of the avoiding, and
-    keep to the side on which they pass already. The robot takes the velocity nearest to the one that leads to the goal
-    that is in no cone; if there is none, one that is in none of the nearest robots'. After J. Snape and others, "The
-    hybrid reciprocal velocity obstacle", IEEE Transactions on Robotics 27 (4), 2011. It looks ahead without end, so it
-    is timid in crowds. Robots may come to stand in one another's way for ever; they report a ``deadlock``.
+    The velocities that lead into another robot make a cone. Its apex is placed so that both robots do half of the
+    avoiding, and stay on the side on which they already pass. The robot takes the velocity nearest to the one that
+    leads to the goal that is in no cone; if there is none, one that is in none of the nearest robots'. After J. Snape
+    and others, "The hybrid reciprocal velocity obstacle", IEEE Transactions on Robotics 27 (4), 2011. Its horizon is
+    infinite, so it is timid in crowds. Robots may block one another for ever; they then report a ``deadlock``.
     """
 
-    def start_steering(self, context: Context) -> State:
-        """The robot's account of its twist, and the cones."""
-        state = super().start_steering(context)
-        return {**state, "cones": np.full((*state["others"].shape[:2], 6), np.nan)}
+    leaves: ClassVar[tuple[str, int]] = ("cones", 6)
 
-    def choose(
-        self, others: Array, own: Array, target: Array, radius: Array, dt: float, state: State, draws: Draws
-    ) -> Array:
-        """The velocities nearest to those that are wanted."""
-        wanted = _wanted(target, self.speed)
-        out = np.empty_like(wanted)
+    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
+        """By HRVO. Of each of the others, `left` is the cone that leads into it: apex, right and left side [m/s]."""
         mine: Any = self
-        asked = others, own, wanted, radius, mine.speed
-        draws.share(_WORK, lambda first, end: hybrid_velocities(*asked, first, end, state["cones"], out))
-        return out
-
-    def beliefs(self, state: State) -> Beliefs:
-        """The others, and the cone of velocities that lead into each: apex, right and left side [m/s]."""
-        return {**super().beliefs(state), "cones": state["cones"].copy()}
+        hybrid_velocities(*known, mine.speed, first, end, left, out)
 
 
 @attrs.frozen(kw_only=True)
@@ -256,7 +263,7 @@ class SocialForce(Among):
 
     It speeds up towards the goal within `relaxation`, and is pushed away by the others, the more the nearer their next
     step leads them. After D. Helbing and P. Molnar, "Social force model for pedestrian dynamics", Physical Review E 51,
-    1995; as the motion `pedestrian` does. It promises nothing: robots may touch.
+    1995; as the motion `pedestrian` does. It guarantees nothing: robots may touch.
 
     Parameters
     ----------
@@ -286,11 +293,11 @@ class SocialForce(Among):
         towards = target / np.maximum(away, 1e-9)
         there = np.isfinite(others[:, :, 0])
         # All bodies in a line: the others of each robot, then the robots, each at its own origin.
-        told = np.where(there[:, :, None], others, 0.0).reshape(-1, 5)
+        known = np.where(there[:, :, None], others, 0.0).reshape(-1, 5)
         poses, twists = np.zeros((2, rows * slots + rows, 3))
-        poses[: rows * slots, :2], twists[: rows * slots, :2] = told[:, :2], told[:, 2:4]
+        poses[: rows * slots, :2], twists[: rows * slots, :2] = known[:, :2], known[:, 2:4]
         twists[rows * slots :, :2] = own
-        reach = np.concatenate((told[:, 4], np.zeros(rows))) + np.concatenate(
+        reach = np.concatenate((known[:, 4], np.zeros(rows))) + np.concatenate(
             (np.repeat(radius[:, 0], slots), np.zeros(rows))
         )
         first = np.zeros(rows + 1, dtype=np.int64)

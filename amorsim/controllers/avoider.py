@@ -46,7 +46,7 @@ class Avoider(Controller):
     """
 
     blocked_word: ClassVar[str] = "blocked"
-    """What it reports where it does not get on."""
+    """The event that it reports when it makes no progress."""
 
     goals: tuple[tuple[float, float], ...] = parameter(
         (), unit="m", frame="world", help="where it drives, one after the other; not needed within 'navigate'"
@@ -55,7 +55,7 @@ class Avoider(Controller):
     tolerance: float = parameter(0.1, unit="m", gt=0, help="distance from the goal within which it stops")
     speed: float = parameter(0.5, unit="m/s", gt=0, help="fastest that it drives")
     turn_rate: float = parameter(1.5, unit="rad/s", gt=0, help="fastest that it turns")
-    sensor: str = parameter("laser", refers="sensors", help="name of the range sensor by which it goes")
+    sensor: str = parameter("laser", refers="sensors", help="name of the range sensor that it uses")
     clearance: float = parameter(
         0.05, unit="m", ge=0, help="kept free around the footprint; three times the sensor's noise at least"
     )
@@ -63,7 +63,7 @@ class Avoider(Controller):
         10.0,
         unit="s",
         gt=0,
-        help="time without coming 0.1 m nearer to the goal after which it reports that it is blocked",
+        help="after this time without coming 0.1 m nearer to the goal it reports that it is blocked",
     )
 
     @abc.abstractmethod
@@ -146,7 +146,7 @@ class Avoider(Controller):
         return course.command(self.steer(robot, readings, course, guide, active, clock, state, draws))
 
     def reports(self, state: State) -> Sequence[tuple[int, str, object]]:
-        """Goals that were reached, and robots that do not get on."""
+        """Goals that were reached, and robots that make no progress."""
         news = state["news"][:, 0]
         if not news.any():
             return ()
@@ -160,7 +160,7 @@ class Avoider(Controller):
 
 
 def start_sight(context: Context, sensor: str, who: str, prefix: str = "") -> State:
-    """State of a controller that goes by a range sensor: where its values are seen from; keys begin with `prefix`.
+    """State of a controller that uses a range sensor: origin and direction of its values; keys begin with `prefix`.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def start_sight(context: Context, sensor: str, who: str, prefix: str = "") -> St
 
 
 def start_moving(context: Context) -> State:
-    """State of a controller that knows the limits of its drive and keeps account of its twist, ``"moving"``."""
+    """State of a controller that knows the limits of its drive and keeps track of its twist, ``"moving"``."""
     return {**abilities(context.robot), "moving": np.zeros((context.rows, 2))}
 
 
@@ -219,7 +219,8 @@ def guarded(
     ``state["moving"]`` is brought up to the twist.
     """
     rows = len(wanted)
-    no_memory = Window(np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64), 1.0)
+    never, corner = np.full((rows, 1, 1), -1e30, dtype=np.float32), np.zeros((rows, 2), dtype=np.int64)
+    no_memory = Window(never, corner, 1.0, np.zeros((rows, 1, 1, 2), dtype=np.int8))
     twist = np.empty((rows, 3))
     guard(
         sight,

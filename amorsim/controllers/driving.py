@@ -163,9 +163,9 @@ def twist_limits(robot: RobotModel) -> Array:
 
     They come from the drive, or from its `rate_max` and `acceleration_max`; inf where it has none.
     """
-    told = robot.drive.top_speeds()
-    if told is not None:
-        return np.array(told)
+    speeds = robot.drive.top_speeds()
+    if speeds is not None:
+        return np.array(speeds)
     joints = at_rest(robot)
     out = np.full((robot.rows, 4), np.inf)
     for column, axis in ((0, 0), (1, 2)):

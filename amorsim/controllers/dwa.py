@@ -22,7 +22,7 @@ Bools = npt.NDArray[np.bool_]
 
 _WORK = 600  # cost of one decision for a robot, in rays
 _LOOK = 40  # the same for a look round
-_BEHIND = 96  # places beside its way that it keeps in mind
+_BEHIND = 96  # places next to its way that it remembers
 
 
 @attrs.frozen(kw_only=True)
@@ -36,8 +36,8 @@ class Dwa(Avoider):
     1997. Arcs are exact. The footprint is taken as a disc if it is one, or else as the rectangle that holds it, cut off
     by the circle that it sweeps as it turns.
 
-    It goes by what its sensor sees now, and keeps in mind for some seconds what it passed, so that its rear does not
-    swing into what it no longer sees. It knows no way round: a dead end stops it, which it reports. `Navigate`
+    It uses what its sensor sees now, and remembers for some seconds what it passed, so that its rear does not swing
+    into what it no longer sees. It knows no way round: a dead end stops it, which it reports. `Navigate`
     leads it along a planned path. It drives backwards only if `back` allows it, and only as far as its sensor shows
     that the way is free.
 
@@ -60,7 +60,7 @@ class Dwa(Avoider):
     nose
         How far ahead of the base point the place is whose way to the goal counts [m].
     pull
-        How many metres along the path one metre beside the path counts.
+        How many metres along the path one metre off the path counts.
     room
         What a twist may cost [m] that would meet something at once; less, the later it would.
     calm
@@ -72,7 +72,7 @@ class Dwa(Avoider):
     speeds: int = parameter(7, ge=2, le=1000, static=True, help="how many speeds it compares")
     turns: int = parameter(21, ge=3, le=1000, static=True, help="how many turning rates it compares for each speed")
     nose: float = parameter(0.3, unit="m", ge=0, help="place ahead of the base point whose way to the goal counts")
-    pull: float = parameter(2.0, ge=1, help="metres along the path that a metre beside it counts")
+    pull: float = parameter(2.0, ge=1, help="metres along the path that a metre off it counts")
     room: float = parameter(0.3, unit="m", ge=0, help="cost of a twist that would meet something at once")
     calm: float = parameter(0.05, unit="m", ge=0, help="cost of the largest change of turning")
 

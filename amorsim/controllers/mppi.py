@@ -24,6 +24,7 @@ Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
 
 _DISCS = 3  # that hold a footprint
+_SHOWN = 24  # runs among its beliefs
 
 
 @attrs.frozen(kw_only=True)
@@ -47,7 +48,7 @@ class Mppi(Avoider):
     temperature
         Cost by which a run may be worse than the best and still count [m].
     pull
-        How many metres along the path one metre beside the path counts.
+        How many metres along the path one metre off the path counts.
     near, within, touch
         What it costs [m] to be near something all the time, from which distance on [m], and to touch something [m].
     window, cell
@@ -61,7 +62,7 @@ class Mppi(Avoider):
     speed_noise: float = parameter(0.2, unit="m/s", ge=0, help="standard deviation of the noise of the speed")
     turn_noise: float = parameter(0.6, unit="rad/s", ge=0, help="standard deviation of the noise of the turning rate")
     temperature: float = parameter(0.05, unit="m", gt=0, help="by which a run may be worse and still count")
-    pull: float = parameter(2.0, ge=1, help="metres along the path that a metre beside it counts")
+    pull: float = parameter(2.0, ge=1, help="metres along the path that a metre off it counts")
     near: float = parameter(1.0, unit="m", ge=0, help="cost of being against something all the time")
     within: float = parameter(0.2, unit="m", gt=0, help="distance from which on things cost")
     touch: float = parameter(5.0, unit="m", ge=0, help="cost of touching something")
@@ -69,8 +70,9 @@ class Mppi(Avoider):
     cell: float = parameter(0.05, unit="m", gt=0, static=True, help="side of its cells")
 
     def start_steering(self, context: Context) -> State:
-        """The sensor's beams, the drive's limits, and a plan to stand."""
-        return {**super().start_steering(context), "plan": np.zeros((context.rows, self.steps, 2))}
+        """The sensor's beams, the drive's limits, a plan to stand, and room for some of the runs."""
+        runs = np.zeros((context.rows, min(self.runs, _SHOWN), self.steps, 2))
+        return {**super().start_steering(context), "plan": np.zeros((context.rows, self.steps, 2)), "runs": runs}
 
     def steer(
         self,
@@ -99,21 +101,24 @@ class Mppi(Avoider):
         noise = noise * scale
         mine = sight, reading.age, course.poses, _discs(box), field, guide, able, costs
         moving = state["moving"]
+        before = plan.copy()
         draws.share(
             self.runs * self.steps // 4,
             lambda first, end: roll_out(*mine, noise, self.step, moving, first, end, plan),
         )
+        # The kernel leaves in `noise` what the drive could follow of it.
+        state["runs"] = before[:, None] + noise[:, :_SHOWN]
         state["plan"] = np.where(active[:, :, None], plan, 0.0)
         first_step = np.ascontiguousarray(state["plan"][:, 0])
         return guarded(first_step, sight, reading.age, course, (box, margin), state, clock.dt)
 
     def beliefs(self, state: State) -> Beliefs:
-        """The twist that it has by its own account, and its plan: v and w of each step."""
-        return {"twist": state["moving"].copy(), "plan": state["plan"].copy()}
+        """The twist that it has by its own account, its plan, and some of the runs: v and w of each step."""
+        return {"twist": state["moving"].copy(), "plan": state["plan"].copy(), "runs": state["runs"].copy()}
 
 
 def _later(plan: Array, steps: float) -> Array:
-    """A plan `(N, T, 2)` so many steps later; its end goes on."""
+    """A plan `(N, T, 2)` as it stands `steps` steps later; its last twist goes on."""
     count = plan.shape[1]
     at = np.minimum(np.arange(count) + steps, count - 1)
     low = np.floor(at).astype(np.int64)

@@ -25,7 +25,7 @@ from amorsim.contracts import (
 from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
 from amorsim.controllers.driving import Course
 from amorsim.controllers.dwa import Dwa
-from amorsim.controllers.planning import STATUSES, Ways, lay_path, no_path
+from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.memory import Window, guard, look_along, remember
@@ -49,14 +49,14 @@ _WORK = 100  # cost of one look round for a robot, in rays
 class Navigate(Controller):
     """Drives to one goal after another: a planner finds the way, an avoider drives along it.
 
-    The planner plans on the map that the robot was given (`knowledge.map`), and on open ground if it was given none, as
-    far as it has not seen anything there. The path keeps the reach of the footprint from walls, so that the robot can
-    turn anywhere on it; where no such way leads to the goal, or it is much longer, `least_clearance`. The robot
-    remembers what it sees around itself, and plans again if that blocks its path.
+    The planner plans on the map that the robot was given (`knowledge.map`), or else on open ground, and adds what the
+    robot has seen. The path keeps the reach of the footprint from walls, so that the robot can turn anywhere on it;
+    where no such way leads to the goal, or it is much longer, `least_clearance`. The robot remembers what it sees
+    around itself, and plans again if that blocks its path.
 
-    If it does not get away from a place, it tries the `recovery` in turn, plans again after each, and gives up the
-    goal after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery``
-    and ``gave_up`` as events, with their time.
+    If it stays in one place too long, it tries the `recovery` in turn, plans again after each, and gives up the goal
+    after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery`` and
+    ``gave_up`` as events, with their time.
 
     Parameters
     ----------
@@ -134,6 +134,7 @@ class Navigate(Controller):
             **start_sight(context, self.sensor, "navigate", "look_"),
             **no_path(context.pose),
             "seen": np.full((rows, size, size), -1e30, dtype=np.float32),
+            "seen_at": np.zeros((rows, size, size, 2), dtype=np.int8),
             "corner": np.full((rows, 2), -(2**40), dtype=np.int64),
             "mode": np.full((rows, 1), DRIVING, dtype=np.int64),
             "goal": np.zeros((rows, 1), dtype=np.int64),
@@ -162,7 +163,7 @@ class Navigate(Controller):
         course = Course.of(robot, readings, estimate)
         reading = readings[self.sensor]
         sight = sight_of(robot, reading, self.sensor, course.joints, state, "look_")
-        window = Window(state["seen"], state["corner"], self.cell)
+        window = Window(state["seen"], state["corner"], self.cell, state["seen_at"])
         fresh = reading.fresh[:, 0].astype(np.int64)
         asked = sight, course.poses, clock.time, fresh, window
         draws.share(_WORK, lambda first, end: remember(*asked, first, end))
@@ -275,11 +276,12 @@ class Navigate(Controller):
         due = (state["mode"] == DRIVING) & (time - state["planned"] >= self.replan_after)
         due &= state["wanted"] | blocked | (state["status"] > 0)
         for row in np.flatnonzero(due).tolist():
-            status, points = ways.plan(pose[row], self._goal(state)[row], window, row, float(since[row, 0]))
+            status, points, searched = ways.plan(pose[row], self._goal(state)[row], window, row, float(since[row, 0]))
             state["status"][row] = STATUSES.index(status)
             state["planned"][row] = time[row]
             state["plans"][row] += 1
             state["wanted"][row] = False
+            keep_searched(searched, row, state)
             if status == "found":
                 lay_path(points, row, state)
         return Guide(state["path"], state["along"], state["count"], state["leg"])
@@ -304,12 +306,16 @@ class Navigate(Controller):
         return found
 
     def beliefs(self, state: State) -> Beliefs:
-        """The path (nan beyond its end), the goal's number, what it does, and what its avoider believes."""
+        """The path, what was searched for it (nan beyond the end of both), the goal's number, what it does, and more.
+
+        That is what its avoider believes. Of more than 1024 places that were searched, it keeps every n-th.
+        """
         beyond = np.arange(state["path"].shape[1])[None, :] >= state["count"][:, None]
         no = (state["status"] != 0) | (state["mode"] >= ARRIVED)
         path = np.where((beyond | no)[:, :, None], np.nan, state["path"])
         return {
             "path": path,
+            "searched": state["searched"].copy(),
             "goal": state["goal"].copy(),
             "mode": state["mode"].copy(),
             "plans": state["plans"].copy(),

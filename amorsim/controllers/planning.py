@@ -9,20 +9,21 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.cells import free_cells
-from amorsim.contracts import Planner, RobotModel, State
+from amorsim.contracts import Plan, Planner, RobotModel, State
 from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.avoidance.memory import Window
 
-__all__ = ["STATUSES", "Ways", "lay_path", "no_path"]
+__all__ = ["STATUSES", "Ways", "keep_searched", "lay_path", "no_path"]
 
 Array = npt.NDArray[np.float64]
 
 STATUSES = ("found", "unreachable", "start_blocked", "goal_blocked", "budget", "refused")
 _PLACES = 192  # corners of a path
+_SEARCHED = 1024  # places that are kept of what was searched
 _AROUND = 3.0  # [m] of open ground around all that matters, without a map
-_DETOUR = 1.3  # a way with room to turn may be so many times longer than a narrow one
+_DETOUR = 1.3  # times the length of a narrow way that a way with room to turn may have
 _STEP_OUT = 0.5  # [m] from the robot to the nearest place that a plan may start from
 
 
@@ -42,37 +43,43 @@ class Ways(NamedTuple):
         half = float(np.abs(robot.shape.outline[:, 1]).max()) if least_clearance is None else least_clearance
         return cls(planner, robot.map, float(robot.shape.reach), min(half, float(robot.shape.reach)))
 
-    def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array]:
-        """The status of the plan from a robot's pose to its goal, and the path's points (M, 2)."""
+    def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
+        """The status of the plan from a robot's pose to its goal, the path's points (M, 2), and what was searched.
+
+        Of two plans, the places searched (K, 2) are those of the one that was made last.
+        """
         world = self._world(pose, goal, window, row, since)
         straight = float(np.hypot(*(goal - pose[:2])))
         found: dict[float, tuple[float, Array]] = {}
-        status = "unreachable"
+        status, searched = "unreachable", np.empty((0, 2))
         for room in (self.wide, self.narrow):
             if room in found:
                 continue
-            status, points, length = self._with_room(world, pose, goal, room)
-            if status == "found":
+            plan, points = self._with_room(world, pose, goal, room)
+            status, searched = ("refused", searched) if plan is None else (plan.status, plan.searched)
+            if plan is not None and status == "found":
+                length = plan.length
                 found[room] = (length, points)
                 if length <= _DETOUR * straight:  # none is much shorter
                     break
         if self.wide in found and found[self.wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
-            return "found", found[self.wide][1]
+            return "found", found[self.wide][1], searched
         if found:
-            return "found", min(found.values(), key=lambda one: one[0])[1]
-        return status, np.empty((0, 2))
+            return "found", min(found.values(), key=lambda one: one[0])[1], searched
+        return status, np.empty((0, 2)), searched
 
-    def _with_room(self, world: Map, pose: Array, goal: Array, room: float) -> tuple[str, Array, float]:
+    def _with_room(self, world: Map, pose: Array, goal: Array, room: float) -> tuple[Plan | None, Array]:
+        """The plan, None if it was refused, and the points of its path from the robot itself on."""
         start = (float(pose[0]), float(pose[1]))
         out = self._way_out(world, start, room)
         footprint = Shape.circle(room) if room > 1e-6 else None
         try:
             plan = self.planner.plan(world, out, (float(goal[0]), float(goal[1])), footprint=footprint)
         except PlanError:
-            return "refused", np.empty((0, 2)), np.inf
-        if plan.status != "found":
-            return plan.status, np.empty((0, 2)), np.inf
-        return "found", plan.points if out == start else np.concatenate(([start], plan.points)), plan.length
+            return None, np.empty((0, 2))
+        if plan.status != "found" or out == start:
+            return plan, plan.points
+        return plan, np.concatenate(([start], plan.points))
 
     def _way_out(self, world: Map, start: tuple[float, float], room: float) -> tuple[float, float]:
         """The place nearest to the start from which a plan may lead; the start if there is none near."""
@@ -152,7 +159,15 @@ def no_path(pose: Array) -> State:
         "along": np.zeros((rows, _PLACES)),
         "count": np.ones(rows, dtype=np.int64),
         "leg": np.zeros(rows, dtype=np.int64),
+        "searched": np.full((rows, _SEARCHED, 2), np.nan),
     }
+
+
+def keep_searched(places: Array, row: int, state: State) -> None:
+    """Put the places that were searched into the state, in order; of more than it has room for, every n-th."""
+    kept = places[:: max(-(-len(places) // _SEARCHED), 1)]
+    state["searched"][row] = np.nan
+    state["searched"][row, : len(kept)] = kept
 
 
 def lay_path(points: Array, row: int, state: State) -> None:

@@ -168,8 +168,8 @@ def _way_until(x: float, y: float, room: float, box: Box) -> float:
 def free_time(points: Floats, count: int, v: float, w: float, box: Box, enough: float, least: float) -> float:
     """For how long [s] a body may keep a twist (v [m/s], w [rad/s]) before it meets the first of `count` points.
 
-    `points` (3, p) are from `keep_room`. No more than `enough` is told. What is less than `least` may be too long:
-    the search ends there.
+    `points` (3, p) are from `keep_room`. Returns no more than `enough`. A result below `least` may be too long: the
+    search ends there.
     """
     if v == 0.0 and w == 0.0:
         return enough

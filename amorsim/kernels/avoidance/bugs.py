@@ -59,6 +59,21 @@ def _remember(memory: Floats, pose: Floats, gx: float, gy: float) -> None:
 
 
 @part
+def _look(
+    points: Floats, room: float, target: Floats, pose: Floats, far: float, blocked: Bools, memory: Floats
+) -> tuple[float, float]:
+    """Note the goal, and mark the sectors that are blocked nearer than it within `far` [m].
+
+    The goal's distance [m] and bearing [rad].
+    """
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    _remember(memory, pose, pose[0] + c * target[0] - s * target[1], pose[1] + s * target[0] + c * target[1])
+    away = math.sqrt(target[0] * target[0] + target[1] * target[1])
+    block_sectors(points, room, min(far, away), blocked)
+    return away, math.atan2(target[1], target[0])
+
+
+@part
 def _along_border(points: Floats, keep: float) -> float:
     """The direction along the nearest thing, which stays to the right at a distance [m]."""
     distance, bearing = _nearest(points)
@@ -84,20 +99,15 @@ def bug2(
     the right, until the robot is back on the line from its start to the goal, nearer than where it left it.
     """
     for i in range(target.shape[0]):
-        c, s = math.cos(pose[i, 2]), math.sin(pose[i, 2])
-        gx = pose[i, 0] + c * target[i, 0] - s * target[i, 1]
-        gy = pose[i, 1] + s * target[i, 0] + c * target[i, 1]
         mine = memory[i]
-        _remember(mine, pose[i], gx, gy)
-        away = math.sqrt(target[i, 0] * target[i, 0] + target[i, 1] * target[i, 1])
-        to_goal = math.atan2(target[i, 1], target[i, 0])
-        block_sectors(points[i], room[i, 0], min(room[i, 0] + far[i, 0], away), blocked[i])
+        reach = room[i, 0] + far[i, 0]
+        away, to_goal = _look(points[i], room[i, 0], target[i], pose[i], reach, blocked[i], mine)
         is_open = not blocked[i, _sector(to_goal, blocked.shape[1])]
         if mine[4] == 0.0 and not is_open:
             mine[4], mine[5], mine[6] = 1.0, away, 0.0
         elif mine[4] == 1.0:
             mine[6] += dt
-            lx, ly = gx - mine[2], gy - mine[3]
+            lx, ly = mine[0] - mine[2], mine[1] - mine[3]
             length = math.sqrt(lx * lx + ly * ly)
             off = abs(lx * (pose[i, 1] - mine[3]) - ly * (pose[i, 0] - mine[2])) / max(length, 1e-9)
             if is_open and mine[6] >= _SETTLE and off < _ON_LINE and away < mine[5] - _NEARER:
@@ -126,14 +136,8 @@ def tangent_bug(
     sectors = blocked.shape[1]
     width = 2.0 * math.pi / sectors
     for i in range(target.shape[0]):
-        c, s = math.cos(pose[i, 2]), math.sin(pose[i, 2])
-        gx = pose[i, 0] + c * target[i, 0] - s * target[i, 1]
-        gy = pose[i, 1] + s * target[i, 0] + c * target[i, 1]
         mine = memory[i]
-        _remember(mine, pose[i], gx, gy)
-        away = math.sqrt(target[i, 0] * target[i, 0] + target[i, 1] * target[i, 1])
-        to_goal = math.atan2(target[i, 1], target[i, 0])
-        block_sectors(points[i], room[i, 0], min(far[i, 0], away), blocked[i])
+        away, to_goal = _look(points[i], room[i, 0], target[i], pose[i], far[i, 0], blocked[i], mine)
         middle = _sector(to_goal, sectors)
         if not blocked[i, middle] and (mine[4] == 0.0 or (mine[6] >= _SETTLE and away < mine[5] - _NEARER)):
             mine[4] = 0.0

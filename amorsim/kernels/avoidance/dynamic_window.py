@@ -13,7 +13,18 @@ from amorsim.kernels.avoidance.guide import Guide, ahead_on, find_leg, to_go
 from amorsim.kernels.behaviours.free_space import Sight, see_points
 from amorsim.kernels.compile import kernel, part
 
-__all__ = ["Abilities", "Scene", "Taste", "braking_time", "choose_twists", "keep_behind", "moved_on", "slowed"]
+__all__ = [
+    "Abilities",
+    "Scene",
+    "Taste",
+    "braking_time",
+    "choose_twists",
+    "field_of_view",
+    "is_in_view",
+    "keep_behind",
+    "moved_on",
+    "slowed",
+]
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -26,7 +37,7 @@ _FAR = 3.0  # [m] along its path within which a robot looks for where it is
 
 _LEAST_ROOM = 1e-3  # [m] less than their distance is kept from places that are known from before
 _HELD = 10.0  # [s] for which what is out of sight is kept
-_BESIDE = 0.8  # [m] from the base point within which it is
+_BESIDE = 0.8  # [m] from the base point within which it is kept
 _APART = 0.02  # [m] between points that are kept
 _EDGE = 0.01  # [rad] beyond the outermost beams that is still seen
 
@@ -71,7 +82,7 @@ class Taste(NamedTuple):
     nose: Column
     """[m] ahead of the base point: the place whose way to the goal counts."""
     pull: Column
-    """How many metres along the path a metre beside it counts."""
+    """How many metres along the path a metre off it counts."""
     room: Column
     """[m] that a twist may cost which meets something at once; less, the longer it may go on."""
     calm: Column
@@ -115,7 +126,7 @@ def moved_on(points: Floats, v: float, w: float, age: float) -> None:
 
 @kernel
 def keep_behind(scene: Scene, pose: Floats, moving: Floats, first: int, end: int) -> None:
-    """Keep the places that robots at `pose` (N, 3) see beside them in `scene.behind`, in place of the oldest there."""
+    """Keep the places that robots at `pose` (N, 3) see next to them in `scene.behind`, in place of the oldest there."""
     sight, behind = scene.sight, scene.behind
     points = np.empty((3, sight.ranges.shape[1] * sight.samples))
     room = behind.shape[1]
@@ -150,14 +161,28 @@ def keep_behind(scene: Scene, pose: Floats, moving: Floats, first: int, end: int
 
 
 @part
-def _add_behind(
-    behind: Floats, beams: Floats, pose: Floats, since: float, box: Box, room: float, count: int, out: Floats
-) -> int:
-    """Add what is out of sight (E, 3) to `count` points of `keep_room`; returns their number."""
+def field_of_view(beams: Floats) -> tuple[float, float]:
+    """The least and the largest direction [rad] of a range finder's values, `beams` (5, k)."""
     low, high = math.inf, -math.inf
     for j in range(beams.shape[1]):
         low = min(low, beams[2, j])
         high = max(high, beams[2, j])
+    return low, high
+
+
+@part
+def is_in_view(beams: Floats, low: float, high: float, x: float, y: float) -> bool:
+    """Whether a place in the body's frame lies between the outermost directions of `field_of_view`."""
+    bearing = math.atan2(y - beams[1, 0], x - beams[0, 0])
+    return low - _EDGE <= bearing <= high + _EDGE
+
+
+@part
+def _add_behind(
+    behind: Floats, beams: Floats, pose: Floats, since: float, box: Box, room: float, count: int, out: Floats
+) -> int:
+    """Add what is out of sight (E, 3) to `count` points of `keep_room`; returns their number."""
+    low, high = field_of_view(beams)
     c = math.cos(pose[2])
     s = math.sin(pose[2])
     for k in range(behind.shape[0]):
@@ -168,12 +193,14 @@ def _add_behind(
         y = c * dy - s * dx
         if x * x + y * y > 2.0 * _BESIDE * _BESIDE:
             continue
-        bearing = math.atan2(y - beams[1, 0], x - beams[0, 0])
-        if low - _EDGE <= bearing <= high + _EDGE:
+        if is_in_view(beams, low, high, x, y):
+            continue
+        gap = distance_to_box(x, y, box)
+        if gap <= 0.0:  # where the robot itself stands, there is nothing
             continue
         out[0, count] = x
         out[1, count] = y
-        out[2, count] = max(0.0, min(room, distance_to_box(x, y, box) - _LEAST_ROOM))
+        out[2, count] = max(0.0, min(room, gap - _LEAST_ROOM))
         count += 1
     return count
 
@@ -205,7 +232,7 @@ def choose_twists(
     scene
         What they see, and what they passed.
     pose
-        Where the robots believe to be, (N, 3), with the heading in which they go.
+        The estimated poses (N, 3), with the heading in which they go.
     box
         Their footprint, but for the margin.
     guide

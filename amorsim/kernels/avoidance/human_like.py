@@ -20,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 Column = Any
 
 _WIDEST = 1.6  # [rad] from the way to the goal
-_TOUCHING = 1e-6  # [m] that others are kept away at least, so that a robot may leave whom it touches
+_TOUCHING = 1e-6  # [m] that others are kept away at least, so that a robot may leave one that it touches
 
 
 @part

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.avoidance.arcs import Box, free_time, keep_room
-from amorsim.kernels.avoidance.dynamic_window import braking_time, moved_on, slowed
+from amorsim.kernels.avoidance.arcs import Box, distance_to_box, free_time, keep_room
+from amorsim.kernels.avoidance.dynamic_window import braking_time, field_of_view, is_in_view, moved_on, slowed
 from amorsim.kernels.avoidance.guide import find_leg
 from amorsim.kernels.behaviours.free_space import Sight, see_points
 from amorsim.kernels.compile import kernel, part
@@ -25,6 +25,7 @@ Ints = npt.NDArray[np.int64]
 Column = Any
 
 _NEVER = -1e30  # [s]
+_PARTS = 256  # of a cell's side
 
 
 class Window(NamedTuple):
@@ -36,6 +37,8 @@ class Window(NamedTuple):
     """(N, 2) column and row of the lowest cell of each window."""
     side: float
     """Of a cell [m]."""
+    place: npt.NDArray[np.int8]
+    """(N, S, S, 2) where in each cell it was seen, x and y, in parts of 1/256 of its side from the middle."""
 
 
 @part
@@ -73,10 +76,14 @@ def remember(sight: Sight, pose: Floats, time: Floats, fresh: Ints, window: Wind
             py = points[1, n]
             if not (abs(px) < math.inf and abs(py) < math.inf):
                 continue
-            across = math.floor((pose[i, 0] + c * px - s * py) / window.side)
-            up = math.floor((pose[i, 1] + s * px + c * py) / window.side)
+            x = (pose[i, 0] + c * px - s * py) / window.side
+            y = (pose[i, 1] + s * px + c * py) / window.side
+            across, up = math.floor(x), math.floor(y)
             if 0 <= across - col < size and 0 <= up - row < size:
                 window.seen[i, up % size, across % size] = now
+                place = window.place[i, up % size, across % size]
+                place[0] = min(math.floor((x - across) * _PARTS), _PARTS - 1) - _PARTS // 2
+                place[1] = min(math.floor((y - up) * _PARTS), _PARTS - 1) - _PARTS // 2
 
 
 @part
@@ -158,7 +165,9 @@ def guard(
 ) -> None:
     """Twists as `wanted` (N, 2), v and w, where the robots can brake from them; else they brake. Into `out` (N, 3).
 
-    What is seen and what was seen counts. Rows that are not `active` (N, 1) are left as they are.
+    What is seen counts, and what was seen before and is out of sight now. In sight, the present reading is nearer to
+    the truth than memory, which drifts with the estimate. Where the robot itself stands, memory is wrong. Rows that
+    are not `active` (N, 1) are left as they are.
     """
     size = window.seen.shape[1]
     seen_now = np.empty((3, sight.ranges.shape[1] * sight.samples))
@@ -179,13 +188,21 @@ def guard(
         col0 = math.floor((pose[i, 0] - 1.0) / window.side)
         row0 = math.floor((pose[i, 1] - 1.0) / window.side)
         cells = int(2.0 / window.side) + 1
+        low, high = field_of_view(sight.beams[i])
+        sees_all = sight.samples == 1  # between its values; a ring of cones has gaps
         for row in range(max(row0, window.corner[i, 1]), min(row0 + cells, window.corner[i, 1] + size)):
             for col in range(max(col0, window.corner[i, 0]), min(col0 + cells, window.corner[i, 0] + size)):
                 if window.seen[i, row % size, col % size] >= since[i, 0] and count < points.shape[1]:
-                    dx = (col + 0.5) * window.side - pose[i, 0]
-                    dy = (row + 0.5) * window.side - pose[i, 1]
-                    points[0, count] = c * dx + s * dy
-                    points[1, count] = c * dy - s * dx
+                    place = window.place[i, row % size, col % size]
+                    dx = (col + 0.5 + (place[0] + 0.5) / _PARTS) * window.side - pose[i, 0]
+                    dy = (row + 0.5 + (place[1] + 0.5) / _PARTS) * window.side - pose[i, 1]
+                    px, py = c * dx + s * dy, c * dy - s * dx
+                    if sees_all and is_in_view(sight.beams[i], low, high, px, py):
+                        continue
+                    if distance_to_box(px, py, box) <= 0.0:
+                        continue
+                    points[0, count] = px
+                    points[1, count] = py
                     count += 1
         kept_count = keep_room(points[:, :count], box, margin[i, 0], 2.0, kept)
         gain = limits[i, 2] * dt

@@ -34,7 +34,7 @@ class Costs(NamedTuple):
     temperature: Column
     """Cost by which a run may be worse than the best and still count."""
     pull: Column
-    """How many metres along the path a metre beside it counts."""
+    """How many metres along the path a metre off it counts."""
     near: Column
     """[m] of way that standing against something for the whole run costs; half of that at half of `within`."""
     within: Column

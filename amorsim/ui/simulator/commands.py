@@ -21,6 +21,7 @@ from amorsim.ui.forms.origins import Origins
 from amorsim.ui.forms.values import deviation_of, number_of, plain
 from amorsim.ui.scene.robots import sensor_shapes
 from amorsim.ui.simulator.inputs import Input
+from amorsim.ui.simulator.intended import intended_of
 from amorsim.ui.simulator.mapped import mapped_of
 from amorsim.ui.simulator.pace import Pace
 from amorsim.ui.simulator.player import Player
@@ -67,6 +68,7 @@ class Commands:
             "events": self._events,
             "image": self._image,
             "mapped": self._mapped,
+            "intended": self._intended,
             "run": self._run,
             "pause": self._pause,
             "step": self._step,
@@ -209,6 +211,12 @@ class Commands:
     def _mapped(self, command: Table) -> Answer:
         robot, player = self._robot(command), self.player
         return {"mapped": mapped_of(player.simulation, robot), "epoch": player.epoch, "tick": player.tick}
+
+    def _intended(self, command: Table) -> Answer:
+        robot, player = self._robot(command), self.player
+        is_known = player.poses_only is None  # of other moments of the past, what it intended is not kept
+        intended = intended_of(player.simulation, robot, is_known=is_known)
+        return {"intended": intended, "epoch": player.epoch, "tick": player.tick}
 
     # ------------------------------------------------------------------------------------------------------------ time
 

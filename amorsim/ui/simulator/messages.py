@@ -106,6 +106,7 @@ COMMANDS: Mapping[str, Command] = {
     "events": Command(may={"after": whole(0)}, asks=True),
     "image": Command(needs={"name": _NAME}, asks=True),
     "mapped": Command(may=_OF_ROBOT, asks=True),
+    "intended": Command(may=_OF_ROBOT, asks=True),
     "folder": Command(asks=True),
     # Of this window alone.
     "select": Command(needs=_OF_ROBOT),

@@ -17,6 +17,7 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 | ``events`` | ``epoch``, ``events``: list of `EventLine`, ``next`` |
 | ``image`` | ``png``: base64 |
 | ``mapped`` | ``mapped``: list of `Mapped`, ``epoch``, ``tick`` |
+| ``intended`` | ``intended``: `Intended`, ``epoch``, ``tick`` |
 | ``scrub`` | ``tick``, ``exact``, ``can_continue``, ``reason`` |
 | ``step`` | ``tick``, ``steps`` |
 | ``continue`` | ``tick`` |
@@ -44,6 +45,9 @@ __all__ = [
     "EventLine",
     "FieldForm",
     "History",
+    "Intended",
+    "IntendedArc",
+    "IntendedVelocities",
     "Mapped",
     "MappedCells",
     "ParameterForm",
@@ -123,6 +127,48 @@ class Mapped(TypedDict):
     scan: list[list[float]] | None
     poses: list[list[float]] | None
     edges: list[list[int]] | None
+
+
+class IntendedArc(TypedDict):
+    """A way that a controller compared: points in the world [m], from the robot on."""
+
+    points: list[list[float]]
+    worth: float  # from 0, the worst, to 1, the best; -1: refused, as the robot could not stop before what it sees
+    taken: bool
+
+
+class IntendedVelocities(TypedDict):
+    """What a controller among others knows of them, and which velocities lead into them, in the robot's frame.
+
+    `others` are x, y [m], vx, vy [m/s] and radius [m] of each. `borders` are of half-planes of velocities: a point and
+    a direction, what is permitted to its left. `cones` are of velocities that lead into another: apex, and the
+    directions of the right and the left side. `speed` [m/s] is the robot's top speed, `twist` its v [m/s] and
+    w [rad/s] by its own account.
+    """
+
+    speed: float
+    twist: list[float]
+    others: list[list[float]]
+    borders: list[list[float]]
+    cones: list[list[float]]
+
+
+class Intended(TypedDict):
+    """What a controller intended in the last step; null of what it has no belief of.
+
+    `path` and `searched` are places in the world [m]. `blocked` are sectors around the robot, the first from behind
+    anticlockwise, `bearing` the direction taken [rad] from its heading, if there is one. `ways` are directions [rad]
+    from its heading, and how far the way is free in each [m].
+    """
+
+    pose: list[float]  # where the robot believes to be, with the heading in which its drive goes ahead
+    path: list[list[float]] | None
+    searched: list[list[float]] | None
+    arcs: list[IntendedArc] | None
+    blocked: list[bool] | None
+    bearing: list[float] | None
+    ways: list[list[float]] | None
+    velocities: IntendedVelocities | None
 
 
 class State(TypedDict):

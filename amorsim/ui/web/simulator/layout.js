@@ -76,6 +76,7 @@ export function build({ stage, timebar, driving, form }) {
       h("h2", { id: "control-title" }, swatch("estimated"), "Control"),
       h("span", { class: "note", title: "its readings, drawn from its estimated pose" }, "what it knows"),
       stage.mapped.element,
+      stage.intended.element,
       make("sensors", h("div", { class: "tools", role: "group", "aria-label": "sensors that are drawn" })),
     ),
     stage.control.element,

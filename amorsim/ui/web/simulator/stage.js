@@ -8,6 +8,7 @@ import { Selection } from "../shared/selection.js";
 import { readTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { BodiesLayer, NamesLayer, SelectionLayer, WorldLayer } from "../shared/world.js";
+import { Intended, IntendedLayer } from "./intended.js";
 import { KnownLayer, MarkLayer, RobotLayer } from "./layers.js";
 import { Mapped, MappedLayer } from "./mapped.js";
 import { Picker } from "./pick.js";
@@ -57,6 +58,7 @@ export class Stage {
     this.selection.listen(() => this.redraw());
     this.mark = null;
     this.mapped = new Mapped(on.ask, () => this.redraw());
+    this.intended = new Intended(on.ask, () => this.redraw());
     this.robot = this.pane("pane-robot", "Robot: the true world");
     this.control = this.pane("pane-control", "Control: what the robot knows");
     this.arrange();
@@ -86,13 +88,14 @@ export class Stage {
     const { overlay } = this.options;
     const grid = new GridLayer(() => this.options.grid);
     const [known, mapped, belief] = [new KnownLayer(this), new MappedLayer(this), new RobotLayer(this, "estimated")];
+    const intended = new IntendedLayer(this);
     const [mark, seenOnes, knownOnes] = [new MarkLayer(this), new SelectionLayer(this, "true"), new SelectionLayer(this, "estimated")];
     const seen = [new WorldLayer(this), new BodiesLayer(this), new RobotLayer(this, "true")];
     this.robot.layers = overlay
-      ? [grid, known, mapped, ...seen, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
+      ? [grid, known, mapped, ...seen, intended, belief, seenOnes, knownOnes, mark, new NamesLayer(this, "true")]
       : [grid, ...seen, seenOnes, mark, new NamesLayer(this, "true")];
     this.robot.views = overlay ? ["estimated", "true"] : ["true"];
-    this.control.layers = [grid, known, mapped, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
+    this.control.layers = [grid, known, mapped, intended, belief, knownOnes, mark, new NamesLayer(this, "estimated")];
     this.control.views = ["estimated"];
   }
 
@@ -118,6 +121,7 @@ export class Stage {
   setFrame(frame) {
     this.frame = frame;
     this.mapped.setFrame(frame);
+    this.intended.setFrame(frame);
     const i = frame.selected;
     if (this.scene?.robots[i] && !(frame.states & 4)) {
       this.trueTrail.add(frame.tick, frame.truePoses[3 * i], frame.truePoses[3 * i + 1]);

@@ -99,7 +99,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
@@ -310,6 +310,37 @@ export const BLOCKS = [
  * @property {number[][]} true
  * @property {number[][]} estimated
  * @property {Past} past
+ */
+
+/**
+ * What a controller intended in the last step; null of what it has no belief of.
+ * @typedef {object} Intended
+ * @property {number[]} pose
+ * @property {number[][] | null} path
+ * @property {number[][] | null} searched
+ * @property {IntendedArc[] | null} arcs
+ * @property {boolean[] | null} blocked
+ * @property {number[] | null} bearing
+ * @property {number[][] | null} ways
+ * @property {IntendedVelocities | null} velocities
+ */
+
+/**
+ * A way that a controller compared: points in the world [m], from the robot on.
+ * @typedef {object} IntendedArc
+ * @property {number[][]} points
+ * @property {number} worth
+ * @property {boolean} taken
+ */
+
+/**
+ * What a controller among others knows of them, and which velocities lead into them, in the robot's frame.
+ * @typedef {object} IntendedVelocities
+ * @property {number} speed
+ * @property {number[]} twist
+ * @property {number[][]} others
+ * @property {number[][]} borders
+ * @property {number[][]} cones
  */
 
 /**
