@@ -8,9 +8,11 @@ from hypothesis import settings
 # Some hundred processes are started anew, each of which would read amorsim's sources where none may keep what it read.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-# Timing is never what decides: a kernel compiles in its first example, and machines are shared.
-settings.register_profile("amorsim", deadline=None)
-settings.load_profile("amorsim")
+# Timing is never what decides: a kernel compiles in its first example, and machines are shared. A fifth of the examples
+# is tried every day, and all among the long tests: pytest -m "long or hypothesis" --hypothesis-profile=all
+settings.register_profile("all", deadline=None, max_examples=100)
+settings.register_profile("everyday", deadline=None, max_examples=20)
+settings.load_profile("everyday")
 
 # A command that a shell starts in the background ignores Ctrl-C, and under nohup the terminal's end; all that it starts
 # would ignore them too.

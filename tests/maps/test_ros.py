@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
@@ -17,6 +17,7 @@ import amorsim as am
 from amorsim.core.errors import MapError
 from amorsim.core.same_cells import have_same_cells
 from amorsim.maps.ros import Ros
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "ros"
 FREE, OCCUPIED, UNKNOWN = range(3)

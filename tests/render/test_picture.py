@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image, ImageColor
 
@@ -16,6 +16,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch
 from amorsim.render.marks import COLOURS
 from amorsim.render.picture import RobotPath, Thing, draw_map, draw_run
+from tests.examples import settings
 
 NEAR = 70  # of 441: how far apart colours of a smoothed edge and a pure one may be
 
