@@ -107,6 +107,7 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
     np.testing.assert_allclose(image[90], files.table("sensors/laser")["true_90"])
 
 
+@pytest.mark.long
 def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

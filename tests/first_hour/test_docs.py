@@ -23,7 +23,10 @@ PAGES = sorted([*DOCS.rglob("*.md"), *(ROOT / name for name in ("README.md", "CH
 # Written by others, with tests of their own.
 ELSEWHERE = {DOCS / "how-to" / "write-a-plugin.md", DOCS / "how-to" / "write-a-controller.md", ROOT / "README.md"}
 # Examples and pages that simulate for more than some seconds.
-_LONG = {"crowd_crossing", "calibrate", "first-run", "plan-a-path", "sweep-a-parameter", "track_until_it_fails"}
+_LONG = {
+    *("crowd_crossing", "ekf_or_dead_reckoning", "snapshot", "spread", "track_until_it_fails", "wheel_error"),
+    *("calibrate", "first-run", "plan-a-path", "sweep-a-parameter"),
+}
 
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 

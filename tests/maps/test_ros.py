@@ -189,6 +189,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, keys: dict[str, object], words: s
     assert str(caught.value).startswith(f"{path}: ")
 
 
+@pytest.mark.long
 def test_yaml_that_multiplies_itself_takes_no_memory(tmp_path: Path) -> None:
     path = write(tmp_path, [[0, 255]])
     bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n" + "".join(

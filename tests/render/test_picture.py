@@ -336,6 +336,7 @@ def test_a_path_is_a_copy() -> None:
     assert np.all(path.true == 1)
 
 
+@pytest.mark.long
 def test_long_paths_are_drawn_too(room: Map) -> None:
     rng = np.random.default_rng(1)
     true = np.cumsum(rng.normal(0, 0.02, (100_000, 2)), axis=0) % (10, 6)

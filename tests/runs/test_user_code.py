@@ -88,7 +88,7 @@ def test_a_controllers_file_may_change_it_too(tmp_path: Path, monkeypatch: pytes
 
 
 @posix
-@pytest.mark.parametrize("ending", ["pass", "raise SystemExit"])
+@pytest.mark.parametrize("ending", ["pass", pytest.param("raise SystemExit", marks=pytest.mark.long)])
 def test_a_copy_that_a_controller_forks_writes_nothing(tmp_path: Path, ending: str) -> None:
     """The run goes on in the first process, and has each step once."""
     make_study(

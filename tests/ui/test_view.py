@@ -36,7 +36,13 @@ def get(address: str, path: str, **headers: str) -> int:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP], ids=["ctrl-c", "closed terminal"])
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGINT, id="ctrl-c"),
+        pytest.param(signal.SIGHUP, id="closed terminal", marks=pytest.mark.long),
+    ],
+)
 def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list[View], number: signal.Signals) -> None:
     scenario = write_project(tmp_path)
     view = View(scenario.name, "--out", "out", cwd=tmp_path, command="view" if number == signal.SIGINT else "runsim")

@@ -78,6 +78,7 @@ def test_buttons_drive_by_pointer_and_by_keyboard(window: Window) -> None:
     window.until("newest.command.every(part => part === 0)")
 
 
+@pytest.mark.long
 def test_each_channel_of_the_drive_has_a_slider(window: Window) -> None:
     window.page.click("#hand")
     window.until("driving.isByHand")
@@ -123,6 +124,7 @@ def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_fra
     window.until(f"document.querySelector('tr.chosen td.difference').innerText.replace('+', '') === '{apart:.3f}'")
 
 
+@pytest.mark.long
 def test_control_tells_the_measured_velocities(window: Window) -> None:
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
@@ -292,6 +294,7 @@ def plotted(window: Window) -> dict[str, Any]:
 # ---------------------------------------------------------------------------------------------------- events and things
 
 
+@pytest.mark.long
 def test_an_event_leads_to_its_moment_and_place(window: Window) -> None:
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
