@@ -14,8 +14,8 @@ __all__ = ["command"]
 def command(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Compile what usual runs, generated worlds and planners need, so that the first need not wait for it.
+    """Compile what usual runs, the bundled scenarios, avoiders, generated worlds and planners need, ahead of the first.
 
-    It takes one to two minutes, once after installing or updating. What is compiled already is kept.
+    It takes two to three minutes, once after installing or updating. What is compiled already is kept.
     """
     compile_all(quiet, more=True)

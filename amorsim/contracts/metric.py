@@ -43,7 +43,7 @@ class Episode:
 
 
 class Metric(abc.ABC):
-    """A number for each replica of a run: its fields are the parameters that stand beside ``use`` in a study's file.
+    """A number for each replica of a run. Its fields are the parameters next to ``use`` in a study's file.
 
     It must not depend on how many replicas there are, to the bit: sum over steps one after another
     (``np.cumsum(..., axis=0)[-1]``), and never over rows.

@@ -11,7 +11,7 @@ __all__ = ["WorldGenerator"]
 
 
 class WorldGenerator(abc.ABC):
-    """Generates worlds: its fields are the parameters that stand beside ``generate`` in a scenario's map."""
+    """Generates worlds. Its fields are the parameters next to ``generate`` in a scenario's map."""
 
     @abc.abstractmethod
     def generate(self, draws: Draws) -> Map:

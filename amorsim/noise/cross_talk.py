@@ -36,7 +36,7 @@ class CrossTalk(Noise):
         """The ranges `(N, k)` [m]; `ComponentError` if the sensor gives no ``heard`` ranges."""
         if "heard" not in side:
             raise ComponentError(
-                "CrossTalk: expected a sonar that tells what it hears, one with a medium such as medium = "
+                "CrossTalk: expected a sonar that reports what it hears, one with a medium such as medium = "
                 '"ultrasound"; got one that does not. Give it a medium, or take the element out of its chain'
             )
         takes = draws.uniform(values.shape[1]) < self.probability

@@ -36,7 +36,7 @@ class SpecularLoss(Noise):
         """The ranges `(N, k)`, inf where the pulse is lost; `ComponentError` if the sensor gives no incidence."""
         if "incidence" not in side:
             raise ComponentError(
-                "SpecularLoss: expected a sensor that tells the angle of incidence of its values (laser, sonar), got "
+                "SpecularLoss: expected a sensor that reports the angle of incidence of its values (laser, sonar), got "
                 "one that does not; take the element out of its chain"
             )
         return np.where(side["incidence"] > self.critical, np.inf, values)

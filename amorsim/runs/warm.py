@@ -1,7 +1,8 @@
 """Compiling ahead: short simulations that use what nearly every run needs, half of them in a second process.
 
 numba compiles a kernel at its first call, and keeps it in its cache. To compile ahead, the kernels are called by small
-robots from a list. Each has something that the ones before it lack; `amorsim compile` goes through the list.
+robots from a list, and by the bundled scenarios. Each has something that the ones before it lack. `amorsim compile`
+goes through all of them.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from amorsim.core.map import Map
+from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.planners.d_star_lite import DStarLite
@@ -32,6 +34,7 @@ from amorsim.worlds.made import MadeWorld, make_world
 __all__ = ["compile_kernels"]
 
 Progress = Callable[[int, int], None]
+Table = dict[str, Any]
 LONGEST_SECOND = 600.0  # [s] that the second process gets from its start; what it leaves is compiled when first called
 
 
@@ -46,9 +49,14 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
     progress
         Called at the beginning too.
     more
-        Whether to compile also the kernels of robots that collide, of generated worlds and of planners.
+        Whether to compile also the kernels of robots that collide, of the bundled scenarios (so of the estimators), of
+        controllers that avoid obstacles, of generated worlds and of planners.
     """
-    first, second = (_FIRST + _MORE, _SECOND + _BESIDE) if more else (_FIRST, _SECOND)
+    first, second = _FIRST, _SECOND
+    if more:
+        named = {*_FIRST, *_MORE, *_BESIDE}
+        others = [name for name in make_registry(entry_points=()).names("scenario") if name not in named]
+        first, second = _FIRST + _MORE, (*_SECOND, *_BESIDE, *others)
     total, done, lock = len(first) + len(second), 0, threading.Lock()
 
     def one_more() -> None:
@@ -99,7 +107,7 @@ def _try_all(names: Sequence[str], one_more: Callable[[], None]) -> None:
         if name in _OTHERS:
             _OTHERS[name]()
         else:
-            scenario, steps = _TRIALS[name]()
+            scenario, steps = _TRIALS[name]() if name in _TRIALS else (load(name), _STEPS.get(name, 2))
             with tempfile.TemporaryDirectory() as folder:
                 run(scenario, Path(folder) / "run", duration=steps * scenario.dt)
         one_more()
@@ -107,18 +115,37 @@ def _try_all(names: Sequence[str], one_more: Callable[[], None]) -> None:
 
 def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors: Any) -> Scenario:
     """Pioneers in a hall; `sensors` are tables of their laser and sonar, which they lack otherwise."""
+    return _in_hall(
+        [_pioneer(f"robot{number}", *pose, {"use": controller}, sensors) for number, pose in enumerate(poses)]
+    )
+
+
+def _avoiders() -> Scenario:
+    """A Pioneer with each of the built-in controllers that avoid what is on their way to goals."""
+    registry = make_registry(entry_points=())
+    robots = []
+    for name in registry.names("controller"):
+        fields = describe(registry.get("controller", name))
+        if "goals" in fields and {field for field in fields if fields[field].is_required} <= {"goals"}:
+            x, y = 1.5 * (1 + len(robots) % 4), 1.5 + len(robots) // 4
+            sensors = {"laser": {}, "neighbours": {"use": "neighbours"}}
+            robots.append(_pioneer(name, x, y, {"use": name, "goals": [[x + 3.0, y]]}, sensors))
+    return _in_hall(robots)
+
+
+def _pioneer(name: str, x: float, y: float, controller: Table, sensors: Table) -> Table:
+    return {
+        "name": name,
+        "model": "pioneer2dx",
+        "pose": {"x": x, "y": y, "heading_deg": -90.0},
+        "sensors": {"laser": False, "sonar": False, **sensors},
+        "controller": controller,
+    }
+
+
+def _in_hall(robots: Sequence[Table]) -> Scenario:
     registry = default_registry()
     place = registry.file("scenario", "convoy").parent
-    robots = [
-        {
-            "name": f"robot{number}",
-            "model": "pioneer2dx",
-            "pose": {"x": x, "y": y, "heading_deg": -90.0},
-            "sensors": {"laser": False, "sonar": False, **sensors},
-            "controller": {"use": controller},
-        }
-        for number, (x, y) in enumerate(poses)
-    ]
     document = {"format": 1, "world": {"map": "hall.wld"}, "simulation": {"dt": 0.1}, "robots": robots}
     return loads(document, place, registry=registry)
 
@@ -128,10 +155,12 @@ def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors
 _TRIALS: Mapping[str, Callable[[], tuple[Scenario, int]]] = {
     "look": lambda: (_pioneers((5.0, 3.0), laser={}, sonar={}), 1),
     "wander": lambda: (_pioneers((5.0, 3.0), controller="wander", laser={"traversal": "bresenham"}), 2),
-    "demo": lambda: (load("demo"), 2),
     "collide": lambda: (_pioneers((5.0, 0.6), (5.0, 1.3), controller="square"), 40),
     "meet": lambda: (_pioneers((5.0, 3.0), (5.0, 4.0), laser={}, sonar={}), 1),
+    "avoid": lambda: (_avoiders(), 2),
 }
+# Steps of bundled scenarios that need more than two until all their kernels were called.
+_STEPS: Mapping[str, int] = {"loop": 40, "map-the-office": 40}
 
 
 def _make_worlds() -> None:
@@ -161,10 +190,12 @@ def _plan() -> None:
 
 
 _OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _plan}
+# Names of trials and of bundled scenarios; the scenarios that are not listed go to the second process. With `_MORE` and
+# `_BESIDE`, both processes take about the same time.
 _FIRST: tuple[str, ...] = ("look", "demo")
 _SECOND: tuple[str, ...] = ("wander",)
-_MORE: tuple[str, ...] = ("collide", "meet")
-_BESIDE: tuple[str, ...] = ("worlds", "plan")
+_MORE: tuple[str, ...] = ("collide", "meet", "landmarks", "loop", "map-the-office")
+_BESIDE: tuple[str, ...] = ("worlds", "plan", "find-yourself", "avoid", "find-the-way")
 
 
 if __name__ == "__main__":

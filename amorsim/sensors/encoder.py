@@ -50,13 +50,13 @@ class Encoder(Sensor):
         ParameterError
             If the number of counts is not the number of joints.
         """
-        told = np.shape(self.counts_per_revolution)[-1:]  # (j,) as made, (N, j) over rows
+        given = np.shape(self.counts_per_revolution)[-1:]  # (j,) as made, (N, j) over rows
         joints = drive.joints
-        if told and told[0] not in (1, len(joints)):
+        if given and given[0] not in (1, len(joints)):
             names = ", ".join(joint.name for joint in joints)
             raise ParameterError(
                 "counts_per_revolution",
-                f"expected one number, or one for each of the drive's {len(joints)} joints ({names}), got {told[0]}",
+                f"expected one number, or one for each of the drive's {len(joints)} joints ({names}), got {given[0]}",
             )
         return len(joints)
 

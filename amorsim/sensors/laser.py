@@ -100,6 +100,6 @@ class Laser(Sensor):
             bearings = np.array(np.broadcast_to(bearings, shape)).reshape(-1, 1)
         ranges = view.cast(origins, bearings, range_max, self.traversal)
         side = Side(incidence=lambda: incidence(view, origins, bearings, ranges, range_max).reshape(shape))
-        told = np.empty(shape)
-        readings.blank_near(ranges.reshape(shape), self.range_min, told)
-        return told, side
+        shown = np.empty(shape)
+        readings.blank_near(ranges.reshape(shape), self.range_min, shown)
+        return shown, side

@@ -60,8 +60,8 @@ class Neighbours(Sensor):
         values[:, :, :3] = np.inf
         near = view.neighbours(range_max)
         row, body = near.row, near.body
-        told = near.is_robot[body] & (near.owner[body] == body)
-        row, body = row[told], body[told]
+        heard = near.is_robot[body] & (near.owner[body] == body)
+        row, body = row[heard], body[heard]
         off = near.poses[body, :2] - view.body_pose[row, :2]
         square = off[:, 0] ** 2 + off[:, 1] ** 2
         heard = square <= range_max[row, 0] ** 2

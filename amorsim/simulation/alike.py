@@ -40,7 +40,7 @@ def group_key(robot: Robot) -> Hashable:
 
 
 def _key_of(known: Map | None) -> Hashable:
-    """What tells maps apart that robots of different groups know: not those of one origin in several replicas."""
+    """What distinguishes the known maps of groups; maps of one origin in several replicas count as the same."""
     origin = None if known is None else origin_of(known)
     return origin if origin is not None or known is None else id(known)
 

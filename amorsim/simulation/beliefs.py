@@ -19,7 +19,7 @@ _NOTHING: Mapping[str, Beliefs] = types.MappingProxyType({})
 
 
 def beliefs_of_step(believers: Mapping[str, Callable[[], Beliefs]], moment: Callable[[], int]) -> Mapping[str, Beliefs]:
-    """The beliefs of those that have any, by name; `moment` tells the number of the step."""
+    """The beliefs of those that have any, by name; `moment` is the number of the step."""
     return StepBeliefs(believers, moment) if believers else _NOTHING
 
 
@@ -45,7 +45,7 @@ class StepBeliefs(Mapping[str, Beliefs]):
         return self._kept[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._believers  # asks nobody
+        return name in self._believers  # asks no component
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._believers)

@@ -71,12 +71,12 @@ class Whose:
         """The error for an invalid return value; `problem` says what it is, and what to return."""
         return ComponentError(f"{_named(what, component)} of {self._all()} at {self._time()}: {problem}")
 
-    def not_finite(self, what: str, component: Any, told: str, values: npt.NDArray[np.float64]) -> ComponentError:
-        """The error for numbers `(N, ...)` with nan or inf in some row; `told` names the numbers."""
+    def not_finite(self, what: str, component: Any, numbers: str, values: npt.NDArray[np.float64]) -> ComponentError:
+        """The error for numbers `(N, ...)` with nan or inf in some row; `numbers` says what they are."""
         rows = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
         row = int(np.flatnonzero(~rows)[0])
         return ComponentError(
-            f"{_named(what, component)} of {self.row(row)}: expected finite numbers for {told}, got "
+            f"{_named(what, component)} of {self.row(row)}: expected finite numbers for {numbers}, got "
             f"{values[row].tolist()}"
         )
 

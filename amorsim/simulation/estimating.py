@@ -64,8 +64,8 @@ class Estimators:
                 self.states[name] = dict(estimator.start(context))
             except RAISED as error:
                 self._whose.blame_start(f"estimator {name!r}", estimator, error)
-        told = context.pose
-        self.estimates = {name: Estimate(told, np.zeros((len(told), 3, 3))) for name in self._estimators or ("none",)}
+        start = context.pose
+        self.estimates = {name: Estimate(start, np.zeros((len(start), 3, 3))) for name in self._estimators or ("none",)}
 
     def update(self, robot: RobotModel, readings: Mapping[str, Measurement], command: Array, elapsed: Array) -> None:
         """Update every estimator with the readings.

@@ -142,8 +142,8 @@ class Group:
     def start(self) -> None:
         """Start an episode in every row. Sensing and estimating follow when all bodies are placed."""
         rows = self.rows
-        told, covariance = first_beliefs(self.specified, self._belief_draws)
-        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=told, names=self.names, covariance=covariance)
+        pose, covariance = first_beliefs(self.specified, self._belief_draws)
+        context = Context(rows=rows, dt=self.dt, robot=self.robot, pose=pose, names=self.names, covariance=covariance)
         joints = len(self.drive.joints)
         self.true_pose = poses_of(self.true)
         self.true_twist = np.zeros((rows, 3))

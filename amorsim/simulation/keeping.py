@@ -56,7 +56,7 @@ class Keeper:
     Parameters
     ----------
     steps
-        How many times `keep` will be called at the most.
+        The most times that `keep` will be called.
 
     Raises
     ------

@@ -56,7 +56,7 @@ def advice(scenario: Scenario) -> list[str]:
         if scenario.map.occupied(np.stack((np.append(x, mark.x), np.append(y, mark.y)), axis=1)).all():
             remarks.append(
                 f"landmarks.{i}: ({mark.x:g}, {mark.y:g}) m and all within its radius of {mark.radius:g} m is wall, or "
-                "outside the map; nobody can see it"
+                "outside the map; no sensor can see it"
             )
     for i, light in enumerate(scenario.lights):
         if scenario.map.occupied([[light.x, light.y]])[0]:
@@ -103,14 +103,14 @@ def _unreachable(scenario: Scenario) -> list[str]:
         points = [(x, y) for _, x, y in places]
         blocked = scenario.map.occupied(points)
         lost = blocked | _shut_off(scenario.map, body, points, ~blocked)
-        told = [
+        unreached = [
             (*places[i], out_of_reach(scenario.map, *points[i]) or "is walled off from where it starts")
             for i in np.flatnonzero(lost).tolist()
         ]
-        for field, x, y, problem in told[:_MOST]:
+        for field, x, y, problem in unreached[:_MOST]:
             remarks.append(f"{path}.{field}: ({x:g}, {y:g}) m {problem}; it cannot get there")
-        if len(told) > _MOST:
-            remarks.append(f"{path}: so are {len(told) - _MOST} more of the {len(places)} places that it is told")
+        if len(unreached) > _MOST:
+            remarks.append(f"{path}: so are {len(unreached) - _MOST} more of the {len(places)} places on its route")
     return remarks
 
 
@@ -138,12 +138,12 @@ def _alike(scenario: Scenario) -> list[str]:
     for i, mark in enumerate(scenario.landmarks):
         if mark.id in seen:
             remarks.append(
-                f"landmarks.{i}.id: {seen[mark.id]} carries {mark.id} too; who sees one of them cannot tell which"
+                f"landmarks.{i}.id: {seen[mark.id]} carries {mark.id} too; a sensor cannot know which of them it sees"
             )
         seen.setdefault(mark.id, f"landmarks.{i}")
     for robot in scenario.robots:
-        told = collections.Counter(number for number in robot.knowledge.landmark_ids if number)
-        twice = [number for number, count in told.items() if count > 1]
+        counts = collections.Counter(number for number in robot.knowledge.landmark_ids if number)
+        twice = [number for number, count in counts.items() if count > 1]
         if twice:
             remarks.append(
                 f"robots.{robot.name}.knowledge.landmarks: more than one has the id {twice[0]}; expected each id once"

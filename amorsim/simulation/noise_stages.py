@@ -186,7 +186,7 @@ class KeptStages:
             if sample is None:
                 raise AmorsimError(
                     f"robot {robot!r}, sensor {sensor!r}: the stages of its reading of tick {moment[2]} were not kept; "
-                    "keep_stages() keeps those of samples from then on, as many as it is told"
+                    "keep_stages(sim, samples=N) keeps those of the newest N samples from then on"
                 )
             found.append(sample.of(row, unit.chain.names[index]))
         return found

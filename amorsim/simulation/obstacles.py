@@ -56,8 +56,8 @@ class ObstacleGroup:
         self.proposed = np.zeros((rows, 3))
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
         if self.motion is not None:
-            nobody: Any = None  # an obstacle has no robot model
-            context = Context(rows=rows, dt=self.row_clock.dt, pose=self.true_pose, robot=nobody, names=self.names)
+            no_robot: Any = None  # an obstacle has no robot model
+            context = Context(rows=rows, dt=self.row_clock.dt, pose=self.true_pose, robot=no_robot, names=self.names)
             try:
                 self.state = dict(self.motion.start(context))
             except RAISED as error:

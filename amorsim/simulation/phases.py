@@ -20,7 +20,7 @@ from amorsim.simulation.obstacles import ObstacleGroup
 
 Array = npt.NDArray[np.float64]
 
-NOBODY: frozenset[tuple[int, int]] = frozenset()
+NO_PAIRS: frozenset[tuple[int, int]] = frozenset()
 
 __all__ = ["PHASES", "first_look", "step"]
 
@@ -93,7 +93,7 @@ def _meet(fleet: Fleet, poses: Array, contacts: Sequence[Contact]) -> None:
         if (contact.body, contact.other) not in fleet.contacts:
             _log_contact(fleet, contact)
     before, fleet.world.poses = fleet.world.poses, poses
-    _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NOBODY, before)
+    _touch(fleet, frozenset((contact.body, contact.other) for contact in contacts) if contacts else NO_PAIRS, before)
 
 
 def _not_finite(fleet: Fleet, poses: Array) -> AmorsimError:

@@ -105,7 +105,7 @@ def _carry(source: Group | ObstacleGroup, from_rows: Any, group: Group | Obstacl
 
 
 def _is_alike(held: Mapping[str, npt.NDArray[Any]], other: Mapping[str, npt.NDArray[Any]]) -> bool:
-    """Whether two tables have the same arrays, but for the number of rows."""
+    """Whether two tables have the same arrays; the numbers of rows may differ."""
     return held.keys() == other.keys() and all(
         array.shape[1:] == other[name].shape[1:] and array.dtype == other[name].dtype for name, array in held.items()
     )
@@ -136,7 +136,7 @@ def _other_elements(source: Group | ObstacleGroup, group: Group | ObstacleGroup)
 def frames_as(partition: tuple[tuple[str, ...], ...], fleet: Fleet) -> list[Frame]:
     """The present step of all robots, a frame for each part of a partition: those of the groups in the beginning.
 
-    Recorders are told of groups once, so they keep those even if robots of one group come to have different chains.
+    Recorders learn the groups once, so they keep them even if the chains of robots in one group come to differ.
     """
     groups = {group.names[0]: group for group in fleet.groups}
     frames = []
@@ -150,7 +150,7 @@ def frames_as(partition: tuple[tuple[str, ...], ...], fleet: Fleet) -> list[Fram
 
 
 def _merged(names: tuple[str, ...], groups: list[Group]) -> Frame:
-    """One frame of some robots, who may be in several groups, in the order of their bodies."""
+    """One frame of some robots, which may be in several groups, in the order of their bodies."""
     wanted = set(names)
     bodies = np.concatenate([group.bodies for group in groups])
     order = [i for i in np.argsort(bodies) if _name_at(groups, int(i)) in wanted]

@@ -2,46 +2,37 @@
 
 from __future__ import annotations
 
-import hashlib
-import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
-from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError, SnapshotError, did_you_mean
+from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.map import Map
-from amorsim.core.memory import too_large
-from amorsim.core.parameters import ParameterError, check_value, describe
-from amorsim.core.starts import outside
+from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
-from amorsim.scenario.chains import is_chain, read_elements, tables_of, with_chain
-from amorsim.scenario.needs import least_bytes
-from amorsim.scenario.paths import with_value
+from amorsim.scenario.chains import is_chain
 from amorsim.scenario.programs import loaded
-from amorsim.scenario.spec import Obstacle, Robot, Scenario
-from amorsim.simulation import phases
-from amorsim.simulation.alike import group_key
-from amorsim.simulation.contact.resolve import WALL
+from amorsim.scenario.spec import Scenario
+from amorsim.simulation import changes, phases
+from amorsim.simulation.asked import MAX_REPLICA, MOST_STEPS, checked_seed, numbers_in_words, replica_numbers
 from amorsim.simulation.events import Event
 from amorsim.simulation.fleet import Fleet
-from amorsim.simulation.group import Group
+from amorsim.simulation.gathering import digest_of, gathered, touching_robots
 from amorsim.simulation.handle import ObstacleHandle, Reading, Readings, RobotHandle, finite_numbers
 from amorsim.simulation.keeping import Keeper
-from amorsim.simulation.regroup import chains_of, frames_as, other_chains, regrouped
-from amorsim.simulation.snapshot import Snapshot, fits, from_bytes, put_back, take_snapshot
+from amorsim.simulation.regroup import frames_as
+from amorsim.simulation.restart import begin_episode, fleet_fitting
+from amorsim.simulation.snapshot import Snapshot, put_back, take_snapshot
 from amorsim.simulation.world.occupancy import occupancy
 from amorsim.simulation.world.terrain import Terrains
 
-__all__ = ["MOST_STEPS", "Simulation"]
+__all__ = ["MAX_REPLICA", "MOST_STEPS", "Simulation"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-
-MOST_STEPS = 2**32 - 1  # a tick is a 32-bit word of the draws' counter
-MAX_REPLICA = 2**32 - 2  # a 32-bit word of the draws' counter; one number is reserved for studies
 
 
 class Simulation:
@@ -83,13 +74,8 @@ class Simulation:
             raise AmorsimError(f"expected a number of threads >= 1, got {threads!r}")
         self.threads = threads
         self.dt = scenario.dt
-        replicas = _plain(replicas)
-        if not (0 < replicas <= MAX_REPLICA + 1 if isinstance(replicas, int) else hasattr(replicas, "__len__")):
-            raise _no_replicas(replicas)
-        _check_memory(scenario, replicas if isinstance(replicas, int) else len(replicas))
-        self.replicas = _replica_numbers(replicas)
-        seed = scenario.seed if seed is None else _plain(seed)
-        check_value(describe(Scenario)["seed"], seed)
+        self.replicas = replica_numbers(scenario, replicas)
+        seed = checked_seed(scenario.seed if seed is None else seed)
         self.scenario = loaded(scenario)
         self._terrains = Terrains(self.replicas)
         self._build(seed)
@@ -108,9 +94,9 @@ class Simulation:
             (len(scenario.obstacles), "obstacle"),
             (len(self.replicas), "replica"),
         ]
-        told = [f"{count} {what}{'s' if count > 1 else ''}" for count, what in counts if count]
+        parts = [f"{count} {what}{'s' if count > 1 else ''}" for count, what in counts if count]
         times = " to ".join(f"{tick * self.dt:g}" for tick in dict.fromkeys((ticks[0], ticks[-1])))
-        return f"<Simulation{f' of {name!r}' if name else ''}: {', '.join(told)}, seed {self.seed}, at {times} s>"
+        return f"<Simulation{f' of {name!r}' if name else ''}: {', '.join(parts)}, seed {self.seed}, at {times} s>"
 
     @property
     def seed(self) -> int:
@@ -133,7 +119,7 @@ class Simulation:
     def _kidnap(self) -> None:
         for index, tick in enumerate(self._fleet.ticks.tolist()):
             for name, pose in self._fleet.kidnappings.get(tick, ()):
-                self._put(self.robot(name, self.replicas[index]), pose, "kidnapped")
+                changes.move(self._fleet, self.robot(name, self.replicas[index]), pose, "kidnapped")
 
     @overload
     def run(self, duration: float | None = None) -> None: ...
@@ -217,46 +203,32 @@ class Simulation:
     @property
     def true_pose(self) -> Array:
         """True poses (x [m], y [m], heading [rad]) in the world `(N, 3)`, in order of replica, then of name."""
-        return self._gather(lambda group: group.true_pose)
+        return gathered(self._fleet, lambda group: group.true_pose)
 
     @property
     def estimated_pose(self) -> Array:
         """Estimated poses `(N, 3)` in the world, as each robot's controller receives them."""
-        return self._gather(lambda group: group.estimate.pose)
+        return gathered(self._fleet, lambda group: group.estimate.pose)
 
     @property
     def covariance(self) -> Array:
         """Covariances `(N, 3, 3)` of the estimated poses, by the robots' own estimators."""
-        return self._gather(lambda group: group.estimate.covariance)
+        return gathered(self._fleet, lambda group: group.estimate.covariance)
 
     @property
     def active(self) -> npt.NDArray[np.bool_]:
         """Whether each robot's controller has not ended, `(N,)`."""
-        return self._gather(lambda group: group.driver.active)[:, 0]
+        return gathered(self._fleet, lambda group: group.driver.active)[:, 0]
 
     @property
     def by_hand(self) -> npt.NDArray[np.bool_]:
         """Whether each robot was handed over and is driven from outside, `(N,)`."""
-        return self._gather(lambda group: group.driver.by_hand)[:, 0]
+        return gathered(self._fleet, lambda group: group.driver.by_hand)[:, 0]
 
     @property
     def touching(self) -> npt.NDArray[np.bool_]:
         """Whether each robot touched something in the last step while still moving towards it, `(N,)`."""
-        world = self._fleet.world
-        found = np.zeros((len(self.replicas), world.count), dtype=bool)
-        for pair in self._fleet.touching:
-            found.flat[[world.owner[body] for body in pair if body != WALL]] = True
-        return found[:, : len(self.names)].reshape(-1)
-
-    def _gather(self, of: Callable[[Group], npt.NDArray[Any]]) -> npt.NDArray[Any]:
-        if len(self._fleet.groups) == 1:
-            whole = of(self._fleet.groups[0]).view()
-        else:
-            parts = np.concatenate([of(group) for group in self._fleet.groups])
-            bodies = np.concatenate([group.bodies for group in self._fleet.groups])
-            whole = parts[np.argsort(bodies)]
-        whole.flags.writeable = False
-        return whole
+        return touching_robots(self._fleet)
 
     @property
     def readings(self) -> Mapping[str, Reading]:
@@ -305,7 +277,7 @@ class Simulation:
                 raise AmorsimError("there are several replicas; say which one with replica=")
             return 0
         if replica not in self.replicas:
-            raise AmorsimError(f"there is no replica {in_words(replica)}; there are {_in_words(self.replicas)}")
+            raise AmorsimError(f"there is no replica {in_words(replica)}; there are {numbers_in_words(self.replicas)}")
         return self.replicas.index(replica)
 
     def frames(self) -> list[Frame]:
@@ -321,14 +293,7 @@ class Simulation:
     def digest(self, replica: int | None = None) -> str:
         """A fingerprint of all exact results since the start: equal for equal bits. For one replica or for all."""
         wanted = self.replicas if replica is None else (self.replicas[self._replica_index(replica)],)
-        whole = hashlib.blake2b(digest_size=16)
-        for number in wanted:
-            world = self._fleet.world
-            first = int(world.first[self.replicas.index(number)])
-            for body in range(first, first + world.named):
-                group, row = self._fleet.row_of(body)
-                whole.update(world.name(body).encode() + group.fingerprint[row].astype("<u8").tobytes())
-        return whole.hexdigest()
+        return digest_of(self._fleet, wanted)
 
     # ------------------------------------------------------------------------------------------- changes from outside
 
@@ -341,27 +306,8 @@ class Simulation:
         numbers = finite_numbers(pose)
         if numbers is None or len(numbers) != 3:
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {in_words(pose)}")
-        self._put(handle, tuple(numbers), "pose_set")
-
-    def _put(self, handle: RobotHandle, numbers: tuple[float, ...], kind: str) -> None:
-        """Move a robot to a pose, which is an event of that kind."""
-        group, row, name = handle._group, handle._row, handle.name
-        wanted = np.array([numbers])
-        beyond = outside(self.map_of(handle.replica), *wanted[0, :2].tolist())
-        if beyond:
-            raise AmorsimError(f"robot {name!r} cannot stand at {numbers}: that {beyond}")
-        parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
-        found = self._fleet.overlap(group, row, np.concatenate((wanted, parts)))
-        if found:
-            raise AmorsimError(f"robot {name!r} cannot stand at {numbers}: it would overlap {found}")
-        group.true_pose = _with_row(group.true_pose, row, wanted[0])
-        if group.parts is not None:
-            group.parts.put(row, parts)
-        group.true_twist = _with_row(group.true_twist, row, 0.0)
-        group.joint_rates = _with_row(group.joint_rates, row, 0.0)
-        self._fleet.place()
-        self._fleet.part_from_all(int(group.bodies[row]))
-        self._log_change(handle, kind, "pose", numbers)
+        x, y, heading = numbers
+        changes.move(self._fleet, handle, (x, y, heading), "pose_set")
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
         """Change a parameter of a robot from the next step on; in one replica, or in all if none is given.
@@ -371,65 +317,19 @@ class Simulation:
         ``"errors.drive.track"`` takes a `Deviation`, or None, by which there is no error any more.
 
         ``"sensors.laser.noise"`` and ``"ground"`` take a whole chain, in all replicas: a list of noises or of tables as
-        in files, ``[{"use": "gaussian", "std": 0.01}]``. Elements that stay keep their states, and nobody else's draws
+        in files, ``[{"use": "gaussian", "std": 0.01}]``. Elements that stay keep their states, and no other draws
         change. Handles to robots and `keep_stages` end with it: take new ones.
         """
-        if is_chain(path):
-            self._set_chain(name, path, value, replica)
+        if not is_chain(path):
+            numbers = self.replicas if replica is None else (replica,)
+            changes.set_parameter(self._fleet, [self.robot(name, number) for number in numbers], path, value)
             return
-        numbers = self.replicas if replica is None else (replica,)
-        handles = [self.robot(name, number) for number in numbers]
-        for group in {id(handle._group): handle._group for handle in handles}.values():
-            rows = [handle._row for handle in handles if handle._group is group]
-            before = list(group.specified)
-            key = group_key(before[rows[0]])
-            known: dict[int, Robot] = {}
-            try:
-                for row in rows:
-                    robot = before[row]
-                    changed = known.get(id(robot)) or known.setdefault(id(robot), with_value(robot, path, value))
-                    if group_key(changed) != key:
-                        raise LookupError("this fixes the shape of the robot's arrays")
-                    group.specified[row] = changed
-                group.set_parameters()
-                self._move_parts(group, rows)
-            except (LookupError, ParameterError, ScenarioError) as error:
-                group.specified = before
-                group.set_parameters()
-                reason = error.problem if isinstance(error, ParameterError) else str(error.args[0])
-                if isinstance(error, ScenarioError):  # it is about what follows from the value
-                    reason = f"{in_words(value)} would be out of bounds, for by it {reason}"
-                raise AmorsimError(f"robot {name!r}, {path}: {reason}") from None
-        for handle in handles:
-            self._log_change(handle, "parameter_set", path, value)
-
-    def _set_chain(self, name: str, path: str, given: Any, replica: int | None) -> None:
         if replica is not None and len(self.replicas) > 1:
             raise AmorsimError(
                 f"robot {name!r}, {path}: a chain changes in all replicas at once; leave out replica={replica}"
             )
-        robot = self.robot(name, self.replicas[0]).nominal
-        elements = read_elements(robot, path, given)
-        tables = tables_of(with_chain(robot, path, elements), path)
-        try:
-            self._fleet = regrouped(self._fleet, {name: {**chains_of(robot), path: elements}})
-        except (ComponentError, ScenarioError) as error:
-            raise AmorsimError(f"robot {name!r}, {path}: {error}") from None
-        for number in self.replicas:
-            self._log_change(self.robot(name, number), "parameter_set", path, tables)
-
-    def _move_parts(self, group: Group, rows: Sequence[int]) -> None:
-        """Move the parts of some robots to where their drives place them; a `LookupError` names an obstruction."""
-        if group.parts is None:
-            return
-        moved = [group.parts.of_row(row, group.true_pose[row]) for row in rows]
-        for row, parts in zip(rows, moved, strict=True):
-            found = self._fleet.overlap(group, row, np.concatenate((group.true_pose[row : row + 1], parts)))
-            if found:
-                raise LookupError(f"with it the robot would overlap {found}")
-        for row, parts in zip(rows, moved, strict=True):
-            group.parts.put(row, parts)
-        self._fleet.place()
+        self.robot(name, self.replicas[0])  # is there one?
+        self._fleet = changes.with_other_chain(self._fleet, name, path, value)
 
     def hand_over(self, name: str, to: str = "hand", *, replica: int | None = None) -> None:
         """Drive a robot from outside from the next step on, or by its controller again.
@@ -448,30 +348,7 @@ class Simulation:
         AmorsimError
             If the robot has no controller to hand back to.
         """
-        handle = self.robot(name, replica)
-        if to not in ("hand", "controller"):
-            raise AmorsimError(f"robot {name!r}: expected to hand it over to 'hand' or 'controller', got {to!r}")
-        if to == "controller" and handle._group.driver.controller is None:
-            raise AmorsimError(f"robot {name!r} has no controller; it can only be driven by hand")
-        if handle.is_by_hand == (to == "hand") and (to == "hand" or handle.is_active):
-            return
-        handle._group.driver.hand_over(handle._row, to == "hand")
-        self._fleet.part_from_all(int(handle._group.bodies[handle._row]))
-        self._log_change(handle, "handed_over", "driver", to)
-
-    def _log_change(self, handle: RobotHandle, kind: str, path: str, value: Any) -> None:
-        tick = int(self._fleet.ticks[self.replicas.index(handle.replica)])
-        self.events.append(
-            Event(
-                tick=tick,
-                time=tick * self.dt,
-                replica=handle.replica,
-                kind=kind,
-                name=handle.name,
-                path=path,
-                value=value,
-            )
-        )
+        changes.hand_over(self._fleet, self.robot(name, replica), to)
 
     def reset(self, seed: int | None = None, replicas: Sequence[int] | None = None) -> None:
         """Start all replicas again, or those with the given numbers.
@@ -482,25 +359,12 @@ class Simulation:
         if seed is not None:
             if replicas is not None:
                 raise AmorsimError("a seed is for all replicas; reset some of them without one")
-            seed = _plain(seed)
-            check_value(describe(Scenario)["seed"], seed)
-            self._build(seed)
+            self._build(checked_seed(seed))
             return
         chosen = range(len(self.replicas)) if replicas is None else [self._replica_index(r) for r in replicas]
         again = np.zeros(len(self.replicas), dtype=bool)
         again[list(chosen)] = True
-        fleet = self._fleet
-        kept = take_snapshot(fleet)
-        fleet.ticks = np.zeros_like(fleet.ticks)
-        fleet.touching = fleet.contacts = frozenset()
-        fleet.episodes = fleet.episodes + again
-        fleet.tell_time()  # initial beliefs are drawn at the start
-        for group in fleet.everything:
-            group.start()
-        fleet.place()
-        phases.first_look(fleet)
-        put_back(fleet, kept, ~again)
-        fleet.events = [event for event in kept.events if not again[self.replicas.index(event.replica)]]
+        begin_episode(self._fleet, again)
 
     def snapshot(self) -> Snapshot:
         """A copy of all that changes, for `restore`.
@@ -523,15 +387,7 @@ class Simulation:
         SnapshotError
             If it belongs to another simulation: other replicas, robots, obstacles or components. Nothing changes then.
         """
-        if isinstance(snapshot, bytes):
-            snapshot = from_bytes(self._fleet, snapshot)
-        if not isinstance(snapshot, Snapshot):
-            raise SnapshotError(f"expected what Simulation.snapshot() gave, or its bytes, got {snapshot!r}")
-        fleet = self._fleet
-        if not fits(fleet, snapshot) and (chains := other_chains(fleet, snapshot)):
-            fleet = regrouped(fleet, chains)
-        if not fits(fleet, snapshot):
-            raise SnapshotError("this snapshot is of another simulation")
+        fleet, snapshot = fleet_fitting(self._fleet, snapshot)
         self._fleet = fleet
         if snapshot.seed != self.seed:
             self._build(snapshot.seed, fleet.scenario)
@@ -546,48 +402,3 @@ class Simulation:
         A cell of `resolution` [m] is occupied if anything in it is.
         """
         return occupancy(self._fleet.world, self._replica_index(replica), resolution)
-
-
-def _plain(number: Any) -> Any:
-    """A NumPy integer as a Python int; anything else unchanged."""
-    return int(number) if isinstance(number, np.integer) else number
-
-
-def _check_memory(scenario: Scenario, replicas: int) -> None:
-    """Raise if the arrays would not fit into memory, before any is made."""
-    bodies: list[Robot | Obstacle] = [*scenario.robots, *scenario.obstacles]
-    each = sum(least_bytes(body, scenario.dt) for body in bodies)
-    if problem := too_large(replicas, each):
-        longest = max((unit.latency for robot in scenario.robots for unit in robot.sensors.values()), default=0.0)
-        late = f" (readings with a latency of {longest:g} s wait for up to {longest / scenario.dt:.6g} steps)"
-        hint = late if longest > 1000 * scenario.dt else ""
-        who = f"{replicas} replicas: they" if replicas > 1 else "this scenario"
-        raise AmorsimError(f"{who} {problem}{hint}")
-
-
-def _replica_numbers(replicas: int | Sequence[int]) -> tuple[int, ...]:
-    try:
-        numbers = tuple(range(replicas)) if isinstance(replicas, int) else tuple(operator.index(n) for n in replicas)
-    except TypeError:  # one is not an integer
-        raise _no_replicas(replicas) from None
-    if not numbers or len(set(numbers)) < len(numbers) or min(numbers) < 0 or max(numbers) > MAX_REPLICA:
-        raise _no_replicas(replicas)
-    return numbers
-
-
-def _no_replicas(given: Any) -> AmorsimError:
-    return AmorsimError(
-        f"expected a number of replicas > 0, or a list of different numbers >= 0, got {in_words(given)}"
-    )
-
-
-def _with_row(array: Array, row: int, value: Any) -> Array:
-    changed = array.copy()
-    changed[row] = value
-    return changed
-
-
-def _in_words(numbers: Sequence[int]) -> str:
-    return (
-        ", ".join(map(str, numbers)) if len(numbers) < 9 else f"{len(numbers)}, from {min(numbers)} to {max(numbers)}"
-    )

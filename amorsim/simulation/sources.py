@@ -18,16 +18,16 @@ def source_lines(scenario: Scenario) -> list[str]:
     for robot in scenario.robots:
         for name, estimator in robot.estimators.items():
             try:
-                told = tuple((str(who), str(does), str(trust)) for who, does, trust in estimator.sources())
+                rows = tuple((str(who), str(does), str(trust)) for who, does, trust in estimator.sources())
             except RAISED as error:
                 what = f"estimator {name!r} ({type(estimator).__name__}) of robot {robot.name!r}"
                 raise ComponentError(f"{what}: sources() raised {error_in_words(error)}") from error
-            if told:
-                tables.setdefault((name, told), []).append(robot.name)
+            if rows:
+                tables.setdefault((name, rows), []).append(robot.name)
     lines = []
-    for (name, told), robots in tables.items():
+    for (name, rows), robots in tables.items():
         whose = ", ".join(robots[:4]) + (f" and {len(robots) - 4} more" if len(robots) > 4 else "")
         lines.append(f"estimator {name} of {whose}:")
-        wide = [max(len(source[column]) for source in told) for column in range(2)]
-        lines += [f"  {who:<{wide[0]}}  {does:<{wide[1]}}  {trust}".rstrip() for who, does, trust in told]
+        wide = [max(len(source[column]) for source in rows) for column in range(2)]
+        lines += [f"  {who:<{wide[0]}}  {does:<{wide[1]}}  {trust}".rstrip() for who, does, trust in rows]
     return lines

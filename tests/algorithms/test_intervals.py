@@ -30,6 +30,7 @@ def test_what_is_no_probability_is_refused(probability: float, degrees: float) -
         student_t_quantile(probability, degrees)
 
 
+@pytest.mark.long
 def test_intervals_of_means_cover_as_often_as_they_say() -> None:
     samples = np.random.default_rng(1).normal(3.0, 2.0, size=(4000, 5))
     covered = sum(mean_interval(row).covers(3.0) for row in samples)

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.algorithms.speed_profile import pieces_of
+from tests.examples import settings
 
 profile = am.algorithms.speed_profile
 

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
+from amorsim.analysis.figures import save_figure
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.plot import plot_run
 from tests.studies import make_study
@@ -106,7 +107,14 @@ def test_the_figures_say_what_the_files_say(folder: Path, monkeypatch: pytest.Mo
     np.testing.assert_allclose(image[90], files.table("sensors/laser")["true_90"])
 
 
-def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(tmp_path: Path) -> None:
+@pytest.mark.long
+def test_a_run_of_one_moment_and_one_that_saw_nothing_can_be_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def save_small(figure: Any, path: Path, **_: object) -> None:
+        save_figure(figure, path, dpi=20)
+
+    monkeypatch.setattr("amorsim.analysis.plot.save_figure", save_small)
     study = make_study(tmp_path / "study")
     am.run(am.load(study), tmp_path / "short", duration=0.1)
     assert {kind_of(path) for path in plot_run(tmp_path / "short")} == KINDS

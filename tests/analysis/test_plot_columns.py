@@ -44,6 +44,7 @@ def test_each_column_has_a_panel_in_its_unit(tmp_path, monkeypatch):
     made = {}
     draw = plot.draw_sensor
     monkeypatch.setattr(plot, "draw_sensor", lambda *which: made.setdefault(which[-1], draw(*which)))
+    monkeypatch.setattr(plot, "save_figure", lambda *_, **__: None)
     for other in ("draw_path", "draw_speed", "draw_wheels", "draw_heading", "draw_error"):
         monkeypatch.setattr(plot, other, lambda *_: None)
     plot.plot_run(tmp_path / "run")

@@ -11,13 +11,13 @@ import amorsim as am
 from tests.cli.conftest import Command
 
 
-@pytest.mark.parametrize("name", ["crowd", "doors"])
+@pytest.mark.parametrize("name", [pytest.param("crowd", marks=pytest.mark.long), "doors"])
 def test_it_runs_reproduces_and_is_filmed(amorsim: Command, tmp_path: Path, name: str) -> None:
-    result = amorsim("run", name, "--duration", "1", "--out", "run", "--gif", "run.gif", "--gif-size", "240")
+    result = amorsim("run", name, "--duration", "0.5", "--out", "run", "--gif", "run.gif", "--gif-size", "240")
     assert (result.status, result.err) == (0, "")
     assert "moving picture: run.gif" in result.out
     with Image.open(tmp_path / "run.gif") as gif:
-        assert gif.n_frames == 11
+        assert gif.n_frames == 6
     assert amorsim("reproduce", "run").status == 0
     assert amorsim("plot", "run").status == 0
 

@@ -85,6 +85,7 @@ def test_ctrl_c_in_a_controller_that_does_not_return_says_where_it_was(tmp_path:
     assert json.loads((tmp_path / "run" / "run.json").read_text())["status"] == "interrupted"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_a_killed_run_keeps_all_but_its_last_second(tmp_path: Path) -> None:
     process = begin_run(tmp_path, 1.5)

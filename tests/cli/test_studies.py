@@ -53,6 +53,7 @@ def test_umbmark_corrects_a_robot(monkeypatch: pytest.MonkeyPatch) -> None:
         assert min(picture.size) > 400
 
 
+@pytest.mark.long
 def test_the_files_of_umbmark_can_be_used_as_it_says(monkeypatch: pytest.MonkeyPatch) -> None:
     assert amorsim(f"amorsim umbmark demo --out u --runs 2 {ERRORS}", monkeypatch)[0] == 0
     # The scenario with the same robot: little is left to be corrected.

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from amorsim.controllers.beams import with_directions
@@ -17,6 +17,7 @@ from amorsim.kernels.behaviours.free_space import (
     nearest_side,
     see_points,
 )
+from tests.examples import settings
 
 EMPTY_TRAIL = np.zeros((8, 2))
 HALF_CIRCLE = np.radians([-90.0, 90.0])

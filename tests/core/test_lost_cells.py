@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from amorsim.core.lost_cells import lost_cells
 from amorsim.core.map import Map
+from tests.examples import settings
 
 CELLS = np.zeros((6, 9), np.uint8)
 CELLS[2, 3] = 1

@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.core.ways import shut_off
+from tests.examples import settings
 
 SIDE = 6.0
 corner = st.tuples(st.floats(0.0, SIDE), st.floats(0.0, SIDE))

@@ -7,6 +7,7 @@ import json
 import re
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 import typer.main
@@ -21,13 +22,17 @@ DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.rglob("*.md"), *(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"))])
 # Written by others, with tests of their own.
 ELSEWHERE = {DOCS / "how-to" / "write-a-plugin.md", DOCS / "how-to" / "write-a-controller.md", ROOT / "README.md"}
-_LONG = {"crowd_crossing"}  # examples that simulate for more than some seconds
-EXAMPLES = [
-    pytest.param(path, marks=pytest.mark.long) if path.stem in _LONG else path
-    for path in sorted((DOCS / "examples").glob("*.py"))
-]
+# Examples and pages that simulate for more than some seconds.
+_LONG = {
+    *("crowd_crossing", "ekf_or_dead_reckoning", "snapshot", "spread", "track_until_it_fails", "wheel_error"),
+    *("calibrate", "first-run", "plan-a-path", "sweep-a-parameter"),
+}
 
 _LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+
+
+def _marked(paths: list[Path]) -> list[Any]:
+    return [pytest.param(path, marks=pytest.mark.long) if path.stem in _LONG else path for path in paths]
 
 
 def _is_run(path: Path) -> bool:
@@ -47,14 +52,14 @@ def _tool(name: str) -> ModuleType:
     return module
 
 
-@pytest.mark.parametrize("path", [path for path in PAGES if _is_run(path)], ids=_name)
+@pytest.mark.parametrize("path", _marked([path for path in PAGES if _is_run(path)]), ids=_name)
 def test_a_page_does_what_it_says(path: Path, page: Page) -> None:
     for block in blocks_of(path):
         page.run(block)
     assert page.ran
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", _marked(sorted((DOCS / "examples").glob("*.py"))), ids=lambda path: path.stem)
 def test_an_example_prints_what_stands_beside_it(path: Path) -> None:
     check_output(path.with_suffix(".out").read_text(encoding="utf-8"), _tool("make_example_outputs").output_of(path))
 

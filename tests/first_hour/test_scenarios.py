@@ -27,6 +27,7 @@ DRIVEN = (
 )
 
 
+@pytest.mark.pictures
 @pytest.mark.parametrize("name", DRIVEN)
 def test_it_runs_as_it_is(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -71,6 +72,7 @@ def test_robots_that_cross_get_to_their_goals() -> None:
     assert set(sim.names) - set(reached) <= stuck
 
 
+@pytest.mark.long
 def test_the_khepera_keeps_to_its_line() -> None:
     """Round it once and more, with its base point within half of what its two sensors are apart."""
     scenario = am.load("line")

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.core.errors import ScenarioError
 from amorsim.foreign.khepera import Khepera, KheperaMap, read_playground
 from amorsim.testing import check_component
+from tests.examples import settings
 
 
 def world(folder: Path, pixels=None, objects=(), name: str = "maze.world") -> Path:

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.core.errors import MapError, ScenarioError
 from amorsim.foreign.mobilesim import MobileSim, MobileSimMap, read_robot_map
 from amorsim.testing import check_component
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "mobilesim"
 

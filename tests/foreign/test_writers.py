@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
@@ -14,6 +14,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.same_cells import have_same_cells
 from amorsim.foreign.mobilesim import MobileSimMap
 from amorsim.foreign.stage.map import StageMap
+from tests.examples import settings
 
 SIDES = st.sampled_from((0.001, 0.02, 0.05, 0.1, 1.0 / 3.0, 2.0))
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from amorsim.kernels.collision.body_hash import BodyHash, hash_bodies, pairs_within, run_of_bodies, window
+from tests.examples import settings
 
 
 def table_of(poses, reach, first, buckets, side):

@@ -7,13 +7,14 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from shapely.affinity import affine_transform
 
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.collision.body_hash import BodyHash, hash_bodies
 from amorsim.kernels.raycast.body_rays import cast_bodies
+from tests.examples import settings
 
 SHAPES = [
     Shape.circle(0.25),

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.kernels.raycast.bresenham import bresenham_cells
 from tests import building
+from tests.examples import settings
 
 CELL = st.integers(-60, 60)
 

@@ -7,13 +7,14 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from shapely.affinity import affine_transform
 
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.collision.clearance import map_gaps
 from amorsim.kernels.grid.draft import grid_from_array
+from tests.examples import settings
 
 BAND = 1e-12  # [m] rounding of the oracle's and the kernel's coordinates together stays far below this
 SHAPES = [

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
@@ -17,6 +17,7 @@ from amorsim.kernels.kinematics import poses as pose_kernels
 from amorsim.kernels.raycast import rays
 from amorsim.kernels.raycast.cones import cast_cones
 from amorsim.simulation.world.sensor_view import cone_bearings
+from tests.examples import settings
 from tests.kernels.test_outlines import random_cells
 from tests.kernels.test_scans import random_poses, random_walls
 

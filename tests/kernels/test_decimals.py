@@ -7,12 +7,13 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from amorsim.kernels.text.decimals import write_lines
 from amorsim.kernels.text.shortest import powers_of_ten
 from amorsim.recorders.lines import EXACT, MISSING, NAME, NOTHING, Columns, Printer, Span
+from tests.examples import settings
 
 
 def by_kernel(values: list[float], decimals: int) -> list[str] | None:

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from amorsim.kernels.sensing.delivery import TOLERANCE, Reading, UnderWay, deliver, due_rows, take_due
+from tests.examples import settings
 
 DT = 0.1
 VALUES = 3

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.core.draws import Medians
 from amorsim.core.noise_steps import NoiseProgram, NoiseStep
 from amorsim.kernels.sensing.noise_steps import has_nan
+from tests.examples import settings
 
 COUNTER = np.array([[4, 1, 17], [5, 0, 18], [6, 2, 2**32 - 1]], dtype=np.uint32)
 ROWS = len(COUNTER)

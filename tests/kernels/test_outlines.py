@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
@@ -16,6 +16,7 @@ from amorsim.kernels.grid.draft import grid_from_array
 from amorsim.kernels.grid.outlines import strips_of
 from amorsim.kernels.raycast.rays import cast
 from tests import naive
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "ros"
 FAN = np.linspace(-np.pi, np.pi, 181)

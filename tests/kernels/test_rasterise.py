@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from amorsim.kernels.grid.grid import Grid, occupied_boxes
 from amorsim.kernels.grid.rasterise import SNAP, grid_from_segments, snapped
+from tests.examples import settings
 
 SIDE = 24
 COLUMN, ROW = np.meshgrid(np.arange(SIDE), np.arange(SIDE))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
@@ -16,6 +16,7 @@ from amorsim.kernels.grid.grid import Grid, occupied_boxes
 from amorsim.kernels.grid.rasterise import grid_from_segments
 from amorsim.kernels.raycast.rays import cast, cast_ray, occupied_points
 from tests import naive
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps"
 UNTURNED = (0.0, 0.0, 0.0)

@@ -8,11 +8,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from amorsim.kernels.text.shortest import powers_of_ten
 from amorsim.recorders.lines import EXACT, Columns, Printer, Span
+from tests.examples import settings
 
 
 def shortest(values: list[float]) -> list[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
@@ -20,6 +20,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.maps.bmp import Bitmap
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps"
 

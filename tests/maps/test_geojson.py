@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
 from amorsim.core.errors import MapError
 from amorsim.maps.geojson import GeoJson
+from tests.examples import settings
 
 
 def written(folder: Path, document: object) -> Path:

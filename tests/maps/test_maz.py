@@ -6,11 +6,12 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from amorsim.core.errors import MapError
 from amorsim.maps.maz import Maz
+from tests.examples import settings
 
 MAZE = " _ _ _\n|   | |\n| |_  |\n|S|___|\n360\n"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -15,6 +15,7 @@ import amorsim as am
 from amorsim.core.errors import MapError
 from amorsim.core.same_cells import have_same_cells
 from amorsim.maps.movingai import MovingAI, read_problems
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "movingai"
 NAMES = ("16room_000", "arena", "den000d", "maze-32-32-4")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
@@ -17,6 +17,7 @@ import amorsim as am
 from amorsim.core.errors import MapError
 from amorsim.core.same_cells import have_same_cells
 from amorsim.maps.ros import Ros
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "ros"
 FREE, OCCUPIED, UNKNOWN = range(3)
@@ -188,6 +189,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, keys: dict[str, object], words: s
     assert str(caught.value).startswith(f"{path}: ")
 
 
+@pytest.mark.long
 def test_yaml_that_multiplies_itself_takes_no_memory(tmp_path: Path) -> None:
     path = write(tmp_path, [[0, 255]])
     bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n" + "".join(

@@ -5,13 +5,14 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
 from amorsim.core.same_cells import have_same_cells
 from tests.disks import small_disk
+from tests.examples import settings
 
 WALLS = [(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (1.0, 1.0, 2.5, 3.25)]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -17,6 +17,7 @@ from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.maps.wld import Wld, parse_world
+from tests.examples import settings
 
 
 def walls(text: str, **options: str) -> list[list[float]]:

@@ -6,12 +6,13 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.motions import Loop, Oscillate, Waypoints
 from tests import building
+from tests.examples import settings
 from tests.motions.worlds import DT, obstacle, track, world
 
 SQUARE = ((2.0, 2.0), (4.0, 2.0), (4.0, 4.0), (2.0, 4.0))

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.algorithms.curves import all_curves, dubins, reeds_shepp
 from amorsim.kernels.search.curves import dubins_words, reeds_shepp_words
+from tests.examples import settings
 
 # From (0, 0, 0) with radius 1, by OMPL 2.0.1: goal, Dubins, Reeds-Shepp.
 KNOWN = [

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -15,6 +15,7 @@ from amorsim.algorithms.cells import free_cells
 from amorsim.kernels.search.octile import GOING_ON
 from amorsim.planners.grid_planner import GridPlanner, run_search
 from amorsim.plugins.manager import make_registry
+from tests.examples import settings
 
 REGISTRY = make_registry(entry_points=[])
 # That of potential fields may end in a trap; it has tests of its own.

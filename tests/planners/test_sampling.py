@@ -8,11 +8,12 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
+from tests.examples import settings
 
 ALL = (am.planners.Rrt, am.planners.RrtConnect, am.planners.RrtStar, am.planners.Prm)
 GRIDS = hnp.arrays(np.uint8, st.tuples(st.integers(1, 10), st.integers(1, 10)), elements=st.sampled_from([0, 0, 0, 1]))

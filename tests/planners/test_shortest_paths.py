@@ -9,12 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
 from amorsim.maps.movingai import Problem, read_problems
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "movingai"
 NAMES = ("16room_000", "arena", "den000d", "maze-32-32-4")

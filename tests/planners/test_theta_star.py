@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
 from amorsim.kernels.search.any_angle import is_clear_line, is_open_line
 from amorsim.maps.movingai import read_problems
+from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "movingai"
 A_STAR = am.planners.AStar()

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image, ImageColor
 
@@ -16,6 +16,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch
 from amorsim.render.marks import COLOURS
 from amorsim.render.picture import RobotPath, Thing, draw_map, draw_run
+from tests.examples import settings
 
 NEAR = 70  # of 441: how far apart colours of a smoothed edge and a pure one may be
 
@@ -335,6 +336,7 @@ def test_a_path_is_a_copy() -> None:
     assert np.all(path.true == 1)
 
 
+@pytest.mark.long
 def test_long_paths_are_drawn_too(room: Map) -> None:
     rng = np.random.default_rng(1)
     true = np.cumsum(rng.normal(0, 0.02, (100_000, 2)), axis=0) % (10, 6)

@@ -46,6 +46,7 @@ def study(tmp_path: Path) -> Path:
     return make_study(tmp_path / "study")
 
 
+@pytest.mark.pictures
 def test_a_run_leaves_its_folder(study: Path, tmp_path: Path) -> None:
     simulation = am.Simulation(am.load(study))
     summary = am.run(simulation.scenario, tmp_path / "run", duration=2.0, simulation=simulation)

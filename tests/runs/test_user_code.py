@@ -88,7 +88,7 @@ def test_a_controllers_file_may_change_it_too(tmp_path: Path, monkeypatch: pytes
 
 
 @posix
-@pytest.mark.parametrize("ending", ["pass", "raise SystemExit"])
+@pytest.mark.parametrize("ending", ["pass", pytest.param("raise SystemExit", marks=pytest.mark.long)])
 def test_a_copy_that_a_controller_forks_writes_nothing(tmp_path: Path, ending: str) -> None:
     """The run goes on in the first process, and has each step once."""
     make_study(
@@ -109,9 +109,14 @@ def test_a_copy_that_a_controller_forks_writes_nothing(tmp_path: Path, ending: s
 @posix
 @pytest.mark.parametrize("hang", ["while True: pass", "time.sleep(600)"])
 def test_the_first_ctrl_c_is_answered_where_a_controller_does_not_return(tmp_path: Path, hang: str) -> None:
-    scenario = study(tmp_path, hang)
-    am.Simulation(scenario).run(0.4)  # nothing is compiled any more
-    threading.Timer(2.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+    scenario = study(tmp_path, f"open({str(tmp_path / 'hangs')!r}, 'w').close()\n{hang}")
+
+    def press() -> None:
+        while not (tmp_path / "hangs").exists():
+            time.sleep(0.02)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=press, daemon=True).start()
     with pytest.raises(KeyboardInterrupt) as caught:
         am.run(scenario, tmp_path / "run", progress=lambda _: None)
     said = "\n".join(caught.value.__notes__)

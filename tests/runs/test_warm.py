@@ -9,6 +9,7 @@ import time
 import pytest
 
 import amorsim as am
+from amorsim.plugins.manager import make_registry
 from amorsim.runs import warm
 
 
@@ -46,8 +47,9 @@ def test_every_trial_is_made_once_and_counted(tried: list[str], monkeypatch: pyt
     monkeypatch.setattr(warm, "_try_all", lambda some, one_more: [one_more() for _ in some] and tried.extend(some))
     counted: list[tuple[int, int]] = []
     warm.compile_kernels(lambda done, total: counted.append((done, total)), more=True)
-    assert sorted(tried + asked[0]) == sorted([*warm._TRIALS, *warm._OTHERS])
-    assert counted == [(done, 7) for done in range(8)]
+    known = [*warm._TRIALS, *warm._OTHERS, *make_registry(entry_points=()).names("scenario")]
+    assert sorted(tried + asked[0]) == sorted(known)
+    assert counted == [(done, len(known)) for done in range(len(known) + 1)]
 
 
 @pytest.mark.parametrize("name", list(warm._TRIALS))
@@ -57,6 +59,11 @@ def test_a_trial_simulates_what_it_is_for(name: str) -> None:
     simulation.run(steps * scenario.dt)
     met = {event.other for event in simulation.events if event.kind == "collision"}
     assert met == ({"wall", "robot0", "robot1"} if name == "collide" else set())
+
+
+def test_all_that_avoid_things_are_tried() -> None:
+    names = {robot.name for robot in warm._avoiders().robots}
+    assert names >= {"bug2", "dwa", "mppi", "orca", "vfh_plus"}
 
 
 @pytest.mark.long

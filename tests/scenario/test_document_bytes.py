@@ -8,11 +8,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.toml_values import are_same, as_toml, keys_as_toml, parse
+from tests.examples import settings
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted(

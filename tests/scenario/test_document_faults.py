@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.scenario.document import Document, open_document
+from tests.examples import settings
 
 SOUND = """\
 format = 1

@@ -11,7 +11,7 @@ import typing
 
 import attrs
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import HealthCheck, example, given
 from hypothesis import strategies as st
 
 from amorsim.core.errors import ScenarioError
@@ -21,6 +21,7 @@ from amorsim.scenario.fields import file_fields
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.read import loads
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot
+from tests.examples import settings
 
 REGISTRY = make_registry(entry_points=(), disabled="")
 HUGE = 10**400

@@ -132,7 +132,7 @@ class Other(Differential):
 
 
 @pytest.mark.parametrize("drive", [Differential, Other])
-@pytest.mark.parametrize("has_company", [False, True])
+@pytest.mark.parametrize("has_company", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_a_step_that_looks_for_contacts_without_end_says_who_goes_too_far(
     has_company: bool, drive: type[Differential], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,7 +5,7 @@ import tomllib
 
 import attrs
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from amorsim.contracts import Mount, Noise
@@ -26,6 +26,7 @@ from amorsim.scenario.write import table_text, with_copies, write_table
 from amorsim.sensors.compass import Compass
 from amorsim.sensors.laser import Laser
 from tests.disks import small_disk
+from tests.examples import settings
 
 FULL = """
 format = 1

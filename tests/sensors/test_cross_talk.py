@@ -277,7 +277,7 @@ def test_cross_talk_leaves_the_draws_of_others():
 def test_a_sensor_that_does_not_tell_what_it_hears_is_refused():
     for sensor in (Laser(beams=3), Sonar()):
         unit = am.MountedSensor(sensor=sensor, noise=(CrossTalk(),))
-        with pytest.raises(am.ComponentError, match="expected a sonar that tells what it hears, one with a medium"):
+        with pytest.raises(am.ComponentError, match="expected a sonar that reports what it hears, one with a medium"):
             am.Simulation(building.scenario(building.robot(sensors={"sonar": unit}, estimators={})))
 
 

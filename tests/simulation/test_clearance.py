@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import amorsim as am
@@ -17,6 +17,7 @@ from amorsim.drives.differential import Differential
 from amorsim.motions import Loop, Pedestrian, SwingDoor, Wander
 from amorsim.simulation.contact import resolve as contact
 from tests import building
+from tests.examples import settings
 from tests.simulation.rigs import rig, tractor
 
 

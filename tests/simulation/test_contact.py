@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
@@ -19,6 +19,7 @@ from amorsim.drives.differential import Differential
 from amorsim.simulation.contact import resolve as contact
 from amorsim.simulation.group import Group
 from tests import building
+from tests.examples import settings
 
 
 def placed(sim: am.Simulation, name: str) -> shapely.Polygon:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.motions import Loop, Oscillate, Pedestrian, SwingDoor, Wander
 from tests import building
+from tests.examples import settings
 
 LEAST = -1e-9  # [m]: a body that stopped may overlap a third one by a rounding, some 2e-16 m
 

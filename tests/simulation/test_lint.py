@@ -119,7 +119,7 @@ def test_of_many_places_and_of_a_crowd_little_is_said():
     crowd = [am.Obstacle(name=f"p{i}", shape=am.Shape.circle(0.2), motion=walk) for i in range(5)]
     found = remarks(obstacles=crowd)
     assert len(found) == 4
-    assert found[-1] == "obstacles.p0.motion: so are 7 more of the 10 places that it is told"
+    assert found[-1] == "obstacles.p0.motion: so are 7 more of the 10 places on its route"
 
 
 def test_marks_that_cannot_be_told_apart_are_remarked_on():
@@ -130,8 +130,8 @@ def test_marks_that_cannot_be_told_apart_are_remarked_on():
         obstacles=[am.Obstacle(name="post", shape=am.Shape.circle(0.2), fiducial=3)],
     )
     assert found == [
-        "landmarks.1.id: robots.rover carries 2 too; who sees one of them cannot tell which",
-        "landmarks.2.id: obstacles.post carries 3 too; who sees one of them cannot tell which",
-        "landmarks.3.id: landmarks.0 carries 1 too; who sees one of them cannot tell which",
+        "landmarks.1.id: robots.rover carries 2 too; a sensor cannot know which of them it sees",
+        "landmarks.2.id: obstacles.post carries 3 too; a sensor cannot know which of them it sees",
+        "landmarks.3.id: landmarks.0 carries 1 too; a sensor cannot know which of them it sees",
         "robots.rover.knowledge.landmarks: more than one has the id 4; expected each id once",
     ]

@@ -10,12 +10,13 @@ import attrs
 import numpy as np
 import pytest
 import shapely
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.motions import Loop, Oscillate, Pedestrian
 from tests import building
+from tests.examples import settings
 from tests.simulation.rigs import least_gap, map_with, rig, stone, tractor, yard
 
 

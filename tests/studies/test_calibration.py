@@ -46,6 +46,7 @@ def test_readings_that_come_seldom_and_late_are_of_the_turns_they_are_of() -> No
     assert found["bias"].value == pytest.approx(-0.01, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_gyros_intervals_cover_what_was_put_in() -> None:
     hits = np.zeros(2, dtype=int)
     for seed in range(TRIALS):
@@ -76,6 +77,7 @@ def test_a_compass_that_is_mounted_askew_and_late_shows_it_in_a() -> None:
         assert found[key].value == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_a_compass_intervals_cover_what_was_put_in() -> None:
     from amorsim.noise.compass_deviation import CompassDeviation
 

@@ -107,6 +107,7 @@ def _coverage(seeds: int) -> tuple[int, int]:
     return int(hits[0]), int(hits[1])
 
 
+@pytest.mark.long
 def test_the_intervals_cover_what_was_put_in() -> None:
     # Fewer than 24 of 30 come with a probability of 0.0005 if each covers with 0.95.
     assert sum(math.comb(30, k) * 0.95**k * 0.05 ** (30 - k) for k in range(24)) < 1e-3

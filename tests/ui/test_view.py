@@ -36,7 +36,13 @@ def get(address: str, path: str, **headers: str) -> int:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are looked for in /proc")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP], ids=["ctrl-c", "closed terminal"])
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGINT, id="ctrl-c"),
+        pytest.param(signal.SIGHUP, id="closed terminal", marks=pytest.mark.long),
+    ],
+)
 def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list[View], number: signal.Signals) -> None:
     scenario = write_project(tmp_path)
     view = View(scenario.name, "--out", "out", cwd=tmp_path, command="view" if number == signal.SIGINT else "runsim")
@@ -60,6 +66,7 @@ def test_it_ends_within_two_seconds_with_whole_files(tmp_path: Path, views: list
     assert outcome.steps > 3
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="a terminal is made as on Linux")
 def test_it_ends_with_its_terminal(tmp_path: Path) -> None:
     import os
@@ -117,6 +124,7 @@ def test_a_process_that_is_still_being_loaded_ends_with_its_session(
             process.kill()
 
 
+@pytest.mark.long
 def test_a_gif_that_is_being_made_does_not_hold_up_the_end(tmp_path: Path, views: list[View]) -> None:
     scenario = write_project(tmp_path)
     first = (
@@ -197,6 +205,7 @@ def test_the_browser_is_opened_on_a_file_that_only_the_user_can_read(
     assert cookie_of(view)
 
 
+@pytest.mark.long
 def test_it_removes_the_browsers_file_when_it_ends(
     tmp_path: Path, views: list[View], monkeypatch: pytest.MonkeyPatch
 ) -> None:

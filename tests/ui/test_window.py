@@ -34,6 +34,7 @@ def test_keys_drive_the_robot_and_letting_go_stops_it(window: Window) -> None:
     window.until("newest.trueTwist.every(part => part === 0)")
 
 
+@pytest.mark.long
 def test_the_robot_stops_when_the_window_loses_the_keyboard(window: Window) -> None:
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
@@ -45,6 +46,7 @@ def test_the_robot_stops_when_the_window_loses_the_keyboard(window: Window) -> N
     window.page.keyboard.up("w")
 
 
+@pytest.mark.long
 def test_a_window_that_vanishes_stops_what_it_drove(
     window: Window, served: Server, open_window: Callable[[Server], Window]
 ) -> None:
@@ -58,6 +60,7 @@ def test_a_window_that_vanishes_stops_what_it_drove(
     watcher.until("newest.command.every(part => part === 0)")
 
 
+@pytest.mark.long
 def test_buttons_drive_by_pointer_and_by_keyboard(window: Window) -> None:
     window.page.click("#hand")
     window.until("driving.isByHand")
@@ -75,6 +78,7 @@ def test_buttons_drive_by_pointer_and_by_keyboard(window: Window) -> None:
     window.until("newest.command.every(part => part === 0)")
 
 
+@pytest.mark.long
 def test_each_channel_of_the_drive_has_a_slider(window: Window) -> None:
     window.page.click("#hand")
     window.until("driving.isByHand")
@@ -92,6 +96,7 @@ def test_each_channel_of_the_drive_has_a_slider(window: Window) -> None:
 # ----------------------------------------------------------------------------------------------------- cause and effect
 
 
+@pytest.mark.long
 def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_frame(window: Window) -> None:
     window.hide_readings()
     window.page.keyboard.press("m")
@@ -119,6 +124,7 @@ def test_a_wheel_radius_makes_the_estimate_drift_from_the_truth_in_the_drawn_fra
     window.until(f"document.querySelector('tr.chosen td.difference').innerText.replace('+', '') === '{apart:.3f}'")
 
 
+@pytest.mark.long
 def test_control_tells_the_measured_velocities(window: Window) -> None:
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
@@ -132,6 +138,7 @@ def test_control_tells_the_measured_velocities(window: Window) -> None:
     assert window.see("stage.robot.note.innerText") == ""
 
 
+@pytest.mark.long
 def test_true_beams_fall_where_the_true_sensor_looks(window: Window) -> None:
     path = "errors.sensors.laser.mount.heading.add"
     window.page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
@@ -145,6 +152,7 @@ def test_true_beams_fall_where_the_true_sensor_looks(window: Window) -> None:
     window.until(f"stage.trueSensors[{laser}].mounts[0][2] === 0")
 
 
+@pytest.mark.long
 def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> None:
     field = window.field(LEFT_WHEEL)
     number = field.locator("input[type=text]")
@@ -171,6 +179,7 @@ def test_forms_say_what_is_wrong_and_go_back_to_the_scenario(window: Window) -> 
     assert number.input_value() == "1"
 
 
+@pytest.mark.long
 def test_a_dialog_keeps_the_keyboard_after_a_problem_and_escape_closes_it(window: Window) -> None:
     page = window.page
     page.click("text=save as…")
@@ -186,6 +195,7 @@ def test_a_dialog_keeps_the_keyboard_after_a_problem_and_escape_closes_it(window
     page.wait_for_selector("dialog", state="detached")
 
 
+@pytest.mark.long
 def test_parameters_are_saved_as_a_scenario(window: Window, project: Path) -> None:
     number = window.field(LEFT_WHEEL).locator("input[type=text]")
     number.fill("1.07")
@@ -207,6 +217,7 @@ def test_parameters_are_saved_as_a_scenario(window: Window, project: Path) -> No
 # ---------------------------------------------------------------------------------------------------------------- time
 
 
+@pytest.mark.long
 def test_pause_step_scrub_and_continue(window: Window) -> None:
     page = window.page
     page.keyboard.press(" ")
@@ -228,6 +239,7 @@ def test_pause_step_scrub_and_continue(window: Window) -> None:
     window.until("newest.tick === 3")
 
 
+@pytest.mark.long
 def test_reset_and_speed(window: Window) -> None:
     page = window.page
     page.locator("#speed").fill("7")
@@ -249,6 +261,7 @@ Object.fromEntries([...numbers.series].map(([key, { times, values }]) => [key, t
 """
 
 
+@pytest.mark.long
 def test_plots_have_their_past_after_a_reload(window: Window) -> None:
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
@@ -281,6 +294,7 @@ def plotted(window: Window) -> dict[str, Any]:
 # ---------------------------------------------------------------------------------------------------- events and things
 
 
+@pytest.mark.long
 def test_an_event_leads_to_its_moment_and_place(window: Window) -> None:
     window.page.keyboard.press("m")
     window.until("driving.isByHand")
@@ -296,6 +310,7 @@ def test_an_event_leads_to_its_moment_and_place(window: Window) -> None:
     assert window.see("stage.mark.point") == pytest.approx([x, y])
 
 
+@pytest.mark.long
 def test_a_click_says_what_a_robot_or_a_beam_is_and_reads(window: Window) -> None:
     page = window.page
     box = page.locator("#pane-robot").bounding_box()
@@ -316,6 +331,7 @@ def test_a_click_says_what_a_robot_or_a_beam_is_and_reads(window: Window) -> Non
     window.do(do="select", robot="rover")
 
 
+@pytest.mark.long
 def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
     from PIL import Image
 
@@ -342,6 +358,7 @@ def test_picture_and_gif_of_the_view(window: Window, tmp_path: Path) -> None:
 # ------------------------------------------------------------------------------------------------------ several windows
 
 
+@pytest.mark.long
 def test_a_second_window_watches_and_may_ask_for_the_controls(
     window: Window, served: Server, open_window: Callable[[Server], Window]
 ) -> None:
@@ -371,6 +388,7 @@ def test_a_second_window_watches_and_may_ask_for_the_controls(
     assert not window.ask(do="run")["ok"]
 
 
+@pytest.mark.long
 def test_a_window_that_is_loaded_again_keeps_the_controls(
     window: Window, served: Server, open_window: Callable[[Server], Window]
 ) -> None:
@@ -469,6 +487,7 @@ def test_no_text_becomes_a_script_or_a_style(window: Window) -> None:
 # ------------------------------------------------------------------------------------------------------ usable by all
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_finds_nothing_serious(window: Window, theme: str) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
@@ -490,6 +509,7 @@ def test_axe_finds_nothing_serious(window: Window, theme: str) -> None:
     assert serious() == []
 
 
+@pytest.mark.long
 def test_all_is_in_sight_at_1366_by_768(window: Window) -> None:
     for scene in ("plain", "past"):
         outside = window.page.evaluate(
@@ -508,6 +528,7 @@ def test_all_is_in_sight_at_1366_by_768(window: Window) -> None:
         window.page.wait_for_selector("#continue:visible")
 
 
+@pytest.mark.long
 def test_the_first_hint_covers_no_plot_and_goes_when_it_is_followed(window: Window) -> None:
     page = window.page
     page.reload()
@@ -524,6 +545,7 @@ def test_the_first_hint_covers_no_plot_and_goes_when_it_is_followed(window: Wind
     page.wait_for_selector(".hint:empty", state="attached")
 
 
+@pytest.mark.long
 def test_the_keyboard_alone_reaches_everything(window: Window) -> None:
     page = window.page
     wanted = page.evaluate(
@@ -566,6 +588,7 @@ def drive(readings, estimate, clock):
 """
 
 
+@pytest.mark.long
 def test_a_crash_of_a_controller_is_shown_with_its_stack_and_the_window_lives_on(
     browser: Any, tmp_path: Path, open_window: Callable[[Server], Window]
 ) -> None:
@@ -607,6 +630,7 @@ class Held:
 """
 
 
+@pytest.mark.long
 def test_where_a_controller_cannot_be_copied_the_window_says_why_one_cannot_go_on(
     browser: Any, tmp_path: Path, open_window: Callable[[Server], Window]
 ) -> None:

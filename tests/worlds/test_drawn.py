@@ -6,11 +6,12 @@ import hashlib
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import amorsim as am
 from amorsim.worlds.drawn import DrawnWorld, map_of
+from tests.examples import settings
 from tests.worlds.test_worlds import NAMES, PARAMETERS, check, make
 
 # A parameter of each kind, and what it may be drawn from.

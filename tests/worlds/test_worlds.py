@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy import ndimage
 
@@ -19,6 +19,7 @@ from amorsim.core.starts import wall_gaps
 from amorsim.plugins.manager import make_registry
 from amorsim.worlds.cells import CellWorld
 from amorsim.worlds.made import MadeWorld, make_world
+from tests.examples import settings
 
 Options = dict[str, Any]
 
@@ -149,7 +150,7 @@ REFUSED = [
     ("maze", {"corridor": 0.5}, "corridor is 0.5 m"),
     ("maze", {"size": (1.0, 1.0)}, "a maze of one cell needs at least"),
     ("cave", {"fill": 0.8}, "fill = 0.8 leaves less than 10% of the area"),
-    ("forest", {"density": 50.0}, "density = 50 per m\\^2 is too high: "),
+    ("forest", {"density": 50.0, "size": (5.0, 5.0)}, "density = 50 per m\\^2 is too high: "),
     ("forest", {"density": 2.0, "largest_radius": 0.11}, "the trunks part the forest"),
     ("forest", {"least_radius": 0.5}, "swap them"),
     ("warehouse", {"aisle": 0.3}, "aisle is 0.3 m"),

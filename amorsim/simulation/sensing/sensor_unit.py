@@ -183,8 +183,8 @@ class SensorUnit:
         if problem := array_problem(values, "values", self.shape, by):
             raise self.whose.wrong(self._what, self.sensor, problem)
         if np.isnan(values).any():
-            told = np.where(np.isinf(values), 0.0, values)
-            raise self.whose.not_finite(self._what, self.sensor, f"the reading from {by}", told)
+            finite = np.where(np.isinf(values), 0.0, values)
+            raise self.whose.not_finite(self._what, self.sensor, f"the reading from {by}", finite)
 
     @property
     def _what(self) -> str:

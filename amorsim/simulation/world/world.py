@@ -241,7 +241,7 @@ class World:
                 sin_b[mine],
                 range_max[a:b],
                 out[a:b],
-                _NOBODY_ASKS if hit is None else hit[a:b],
+                _NO_HITS if hit is None else hit[a:b],
             )
 
         self.workers.share(len(origins), cos_b.shape[1], part)
@@ -251,7 +251,7 @@ class World:
         return self.bodies, self.poses, self.edge_rows, self.by_place(self.poses), self.widest
 
 
-_NOBODY_ASKS: Ints = np.empty((0, 0), dtype=np.int64)  # for calls that do not need what was hit
+_NO_HITS: Ints = np.empty((0, 0), dtype=np.int64)  # for calls that do not need what was hit
 
 
 def _rings(owner: Ints) -> Ints:

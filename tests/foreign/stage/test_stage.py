@@ -293,6 +293,7 @@ def test_a_thousand_models_are_read_in_two_seconds(write) -> None:
     assert took < 2.0, f"{took:.2f} s of processor time"
 
 
+@pytest.mark.long
 def test_thousands_of_models_upon_one_another_take_no_longer(write) -> None:
     path = write(ROOM + "position( pose [-2 0 0 0] )\n" + "model( size [0.4 0.3 0.5] pose [1 1 0 0] )\n" * 4000)
     begin = time.process_time()

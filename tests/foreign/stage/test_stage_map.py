@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
@@ -16,6 +16,7 @@ from amorsim.core.errors import MapError
 from amorsim.foreign.stage.bitmaps import dark_pixels, fill
 from amorsim.foreign.stage.geometry import Box, Spot
 from amorsim.foreign.stage.map import StageMap
+from tests.examples import settings
 
 
 def bitmap(folder: Path, rows: list[str], name: str = "plan.png") -> Path:

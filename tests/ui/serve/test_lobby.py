@@ -74,11 +74,11 @@ def test_who_has_said_all_may_stay(end: bytes) -> None:
         for at in range(len(head)):  # however it comes
             writer.write(head[at : at + 1])
             await reader.readexactly(1)
-        await asyncio.sleep(1.0)
+        await asyncio.sleep(0.4)
         writer.write(b"more")
         assert await reader.readexactly(4) == b"more"
 
-    hold(Lobby(Echo, patience=0.5), visit)
+    hold(Lobby(Echo, patience=0.2), visit)
 
 
 def test_of_too_many_the_oldest_that_waits_goes() -> None:

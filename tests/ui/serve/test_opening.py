@@ -39,6 +39,7 @@ def test_where_it_cannot_be_written_the_user_is_told_what_to_do(folder: Path, mo
         OpeningPage("http://127.0.0.1:80/?token=a")
 
 
+@pytest.mark.long
 def test_a_browser_gets_in_by_it_once(browser: Any, started: Server) -> None:
     page = OpeningPage(started.address)
     window = Window(new_user(browser).new_page()).open(page.path.as_uri())

@@ -1,0 +1,139 @@
+"""Changes from outside while a simulation runs: robots moved, parameters set, robots handed over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError
+from amorsim.core.parameters import ParameterError
+from amorsim.core.starts import outside
+from amorsim.core.trouble import in_words
+from amorsim.scenario.chains import read_elements, tables_of, with_chain
+from amorsim.scenario.paths import with_value
+from amorsim.scenario.spec import Robot
+from amorsim.simulation.alike import group_key
+from amorsim.simulation.events import Event
+from amorsim.simulation.fleet import Fleet
+from amorsim.simulation.group import Group
+from amorsim.simulation.handle import RobotHandle
+from amorsim.simulation.regroup import chains_of, regrouped
+
+__all__ = ["hand_over", "move", "set_parameter", "with_other_chain"]
+
+Array = npt.NDArray[np.float64]
+
+
+def move(fleet: Fleet, handle: RobotHandle, pose: tuple[float, float, float], kind: str) -> None:
+    """Move a robot and its parts to a pose, at rest; this is an event of that kind."""
+    group, row, name = handle._group, handle._row, handle.name
+    wanted = np.array([pose])
+    map_ = fleet.world.terrain.at(fleet.replicas.index(handle.replica))
+    beyond = outside(map_, *wanted[0, :2].tolist())
+    if beyond:
+        raise AmorsimError(f"robot {name!r} cannot stand at {pose}: that {beyond}")
+    parts = np.empty((0, 3)) if group.parts is None else group.parts.of_row(row, wanted[0])
+    found = fleet.overlap(group, row, np.concatenate((wanted, parts)))
+    if found:
+        raise AmorsimError(f"robot {name!r} cannot stand at {pose}: it would overlap {found}")
+    group.true_pose = _with_row(group.true_pose, row, wanted[0])
+    if group.parts is not None:
+        group.parts.put(row, parts)
+    group.true_twist = _with_row(group.true_twist, row, 0.0)
+    group.joint_rates = _with_row(group.joint_rates, row, 0.0)
+    fleet.place()
+    fleet.part_from_all(int(group.bodies[row]))
+    _log(fleet, handle, kind, "pose", pose)
+
+
+def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value: Any) -> None:
+    """Set a parameter of one robot, in the replicas of its `handles`; if it is refused, nothing has changed."""
+    for group in {id(handle._group): handle._group for handle in handles}.values():
+        rows = [handle._row for handle in handles if handle._group is group]
+        before = list(group.specified)
+        key = group_key(before[rows[0]])
+        known: dict[int, Robot] = {}
+        try:
+            for row in rows:
+                robot = before[row]
+                changed = known.get(id(robot)) or known.setdefault(id(robot), with_value(robot, path, value))
+                if group_key(changed) != key:
+                    raise LookupError("this fixes the shape of the robot's arrays")
+                group.specified[row] = changed
+            group.set_parameters()
+            _move_parts(fleet, group, rows)
+        except (LookupError, ParameterError, ScenarioError) as error:
+            group.specified = before
+            group.set_parameters()
+            reason = error.problem if isinstance(error, ParameterError) else str(error.args[0])
+            if isinstance(error, ScenarioError):  # it is about what follows from the value
+                reason = f"{in_words(value)} would be out of bounds, for by it {reason}"
+            raise AmorsimError(f"robot {handles[0].name!r}, {path}: {reason}") from None
+    for handle in handles:
+        _log(fleet, handle, "parameter_set", path, value)
+
+
+def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
+    """A fleet at the same moment in which a robot has another chain of noise at `path`, in all replicas."""
+    robot = RobotHandle(*fleet.robot_row(name, 0)).nominal
+    elements = read_elements(robot, path, given)
+    tables = tables_of(with_chain(robot, path, elements), path)
+    try:
+        changed = regrouped(fleet, {name: {**chains_of(robot), path: elements}})
+    except (ComponentError, ScenarioError) as error:
+        raise AmorsimError(f"robot {name!r}, {path}: {error}") from None
+    for index in range(len(changed.replicas)):
+        _log(changed, RobotHandle(*changed.robot_row(name, index)), "parameter_set", path, tables)
+    return changed
+
+
+def hand_over(fleet: Fleet, handle: RobotHandle, to: str) -> None:
+    """Drive a robot from outside (``"hand"``), or by its ``"controller"`` again."""
+    driver = handle._group.driver
+    if to not in ("hand", "controller"):
+        raise AmorsimError(f"robot {handle.name!r}: expected to hand it over to 'hand' or 'controller', got {to!r}")
+    if to == "controller" and driver.controller is None:
+        raise AmorsimError(f"robot {handle.name!r} has no controller; it can only be driven by hand")
+    if handle.is_by_hand == (to == "hand") and (to == "hand" or handle.is_active):
+        return
+    driver.hand_over(handle._row, to == "hand")
+    fleet.part_from_all(int(handle._group.bodies[handle._row]))
+    _log(fleet, handle, "handed_over", "driver", to)
+
+
+def _move_parts(fleet: Fleet, group: Group, rows: Sequence[int]) -> None:
+    """Move the parts of some robots to where their drives place them; a `LookupError` names an obstruction."""
+    if group.parts is None:
+        return
+    moved = [group.parts.of_row(row, group.true_pose[row]) for row in rows]
+    for row, parts in zip(rows, moved, strict=True):
+        found = fleet.overlap(group, row, np.concatenate((group.true_pose[row : row + 1], parts)))
+        if found:
+            raise LookupError(f"with it the robot would overlap {found}")
+    for row, parts in zip(rows, moved, strict=True):
+        group.parts.put(row, parts)
+    fleet.place()
+
+
+def _log(fleet: Fleet, handle: RobotHandle, kind: str, path: str, value: Any) -> None:
+    tick = int(fleet.ticks[fleet.replicas.index(handle.replica)])
+    fleet.events.append(
+        Event(
+            tick=tick,
+            time=tick * fleet.dt,
+            replica=handle.replica,
+            kind=kind,
+            name=handle.name,
+            path=path,
+            value=value,
+        )
+    )
+
+
+def _with_row(array: Array, row: int, value: Any) -> Array:
+    changed = array.copy()
+    changed[row] = value
+    return changed
