@@ -30,6 +30,8 @@ SCENARIOS = (
     "kidnapped",
     "loop",
     "find-the-way",
+    "parking-lot",
+    "unknown-maze",
     "crossing",
 )
 MAPS = {"map-the-office": "rover-slam"}  # of each scenario, which of the maps that it leaves

@@ -109,8 +109,9 @@ def free_cells(world: Map, reach: float, *, side: float | None = None, avoid_unk
     Raises
     ------
     PlanError
-        If there are more than 50 million cells.
+        If there are more than 50 million cells, or it is no map.
     """
+    check_map(world)
     side = world.resolution if side is None else side
     key = (reach, side, avoid_unknown)
     kept = _cells_of.setdefault(world, {})
@@ -155,6 +156,12 @@ def _made(world: Map, reach: float, side: float, avoid_unknown: bool) -> Cells:
         occupied=occupied,
         reach=reach,
     )
+
+
+def check_map(world: Map) -> None:
+    """Raise `PlanError` if this is no map."""
+    if not isinstance(world, Map):
+        raise PlanError(f"world is a {type(world).__name__}; expected a Map, as am.Map.from_array makes of an array")
 
 
 def gaps_to_walls(cells: Cells) -> npt.NDArray[np.int32]:

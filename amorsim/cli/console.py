@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from amorsim.kernels import COMPILING
 
-__all__ = ["compile_all", "compile_once", "complain", "say"]
+if TYPE_CHECKING:
+    from amorsim.contracts import Planner
+
+__all__ = ["compile_all", "compile_once", "compile_planners_once", "complain", "say"]
 
 
 def say(text: str) -> None:
@@ -45,11 +51,35 @@ def compile_all(quiet: bool = False, more: bool = False) -> None:
         compile_kernels(more=more)
         return
     say(COMPILING)
+    with _bar() as progress:
+        compile_kernels(progress, more=more)
+
+
+def compile_planners_once(planners: Iterable[Planner], quiet: bool = False) -> None:
+    """Compile what these planners need and was not compiled before, and show how far it is."""
+    from amorsim.runs.warm import cold_planners, compile_planner
+
+    cold = cold_planners(planners)
+    if not cold:
+        return
+    if not quiet:
+        names = ", ".join(re.sub("(?<!^)(?=[A-Z])", "_", kind.__name__).lower() for kind in cold)
+        say(f"compiling the kernels of the planner {names}, once after installing (up to a minute) ...")
+    with contextlib.nullcontext() if quiet else _bar() as progress:
+        for done, kind in enumerate(cold):
+            if progress is not None:
+                progress(done, len(cold))
+            compile_planner(kind)
+
+
+@contextlib.contextmanager
+def _bar() -> Iterator[Callable[[int, int], None] | None]:
+    """What shows how much is done, and of how much; None where nobody looks."""
     if not sys.stdout.isatty():
-        compile_kernels(more=more)
+        yield None
         return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn
 
     with Progress(BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), transient=True) as bar:
         task = bar.add_task("")
-        compile_kernels(lambda done, total: bar.update(task, completed=done, total=total), more=more)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

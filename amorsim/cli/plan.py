@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import attrs
 import typer
 
-from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.console import compile_once, compile_planners_once, complain, say
 from amorsim.cli.options import Resolution
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ def command(
     compile_once(lambda: look_up_world(source, seed=seed, resolution=resolution, changes=of_world))
     world = read_any_world(source, seed=seed, resolution=resolution, changes=of_world)
     made = _with_cells(made, world)
+    compile_planners_once([made])
     plan, took, first = _timed(made, world, ends, body)
     once = f" ({_in_time(first)} with what is kept for the next plan)" if first > 2.0 * took and first > 0.01 else ""
     if plan.status == "found":

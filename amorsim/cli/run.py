@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.console import compile_once, compile_planners_once, complain, say
 from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
 
 if TYPE_CHECKING:
@@ -69,6 +69,7 @@ def command(
     The folder holds the scenario with its map, text files of all that was true, measured and estimated, and a
     picture of the paths. Ctrl-C ends the run with its files whole.
     """
+    from amorsim.controllers.navigate import Navigate
     from amorsim.core.errors import AmorsimError
     from amorsim.runs.asked import look_up, make_simulation, read_scenario, with_options
     from amorsim.runs.folder import check_free
@@ -93,6 +94,9 @@ def command(
         lambda: look_up(scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration), quiet
     )
     read = with_options(read_scenario(scenario, resolution=resolution, changes=changes or []), seed, duration)
+    compile_planners_once(
+        [robot.controller.planner for robot in read.robots if isinstance(robot.controller, Navigate)], quiet
+    )
     numbers = list(replica) if replica else (1 if replicas is None else replicas)
     simulation, remark = make_simulation(read, numbers, threads)
     if not quiet:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -36,11 +37,11 @@ class Plan:
     cost: float = math.inf
     """What the planner minimised, along this path; inf without one."""
     expanded: int = 0
-    """How many cells or states the planner took up."""
+    """How many cells or states the planner expanded."""
     searched: Array = attrs.field(factory=lambda: np.empty((0, 2)))
-    """(K, 2) [m] in the world: the places it took up, in order, for pictures."""
+    """(K, 2) [m] in the world: the places it expanded, in order, for pictures."""
     links: Array = attrs.field(factory=lambda: np.empty((0, 4)))
-    """(E, 4) [m] in the world: lines x, y to x, y between places that it took up, such as the edges of a tree, for
+    """(E, 4) [m] in the world: lines x, y to x, y between places that it expanded, such as the edges of a tree, for
     pictures."""
     trailer: Array = attrs.field(factory=lambda: np.empty((0, 3)))
     """(M, 3) [m, m, rad] in the world: the poses of the trailer's axle, for each of `poses`; none without a trailer."""
@@ -59,6 +60,10 @@ class Planner(abc.ABC):
     The map is one that a robot was given or made, never the true world. A planner works at a cell size of its own, has
     a budget, so that it always comes to an end, and can be interrupted with Ctrl-C.
     """
+
+    plans_headings: ClassVar[bool] = False
+    """Whether its paths are for a car: with the heading in each pose, and drives backwards. Such a planner turns the
+    footprint with the car, instead of taking its reach in all directions."""
 
     @abc.abstractmethod
     def plan(

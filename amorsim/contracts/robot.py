@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts.values import Aim, Array, State
+from amorsim.contracts.values import Aim, Array, Beliefs, State
 from amorsim.contracts.view import Emission, View
 from amorsim.core.draws import Draws
 from amorsim.core.map import Map
@@ -197,6 +197,8 @@ class RobotModel:
     landmark_ids: npt.NDArray[np.int64] | None = None  # (L,) their ids, 0 for a landmark without one
     names: Sequence[str] = ()  # the rows' robots, for messages
     maps: Sequence[Map | None] = ()  # (N,) what each row knows, if replicas have different maps; else empty
+    beliefs: Mapping[str, Beliefs] = attrs.field(factory=dict, eq=False)
+    """What its estimators believe now, by name, as `Estimator.beliefs` returns it; computed when looked up."""
 
     def map_of(self, row: int) -> Map | None:
         """The map that a row's robot knows, or None."""

@@ -13,6 +13,7 @@ from amorsim.controllers.headed import Headed, PotentialField, VfhPlus
 from amorsim.controllers.manual import Manual
 from amorsim.controllers.mppi import Mppi
 from amorsim.controllers.navigate import Navigate
+from amorsim.controllers.path_pursuit import PathPursuit
 from amorsim.controllers.pursuit import Pursuit
 from amorsim.controllers.square import Square
 from amorsim.controllers.user import Twist, UserController, WheelSpeeds
@@ -36,6 +37,7 @@ __all__ = [
     "Navigate",
     "NearnessDiagram",
     "Orca",
+    "PathPursuit",
     "PotentialField",
     "Pursuit",
     "SocialForce",

@@ -84,6 +84,9 @@ class Avoider(Controller):
         """What `steer` keeps in the state."""
         return {**start_sight(context, self.sensor, type(self).__name__.lower()), **start_moving(context)}
 
+    def take_path(self, row: int, pose: Array, state: State) -> None:
+        """Take notice of a new path of a robot, which stands at `pose` (3,); the path is in `state`."""
+
     def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The goals."""
         return [(f"goals.{i}", x, y) for i, (x, y) in enumerate(self.goals)]

@@ -26,6 +26,7 @@ from amorsim.controllers.avoider import Avoider, body_of, sight_of, start_sight
 from amorsim.controllers.driving import Course
 from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.planning import STATUSES, Ways, keep_searched, lay_path, no_path
+from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.guide import Guide
 from amorsim.kernels.avoidance.memory import Window, guard, look_along, remember
@@ -51,8 +52,9 @@ class Navigate(Controller):
 
     The planner plans on the map that the robot was given (`knowledge.map`), or else on open ground, and adds what the
     robot has seen. The path keeps the reach of the footprint from walls, so that the robot can turn anywhere on it;
-    where no such way leads to the goal, or it is much longer, `least_clearance`. The robot remembers what it sees
-    around itself, and plans again if that blocks its path.
+    where no such way leads to the goal, or it is much longer, `least_clearance`. Planners with headings turn the
+    footprint with the robot instead. The robot remembers what it sees around itself, and plans again if that blocks
+    its path.
 
     If it stays in one place too long, it tries the `recovery` in turn, plans again after each, and gives up the goal
     after all were tried `rounds` times. Then it goes for the next goal. It reports ``goal_reached``, ``recovery`` and
@@ -62,10 +64,15 @@ class Navigate(Controller):
     ----------
     goals
         Places in the world [m], in order.
+    headings
+        The heading at each goal [rad], for planners with headings, such as ``hybrid_a_star``; or none.
     planner
         The planner, as ``{ use = "theta_star" }``.
     avoider
         The controller that drives along the path, as ``{ use = "dwa", speed = 0.4 }``. Its own goals are not used.
+    mapper
+        Name of an estimator that maps, such as ``grid_mapping``: it plans on the map that this has made so far, and
+        again every `replan_after`. Empty: on the map that it was given.
     sensor
         Name of the range sensor whose readings it remembers.
     tolerance
@@ -91,8 +98,14 @@ class Navigate(Controller):
     """
 
     goals: tuple[tuple[float, float], ...] = parameter(unit="m", frame="world", help="places in the world, in order")
+    headings: tuple[float, ...] = parameter(
+        (), unit="rad", help="heading at each goal, for planners with headings; or none"
+    )
     planner: Planner = parameter(static=True, component="planner", help="what finds the way")
     avoider: Avoider = parameter(Dwa(), component="controller", help="what drives along it")
+    mapper: str = parameter(
+        "", refers="estimators", help="name of the estimator on whose map it plans; empty for the map that it was given"
+    )
     sensor: str = parameter("laser", refers="sensors", help="name of the range sensor whose readings it remembers")
     tolerance: float = parameter(0.2, unit="m", gt=0, help="distance from a goal at which it counts as reached")
     least_clearance: float | None = parameter(
@@ -112,6 +125,13 @@ class Navigate(Controller):
     def __attrs_post_init__(self) -> None:
         if not self.goals:
             raise ParameterError("goals", "expected one goal at least, got none")
+        if self.headings and len(self.headings) != len(self.goals):
+            raise ParameterError(
+                "headings", f"expected one for each of {len(self.goals)} goals, got {len(self.headings)}"
+            )
+        if self.headings and not self.planner.plans_headings:
+            name = type(self.planner).__name__
+            raise ParameterError("headings", f"expected none, as {name} plans without headings, or another planner")
         if self.window / self.cell > 2000:
             raise ParameterError("cell", f"expected at most 2000 cells across the window of {self.window:g} m")
 
@@ -125,9 +145,14 @@ class Navigate(Controller):
         Raises
         ------
         ComponentError
-            If the robot has no range sensor of that name.
+            If the robot has no range sensor of that name, or no estimator that maps of the name `mapper`.
         """
         rows = context.rows
+        if self.mapper and "occupancy" not in context.robot.beliefs.get(self.mapper, {}):
+            raise ComponentError(
+                f"navigate plans on the map of the estimator {self.mapper!r}, but {context.robot.who(0)} has no such "
+                "estimator, or it makes no map, as grid_mapping does"
+            )
         size = max(int(np.ceil(self.window / self.cell)), 2)
         return {
             **self.avoider.start_steering(context),
@@ -201,6 +226,14 @@ class Navigate(Controller):
         chosen: Array = goals[np.arange(len(goals)), np.minimum(state["goal"][:, 0], goals.shape[1] - 1)]
         return chosen
 
+    def _heading(self, state: State) -> Array:
+        """The heading at the goal that each robot is after `(N, 1)` [rad]; `(N, 0)` if none is given."""
+        headings = np.asarray(self.headings, dtype=np.float64)
+        if not headings.size:
+            return np.empty((len(state["goal"]), 0))
+        number = np.minimum(state["goal"], headings.shape[1] - 1)
+        return np.take_along_axis(headings, number, axis=1)
+
     def _arrive(self, pose: Array, time: Array, state: State) -> None:
         """Go on to the next goal where one is reached."""
         off = self._goal(state) - pose[:, :2]
@@ -266,7 +299,7 @@ class Navigate(Controller):
     def _way(self, robot: RobotModel, pose: Array, time: Array, window: Window, state: State) -> Guide:
         """The paths, planned again where that is due."""
         rows = robot.rows
-        ways = Ways.of(robot, self.planner, self.least_clearance)
+        ways = Ways.of(robot, self.planner, self.mapper, self.least_clearance)
         since = time - self.memory
         look = np.empty((rows, 3))
         room = np.full((rows, 1), max(ways.narrow - self.cell, 0.5 * self.cell))
@@ -274,9 +307,11 @@ class Navigate(Controller):
         look_along(pose, state["path"], state["along"], state["count"], state["leg"], window, since, room, far, look)
         blocked = np.isfinite(look[:, 2:]) & (state["status"] == 0)
         due = (state["mode"] == DRIVING) & (time - state["planned"] >= self.replan_after)
-        due &= state["wanted"] | blocked | (state["status"] > 0)
+        if not self.mapper:
+            due &= state["wanted"] | blocked | (state["status"] > 0)
+        goals = np.concatenate((self._goal(state), self._heading(state)), axis=1)
         for row in np.flatnonzero(due).tolist():
-            status, points, searched = ways.plan(pose[row], self._goal(state)[row], window, row, float(since[row, 0]))
+            status, points, searched = ways.plan(pose[row], goals[row], window, row, float(since[row, 0]))
             state["status"][row] = STATUSES.index(status)
             state["planned"][row] = time[row]
             state["plans"][row] += 1
@@ -284,6 +319,7 @@ class Navigate(Controller):
             keep_searched(searched, row, state)
             if status == "found":
                 lay_path(points, row, state)
+                self.avoider.take_path(row, pose[row], state)
         return Guide(state["path"], state["along"], state["count"], state["leg"])
 
     def reports(self, state: State) -> Sequence[tuple[int, str, object]]:

@@ -8,22 +8,26 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.algorithms.cells import free_cells
+from amorsim.algorithms.cells import Cells, free_cells
+from amorsim.algorithms.speed_profile import pieces_of
 from amorsim.contracts import Plan, Planner, RobotModel, State
 from amorsim.core.errors import PlanError
+from amorsim.core.estimated_map import estimated_map
 from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.avoidance.memory import Window
 
-__all__ = ["STATUSES", "Ways", "keep_searched", "lay_path", "no_path"]
+__all__ = ["PLACES", "STATUSES", "Ways", "keep_searched", "lay_path", "no_path", "polyline"]
 
 Array = npt.NDArray[np.float64]
 
 STATUSES = ("found", "unreachable", "start_blocked", "goal_blocked", "budget", "refused")
-_PLACES = 192  # corners of a path
+PLACES = 192  # corners of a path
 _SEARCHED = 1024  # places that are kept of what was searched
 _AROUND = 3.0  # [m] of open ground around all that matters, without a map
 _DETOUR = 1.3  # times the length of a narrow way that a way with room to turn may have
+_TURN = 0.1  # [rad] between two points of a curve
+_EXPLAINED = 0.3  # [m] from a known wall, what is seen is that wall
 _STEP_OUT = 0.5  # [m] from the robot to the nearest place that a plan may start from
 
 
@@ -31,24 +35,31 @@ class Ways(NamedTuple):
     """How robots of a group plan."""
 
     planner: Planner
-    known: Map | None
+    robot: RobotModel
+    mapper: str
+    """Name of the estimator on whose map they plan; empty: on the map that they were given."""
     wide: float
     """[m] the reach of the footprint."""
     narrow: float
     """[m] kept from walls at the least."""
+    made: dict[tuple[int, bytes, bytes], Plan]
+    """Plans with headings of this step on known maps, which robots that start alike in all replicas share."""
 
     @classmethod
-    def of(cls, robot: RobotModel, planner: Planner, least_clearance: float | None) -> Ways:
+    def of(cls, robot: RobotModel, planner: Planner, mapper: str, least_clearance: float | None) -> Ways:
         """For these robots; by default paths keep half the width of the footprint."""
         half = float(np.abs(robot.shape.outline[:, 1]).max()) if least_clearance is None else least_clearance
-        return cls(planner, robot.map, float(robot.shape.reach), min(half, float(robot.shape.reach)))
+        return cls(planner, robot, mapper, float(robot.shape.reach), min(half, float(robot.shape.reach)), {})
 
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
-        """The status of the plan from a robot's pose to its goal, the path's points (M, 2), and what was searched.
+        """The status of the plan from a robot's pose to its goal (2,) or (3,), the path's points (M, 2), the search.
 
         Of two plans, the places searched (K, 2) are those of the one that was made last.
         """
-        world = self._world(pose, goal, window, row, since)
+        if self.planner.plans_headings:
+            return self._for_car(pose, goal, window, row, since)
+        goal = goal[:2]
+        world = self._world(self._known(row), pose, goal, window, row, since)
         straight = float(np.hypot(*(goal - pose[:2])))
         found: dict[float, tuple[float, Array]] = {}
         status, searched = "unreachable", np.empty((0, 2))
@@ -67,6 +78,31 @@ class Ways(NamedTuple):
         if found:
             return "found", min(found.values(), key=lambda one: one[0])[1], searched
         return status, np.empty((0, 2)), searched
+
+    def _known(self, row: int) -> Map | None:
+        """What a robot knows of the world: what it was given, or what it has mapped."""
+        return estimated_map(self.robot.beliefs[self.mapper], row) if self.mapper else self.robot.map_of(row)
+
+    def _for_car(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
+        """As `plan`, with headings: the path's corners, and those of lines near its curves.
+
+        Of what was seen, that counts which the known map does not explain. So walls do not grow by the errors of scan
+        and estimate, of which a bay leaves no room.
+        """
+        known = self._known(row)
+        new = None if known is None else free_cells(known, _EXPLAINED, side=max(known.resolution, window.side))
+        world = self._world(known, pose, goal[:2], window, row, since, new)
+        key = (id(world), pose.tobytes(), goal.tobytes())
+        plan = self.made.get(key)
+        if plan is None:
+            try:
+                plan = self.planner.plan(world, pose.tolist(), goal.tolist(), footprint=self.robot.shape)
+            except PlanError:
+                return "refused", np.empty((0, 2)), np.empty((0, 2))
+            if world is known and not self.mapper:
+                self.made[key] = plan
+        path = polyline(plan.poses) if plan.status == "found" else np.empty((0, 2))
+        return plan.status, path, plan.searched
 
     def _with_room(self, world: Map, pose: Array, goal: Array, room: float) -> tuple[Plan | None, Array]:
         """The plan, None if it was refused, and the points of its path from the robot itself on."""
@@ -105,8 +141,17 @@ class Ways(NamedTuple):
         x, y = places[np.argmin((places[:, 0] - start[0]) ** 2 + (places[:, 1] - start[1]) ** 2)].tolist()
         return x, y
 
-    def _world(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Map:
-        """The map to plan on: what is known, and what was seen since a time."""
+    def _world(
+        self,
+        known: Map | None,
+        pose: Array,
+        goal: Array,
+        window: Window,
+        row: int,
+        since: float,
+        new: Cells | None = None,
+    ) -> Map:
+        """The map to plan on: what is known, and what was seen since a time; only in free cells of `new`, if given."""
         size = window.seen.shape[1]
         up, across = np.nonzero(window.seen[row] >= since)
         corner = window.corner[row]
@@ -114,12 +159,15 @@ class Ways(NamedTuple):
         col = corner[0] + (across - corner[0]) % size
         line = corner[1] + (up - corner[1]) % size
         places = (np.stack((col, line), axis=1) + 0.5) * window.side
-        if self.known is not None:
+        if new is not None:
+            cell = [new.cell_at(*place) for place in places.tolist()]
+            places = places[[one is not None and bool(new.free[one]) for one in cell]]
+        if known is not None:
             if not len(places):
-                return self.known
-            side = max(self.known.resolution, window.side)
-            cells = _cells_of(self.known, side).copy()
-            origin = self.known.origin
+                return known
+            side = max(known.resolution, window.side)
+            cells = _cells_of(known, side).copy()
+            origin = known.origin
         else:
             side = window.side
             both = np.stack((pose[:2], goal))
@@ -152,11 +200,11 @@ def _cells_of(world: Map, side: float) -> npt.NDArray[np.uint8]:
 def no_path(pose: Array) -> State:
     """State that holds a path for each robot: none yet, so the place where it stands."""
     rows = len(pose)
-    path = np.zeros((rows, _PLACES, 2))
+    path = np.zeros((rows, PLACES, 2))
     path[:, 0] = pose[:, :2]
     return {
         "path": path,
-        "along": np.zeros((rows, _PLACES)),
+        "along": np.zeros((rows, PLACES)),
         "count": np.ones(rows, dtype=np.int64),
         "leg": np.zeros(rows, dtype=np.int64),
         "searched": np.full((rows, _SEARCHED, 2), np.nan),
@@ -172,12 +220,35 @@ def keep_searched(places: Array, row: int, state: State) -> None:
 
 def lay_path(points: Array, row: int, state: State) -> None:
     """Put the corners of a path into the state; a path with too many ends before its goal."""
-    kept = _corners(points)[:_PLACES]
+    kept = _corners(points)[:PLACES]
     steps = np.diff(kept, axis=0)
     state["path"][row, : len(kept)] = kept
     state["along"][row, : len(kept)] = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
     state["count"][row] = len(kept)
     state["leg"][row] = 0
+
+
+def polyline(poses: Array) -> Array:
+    """Points (K, 2) of a path with headings (M, 3): where it turns about, and on curves where it has turned by so much.
+
+    Lines between them stay near it: on an arc of radius r within r / 800. They are as many as a robot's path may have.
+    """
+    far = np.abs(pieces_of(poses).lengths) > 0.0
+    poses = poses[np.concatenate(([True], far))]
+    pieces = pieces_of(poses)
+    ways = np.sign(pieces.lengths)
+    turns_about = np.concatenate(([True], ways[1:] * ways[:-1] < 0.0, [True]))
+    turned = np.concatenate(([0.0], np.cumsum(np.abs(pieces.turns))))
+    turn = _TURN
+    while True:
+        bend = np.floor(turned / turn)
+        kept = turns_about | np.concatenate(([False], bend[1:] > bend[:-1]))
+        # Where a curve begins and ends.
+        straight = pieces.turns == 0.0
+        kept[1:-1] |= straight[1:] != straight[:-1]
+        if np.count_nonzero(kept) <= PLACES or turn > 1.0:
+            return np.ascontiguousarray(poses[kept, :2])
+        turn *= 1.5
 
 
 def _corners(points: Array) -> Array:
@@ -193,4 +264,5 @@ def _corners(points: Array) -> Array:
         return points
     cross = steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0]
     turns = np.abs(cross) > 1e-9 * np.hypot(*steps[:-1].T) * np.hypot(*steps[1:].T)
+    turns |= (steps[:-1] * steps[1:]).sum(axis=1) < 0.0  # where it goes back on the same line
     return np.asarray(points[np.concatenate(([True], turns, [True]))])

@@ -24,7 +24,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.behaviours import pure_pursuit
 
-__all__ = ["Pursuit"]
+__all__ = ["Pursuit", "next_stops", "turn_back"]
 
 Array = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
@@ -133,7 +133,7 @@ class Pursuit(Controller):
         return {
             "path": path,
             "along": along,
-            "stops": _stops(turns_about, self.loop),
+            "stops": next_stops(turns_about, self.loop),
             "way": way,
             "progress": np.zeros((rows, 1)),
             **abilities(context.robot),
@@ -155,11 +155,11 @@ class Pursuit(Controller):
                 turns_about[:, -1] = back[1] != back[-1]
             return np.full((rows, 1), -1.0 if back[0] else 1.0), turns_about
         legs = path[:, 1:] - path[:, :-1]
-        turns_about[:, 1:-1] = _turn_back(legs[:, 1:], legs[:, :-1])
+        turns_about[:, 1:-1] = turn_back(legs[:, 1:], legs[:, :-1])
         if self.loop:
-            turns_about[:, -1] = _turn_back(legs[:, 1], legs[:, -1])
+            turns_about[:, -1] = turn_back(legs[:, 1], legs[:, -1])
         ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
-        return np.where(_turn_back(legs[:, 0], ahead)[:, None], -1.0, 1.0), turns_about
+        return np.where(turn_back(legs[:, 0], ahead)[:, None], -1.0, 1.0), turns_about
 
     def command(
         self,
@@ -188,13 +188,13 @@ class Pursuit(Controller):
         return course.command(twist)
 
 
-def _turn_back(one: Array, other: Array) -> Bools:
+def turn_back(one: Array, other: Array) -> Bools:
     """Whether two directions are more than a right angle apart `(...)`; they are `(..., 2)`."""
     found: Bools = one[..., 0] * other[..., 0] + one[..., 1] * other[..., 1] < 0.0
     return found
 
 
-def _stops(turns_about: Bools, loop: bool) -> Ints:
+def next_stops(turns_about: Bools, loop: bool) -> Ints:
     """The point at which a robot on each leg stops next `(N, p - 1)`, -1 for none."""
     rows, points = turns_about.shape
     last = points - 1

@@ -14,7 +14,7 @@ __all__ = ["AStar"]
 class AStar(GridPlanner):
     """The shortest path over the eight neighbours of cells, by A* with the octile distance.
 
-    A step to a neighbour beside costs 1 cell, a diagonal one the square root of 2, and needs both cells beside it free.
+    A straight step costs 1 cell. A diagonal one costs the square root of 2, and needs both cells next to it free.
     """
 
     def search(self, cells: Cells, start: int, goal: int) -> Found:

@@ -75,8 +75,9 @@ class CurvePlanner(PosePlanner):
             return Plan(status="budget", expanded=len(tried), links=_links(tried), message=message)
         message = (
             f"none of the {len(curves)} {self.name} curves of radius {self.radius:g} m keeps the footprint "
-            f"{self.clearance:g} m from the walls; hybrid_a_star finds a way around them"
+            f"{self.clearance:g} m from the walls; "
         )
+        message += query.narrow_place(ends) or "hybrid_a_star finds a way around them"
         return Plan(status="unreachable", expanded=len(tried), links=_links(tried), message=message)
 
 

@@ -115,7 +115,7 @@ def run_octile(cells: Cells, start: int, goal: int, budget: int, weight: float) 
 
 
 def found_by(status: str, search: Search, start: int, goal: int, length: Callable[[Numbers], float]) -> Found:
-    """What a search found, with the cells of its path by their parents, and the length that `length` tells of them."""
+    """What a search found, with the cells of its path by their parents, and the length that `length` gives for them."""
     searched = search.order[: search.used[1]]
     if status != "found":
         return Found(status, np.empty(0, np.int32), math.inf, searched)

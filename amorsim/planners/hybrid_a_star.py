@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 import numpy.typing as npt
-import shapely
 
 from amorsim.algorithms.cells import free_cells
 from amorsim.contracts import Plan
@@ -30,7 +29,7 @@ from amorsim.kernels.search.hybrid import (
     price_of,
     trailer_along,
 )
-from amorsim.planners.on_cells import are_joined, why_unreachable
+from amorsim.planners.on_cells import are_joined
 from amorsim.planners.on_poses import Ends, PosePlanner, Query
 
 __all__ = ["HybridAStar"]
@@ -104,7 +103,10 @@ class HybridAStar(PosePlanner):
         guide = _Guide.of(query, ends, self._side)
         if guide.no_way:
             return Plan(status="unreachable", message=guide.no_way)
-        return self._searched(room, drive, guide, ends)
+        plan = self._searched(room, drive, guide, ends)
+        if plan.status == "unreachable" and (narrow := query.narrow_place(ends)):
+            plan = attrs.evolve(plan, message=f"{plan.message}; {narrow}")
+        return plan
 
     @property
     def _side(self) -> float:
@@ -214,9 +216,7 @@ class _Guide:
         less what cells may hide, there is no path.
         """
         world = query.world
-        outline = shapely.Polygon(query.shape.outline)
-        centre = shapely.Point(0.0, 0.0)
-        inner = float(outline.exterior.distance(centre)) if outline.contains(centre) else 0.0
+        inner = query.inner
         width, height = world.size
         least = math.sqrt(width * height / _MOST_GUIDE)
         side = max(world.resolution, least, min(cell, 0.25 * inner) if inner > 0.0 else cell)
@@ -230,21 +230,12 @@ class _Guide:
             return cls(np.zeros(0), cells.width, side)
         is_proof = side == world.resolution or inner > hidden
         if not are_joined(cells.free, cells.width, first, last):
-            no_way = _no_way(world, ends, inner, max(world.resolution, least)) if is_proof else ""
+            no_way = query.narrow_place(ends, is_proven=True) if is_proof else ""
             return cls(np.zeros(0), cells.width, side, no_way)
         wave = new_wave(cells.free, last)
         while spread(wave, cells.width, _WAVE_AT_A_TIME) == GOING_ON:
             pass
         return cls(wave.to_go * side, cells.width, side)
-
-
-def _no_way(world: Map, ends: Ends, inner: float, side: float) -> str:
-    """Why there is no path, and which disc would pass, by the cells of the disc itself."""
-    cells = free_cells(world, inner, side=side)
-    first, last = (cells.cell_at(*pose[:2]) for pose in ends)
-    assert first is not None  # or they would be blocked
-    assert last is not None
-    return "for the largest disc about the base point within the footprint, " + why_unreachable(cells, first, last)
 
 
 def _new_forest(start: tuple[float, float, float], room: int) -> Forest:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import attrs
 import numpy as np
 import numpy.typing as npt
+import shapely
 
-from amorsim.algorithms.cells import place_of
+from amorsim.algorithms.cells import check_map, free_cells, place_of
 from amorsim.contracts import Plan, Planner
 from amorsim.core.errors import PlanError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
 from amorsim.core.shapes import SMALLEST, Shape, pack
 from amorsim.kernels.collision.clearance import map_gaps
+from amorsim.planners.on_cells import are_joined, why_unreachable
 
 __all__ = ["Ends", "PosePlanner", "Query"]
 
@@ -23,6 +26,7 @@ Array = npt.NDArray[np.float64]
 Pose = tuple[float, float, float]
 Ends = tuple[Pose, Pose]
 
+_MOST_CELLS = 1_000_000
 _POINT = Shape.circle(SMALLEST)
 
 
@@ -52,6 +56,8 @@ class Query:
         gap = float(self.gaps(np.array([pose]))[0])
         if gap >= self.clearance:
             return None
+        if not self._is_inside(x, y):
+            return Plan(status=f"{name}_blocked", message=f"the {name} ({x:g}, {y:g}) is outside the map")
         where = f"the {name} ({x:g}, {y:g}, {math.degrees(heading):.3g} degrees)"
         message = (
             f"at {where} the footprint overlaps a wall or the edge of the map"
@@ -60,10 +66,46 @@ class Query:
         )
         return Plan(status=f"{name}_blocked", message=message)
 
+    def _is_inside(self, x: float, y: float) -> bool:
+        """Whether a place is within the map, with its walls."""
+        origin_x, origin_y, yaw = self.world.origin
+        c, s = math.cos(yaw), math.sin(yaw)
+        across, up = c * (x - origin_x) + s * (y - origin_y), c * (y - origin_y) - s * (x - origin_x)
+        width, height = self.world.size
+        return 0.0 <= across <= width and 0.0 <= up <= height
+
+    @property
+    def inner(self) -> float:
+        """Radius [m] of the largest disc about the base point within the footprint; 0 if that does not hold it."""
+        outline = shapely.Polygon(self.shape.outline)
+        centre = shapely.Point(0.0, 0.0)
+        return float(outline.exterior.distance(centre)) if outline.contains(centre) else 0.0
+
+    def narrow_place(self, ends: Ends, *, is_proven: bool = False) -> str:
+        """Which disc would pass between start and goal, if the one within the footprint does not; else empty.
+
+        By cells of the map, so a disc that is larger by a cell may pass as well. With `is_proven`, it is known that the
+        disc does not pass.
+        """
+        width, height = self.world.size
+        side = max(self.world.resolution, math.sqrt(width * height / _MOST_CELLS))
+        cells = free_cells(self.world, self.inner, side=side)
+        first, last = (cells.cell_at(*pose[:2]) for pose in ends)
+        assert first is not None  # or they would be blocked
+        assert last is not None
+        if not is_proven:
+            are_free = cells.free[first] and cells.free[last]
+            if not are_free or are_joined(cells.free, cells.width, first, last):
+                return ""
+        why = why_unreachable(cells, first, last)
+        return f"for the largest disc about the base point within the footprint, {why}"
+
 
 @attrs.frozen(kw_only=True)
 class PosePlanner(Planner):
     """A planner for cars: its paths are of straight lines and arcs, and the footprint turns with the car."""
+
+    plans_headings: ClassVar[bool] = True
 
     radius: float = parameter(1.0, unit="m", gt=0, help="least turning radius")
     clearance: float = parameter(
@@ -78,8 +120,9 @@ class PosePlanner(Planner):
         Raises
         ------
         PlanError
-            If start, goal or footprint cannot be meant.
+            If map, start, goal or footprint cannot be meant.
         """
+        check_map(world)
         first, last = place_of(start, "start"), place_of(goal, "goal")
         if not isinstance(footprint, Shape | None):
             raise PlanError(f"footprint is {footprint!r}; expected a Shape, such as am.Shape.circle(0.25), or None")

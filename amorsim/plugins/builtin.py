@@ -119,6 +119,7 @@ def amorsim_register(registry: Registry) -> None:
     registry.controller("dwa", "amorsim.controllers.dwa:Dwa")
     registry.controller("vfh_plus", "amorsim.controllers.headed:VfhPlus")
     registry.controller("potential_field", "amorsim.controllers.headed:PotentialField")
+    registry.controller("path_pursuit", "amorsim.controllers.path_pursuit:PathPursuit")
     registry.controller("mppi", "amorsim.controllers.mppi:Mppi")
     registry.controller("nearness_diagram", "amorsim.controllers.bugs:NearnessDiagram")
     registry.controller("bug2", "amorsim.controllers.bugs:Bug2")
@@ -196,6 +197,8 @@ def amorsim_register(registry: Registry) -> None:
             "loop",
             "map-the-office",
             "find-the-way",
+            "parking-lot",
+            "unknown-maze",
             "crossing",
         ),
     ):

@@ -12,16 +12,17 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from amorsim.contracts import Planner
 from amorsim.core.map import Map
 from amorsim.core.parameters import describe
 from amorsim.core.shapes import Shape
-from amorsim.kernels.cache_folder import mark_warm
+from amorsim.kernels.cache_folder import cache_folder, mark_warm
 from amorsim.planners.d_star_lite import DStarLite
 from amorsim.planners.hybrid_a_star import HybridAStar
 from amorsim.planners.wavefront import Wavefront
@@ -31,10 +32,11 @@ from amorsim.scenario.read import load, loads
 from amorsim.scenario.spec import Scenario
 from amorsim.worlds.made import MadeWorld, make_world
 
-__all__ = ["compile_kernels"]
+__all__ = ["cold_planners", "compile_kernels", "compile_planner"]
 
 Progress = Callable[[int, int], None]
 Table = dict[str, Any]
+_OURS = "amorsim.planners."
 LONGEST_SECOND = 600.0  # [s] that the second process gets from its start; what it leaves is compiled when first called
 
 
@@ -73,6 +75,49 @@ def compile_kernels(progress: Progress | None = None, *, more: bool = False) -> 
     else:
         _try_in_two(first, second, one_more)
     mark_warm()
+
+
+def cold_planners(planners: Iterable[Planner]) -> list[type[Planner]]:
+    """The built-in kinds among these planners whose kernels have not been compiled here, each once."""
+    kinds = dict.fromkeys(type(planner) for planner in planners)
+    return [kind for kind in kinds if kind.__module__.startswith(_OURS) and not _is_compiled(kind)]
+
+
+def compile_planner(kind: type[Planner]) -> None:
+    """Compile the kernels of a built-in planner, by plans around a wall."""
+    start, goal, footprint = (1.1, 3.1), (5.1, 3.1), Shape.circle(0.1)
+    room, changed = _rooms()
+    kind().plan(room, start, goal, footprint=footprint)
+    if issubclass(kind, HybridAStar):
+        trailer = kind(trailer_length=0.4, trailer_width=0.1, trailer_front=0.05, trailer_rear=0.05)
+        trailer.plan(room, (1.1, 2.1, 0.0), (2.1, 2.1, 0.0), footprint=footprint)
+    if issubclass(kind, Wavefront):
+        kind().field(room, goal, footprint=footprint)
+    if issubclass(kind, DStarLite):
+        replanner = kind().replanner(goal, footprint=footprint)
+        for world in (room, changed):
+            replanner.plan(world, start)
+    folder = cache_folder()
+    if folder is not None:
+        _mark_of(folder, kind).touch()
+
+
+def _is_compiled(kind: type[Planner]) -> bool:
+    folder = cache_folder()
+    return folder is not None and _mark_of(folder, kind).exists()
+
+
+def _mark_of(folder: Path, kind: type[Planner]) -> Path:
+    return folder / f"warm-{kind.__name__}"
+
+
+def _rooms() -> tuple[Map, Map]:
+    """A room with a wall in it, and the same with a longer one."""
+    cells = np.zeros((20, 30))
+    cells[5:, 15] = 1
+    room = Map.from_array(cells, resolution=0.2)
+    cells[3:5, 15] = 1
+    return room, Map.from_array(cells, resolution=0.2)
 
 
 def _try_in_two(first: Sequence[str], second: Sequence[str], one_more: Callable[[], None]) -> None:
@@ -171,22 +216,10 @@ def _make_worlds() -> None:
 
 
 def _plan() -> None:
-    """Plan with each built-in planner around a wall, and again after the wall was changed."""
-    cells = np.zeros((20, 30))
-    cells[5:, 15] = 1
-    room = Map.from_array(cells, resolution=0.2)
-    cells[3:5, 15] = 1
-    changed = Map.from_array(cells, resolution=0.2)
-    start, goal, footprint = (1.1, 3.1), (5.1, 3.1), Shape.circle(0.1)
+    """Plan with each built-in planner."""
     registry = make_registry(entry_points=())
     for name in registry.names("planner"):
-        registry.get("planner", name)().plan(room, start, goal, footprint=footprint)
-    trailer = HybridAStar(trailer_length=0.4, trailer_width=0.1, trailer_front=0.05, trailer_rear=0.05)
-    trailer.plan(room, (1.1, 2.1, 0.0), (2.1, 2.1, 0.0), footprint=footprint)
-    Wavefront().field(room, goal, footprint=footprint)
-    replanner = DStarLite().replanner(goal, footprint=footprint)
-    for world in (room, changed):
-        replanner.plan(world, start)
+        compile_planner(registry.get("planner", name))
 
 
 _OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _plan}

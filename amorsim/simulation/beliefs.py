@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from amorsim.contracts import Beliefs
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["StepBeliefs", "beliefs_of_step", "beliefs_problem"]
+__all__ = ["BeliefsNow", "StepBeliefs", "beliefs_of_step", "beliefs_problem"]
 
 _BELIEF = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z][A-Za-z0-9]*)*")  # numbers at the end are indices in files
 _NOTHING: Mapping[str, Beliefs] = types.MappingProxyType({})
@@ -52,6 +53,30 @@ class StepBeliefs(Mapping[str, Beliefs]):
 
     def __len__(self) -> int:
         return len(self._believers)
+
+
+class BeliefsNow(Mapping[str, Beliefs]):
+    """The beliefs as they are whenever they are looked up, by name; of some rows, where `rows` says which."""
+
+    def __init__(
+        self, believers: Mapping[str, Callable[[], Beliefs]], rows: npt.NDArray[np.intp] | None = None
+    ) -> None:
+        self._believers = believers
+        self._rows = rows
+
+    def __getitem__(self, name: str) -> Beliefs:
+        found = self._believers[name]()
+        return found if self._rows is None else {what: array[self._rows] for what, array in found.items()}
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._believers)
+
+    def __len__(self) -> int:
+        return len(self._believers)
+
+    def take(self, rows: npt.NDArray[np.intp]) -> BeliefsNow:
+        """The beliefs of some rows alone."""
+        return BeliefsNow(self._believers, rows if self._rows is None else self._rows[rows])
 
 
 def beliefs_problem(found: Any, rows: int) -> str:

@@ -13,7 +13,7 @@ from amorsim.contracts import Beliefs, Clock, Context, Controller, Draws, Estima
 from amorsim.core.rows import stack, take
 from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.beliefs import beliefs_problem
+from amorsim.simulation.beliefs import BeliefsNow, beliefs_problem
 from amorsim.simulation.blame import Whose, is_finite
 
 __all__ = ["Driver", "report_problem"]
@@ -250,4 +250,13 @@ def _model(robot: RobotModel, rows: Rows) -> RobotModel:
     }
     names = tuple(robot.names[row] for row in rows.tolist()) if robot.names else ()
     maps = tuple(robot.maps[row] for row in rows.tolist()) if robot.maps else ()
-    return attrs.evolve(robot, rows=len(rows), names=names, drive=take(robot.drive, rows), sensors=sensors, maps=maps)
+    beliefs = robot.beliefs.take(rows) if isinstance(robot.beliefs, BeliefsNow) else robot.beliefs
+    return attrs.evolve(
+        robot,
+        rows=len(rows),
+        names=names,
+        drive=take(robot.drive, rows),
+        sensors=sensors,
+        maps=maps,
+        beliefs=beliefs,
+    )

@@ -26,7 +26,7 @@ from amorsim.kernels.kinematics.poses import mean_twists
 from amorsim.kernels.text import digest
 from amorsim.scenario.spec import Robot, Zone
 from amorsim.simulation.alike import channels_of, poses_of, reading_size, robot_model
-from amorsim.simulation.beliefs import beliefs_of_step
+from amorsim.simulation.beliefs import BeliefsNow, beliefs_of_step
 from amorsim.simulation.blame import Whose, is_finite, of_drive
 from amorsim.simulation.contact.moved_parts import Parts
 from amorsim.simulation.contact.sliding import arcs, bounds, displaced, goes_on_arcs, part_bounds
@@ -128,6 +128,9 @@ class Group:
         self._radius = self._rolling_radius()
         self.estimators.set_parameters(nominal)
         self.driver.set_parameters(nominal)
+        self._asked = self.robot  # the robot as its controller knows it: with what its estimators believe
+        if believers := self.estimators.believers():
+            self._asked = attrs.evolve(self.robot, beliefs=BeliefsNow(believers))
 
     @of_drive
     def _rolling_radius(self) -> Array:
@@ -156,7 +159,7 @@ class Group:
         for unit in self.sensors.values():
             unit.start(attrs.evolve(context, size=unit.size))
         self.estimators.start(context)
-        self.driver.start(context)
+        self.driver.start(attrs.evolve(context, robot=self._asked))
         self.joints_before = self._after = self._ground_after = self.joints
         self._slide: Array | None = None  # of the step, if the ground of any row makes one
         self.fingerprint = np.zeros((rows, 2), dtype=np.uint64)
@@ -168,7 +171,7 @@ class Group:
     def control(self) -> None:
         """Get the controller's command; robots whose controller has ended stand still."""
         clock = self.row_clock.clock
-        self.command = self.driver.command(self.command, self.robot, self.readings, self.estimators.first, clock)
+        self.command = self.driver.command(self.command, self._asked, self.readings, self.estimators.first, clock)
 
     @of_drive
     def actuate(self) -> None:

@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
+from amorsim.runs import warm
 from tests.cli.conftest import Command
 
 ENDS = ("--from", "0.55,0.55", "--to", "5.05,1.05,90")
@@ -74,6 +75,31 @@ def test_on_a_map_of_very_many_cells_it_plans_on_coarse_ones_and_says_so(amorsim
     coarse = am.planners.AStar(cell=0.05).plan(am.load_map(tmp_path / "hall.wld"), (1.0, 1.0), (4.0, 1.0))
     assert f"length {coarse.length:.3f} m" in result.out
     assert "planned on" not in amorsim("plan", "hall.wld", *ends, "--set", "cell=0.1", "--force").err
+
+
+def test_what_is_compiled_at_the_first_plan_is_said(
+    amorsim: Command, rooms: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compiled: list[object] = []
+    monkeypatch.setattr(warm, "_is_compiled", compiled.__contains__)
+    monkeypatch.setattr(warm, "compile_planner", compiled.append)
+    said = "compiling the kernels of the planner theta_star, once after installing (up to a minute) ..."
+    once, again = (amorsim("plan", rooms, *ENDS, "--planner", "theta_star", "--force").out for _ in range(2))
+    assert said in once.splitlines()
+    assert said not in again
+    assert compiled == [am.planners.ThetaStar]
+
+
+@pytest.mark.long
+def test_a_run_says_so_too_unless_it_is_quiet(amorsim: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled: list[object] = []
+    monkeypatch.setattr(warm, "_is_compiled", compiled.__contains__)
+    monkeypatch.setattr(warm, "compile_planner", compiled.append)
+    asked = ("run", "unknown-maze", "--duration", "0.1", "--out")
+    assert "the planner d_star_lite, once" in amorsim(*asked, "one").out
+    compiled.clear()
+    assert amorsim(*asked, "two", "--quiet").out == ""
+    assert compiled == [am.planners.DStarLite]
 
 
 def test_a_picture_that_is_there_is_replaced_by_force_alone(amorsim: Command, rooms: str, tmp_path: Path) -> None:

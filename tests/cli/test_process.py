@@ -10,8 +10,10 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import amorsim as am
 from amorsim.analysis.files import RunFiles
 from tests.studies import make_study
 
@@ -69,6 +71,44 @@ def test_ctrl_c_leaves_whole_files_and_says_so(tmp_path: Path) -> None:
     for table in ("poses", "velocities", "commands", "sensors/laser", "estimates/dead_reckoning"):
         assert len(files.table(table)["time"]) == steps + 1, table
     assert (tmp_path / "run" / "picture.png").exists()
+
+
+LONG_PLAN = """import pathlib
+
+import amorsim as am
+from amorsim.cli import main
+
+plan = am.planners.RrtStar.plan
+
+
+def begun(self, world, start, goal, *, footprint=None):
+    if self.budget == 1_000_000:  # not the short one that compiles the kernels
+        pathlib.Path("begun").touch()
+    return plan(self, world, start, goal, footprint=footprint)
+
+
+am.planners.RrtStar.plan = begun
+main()
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_in_a_long_plan_ends_it_at_once(tmp_path: Path) -> None:
+    am.save_map(am.Map.from_array(np.zeros((100, 100)), resolution=0.5), tmp_path / "field.yaml")
+    (tmp_path / "long.py").write_text(LONG_PLAN)
+    asked = ["plan", "field.yaml", "--from", "1,1", "--to", "49,49", "--planner", "rrt_star", "--set", "budget=1000000"]
+    command = [sys.executable, "long.py", *asked]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=tmp_path, text=True, **pipes) as process:
+        wait_for(process, tmp_path / "begun")
+        process.send_signal(signal.SIGINT)
+        began = time.monotonic()
+        out, err = process.communicate(timeout=60)
+    assert time.monotonic() - began < 10.0
+    assert (process.returncode, err) == (130, "interrupted\n")
+    assert "found" not in out
+    assert not (tmp_path / "plan.png").exists()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")

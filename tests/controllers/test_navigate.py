@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.controllers.planning import Ways
 from amorsim.core.parameters import ParameterError
+from amorsim.kernels.avoidance.memory import Window
 from amorsim.scenario.resolved import resolved_table
 from tests.controllers.test_dwa import ROOM, make, said, simulate
 
@@ -149,3 +151,51 @@ avoider = { use = "dwa", turn_rate_deg = 90.0 }
     path.write_text(text.replace('use = "dwa", turn_rate_deg = 90.0', 'use = "wander"'))
     with pytest.raises(am.ScenarioError, match="the controller 'wander' cannot be used here"):
         am.load(path)
+
+
+MAPPER = {"wheels": am.estimators.GridMapping(width=14.0, height=10.0, center_x=3.0, center_y=0.0)}
+
+
+def test_it_plans_on_the_map_that_it_makes_and_again_as_that_grows():
+    """It knows nothing of the wall; its map shows it, and its path goes through the door."""
+    robot = attrs.evolve(
+        make(navigate((6.0, -1.0), mapper="wheels", planner=am.planners.DStarLite())), estimators=MAPPER
+    )
+    simulation = simulate([robot], [WALL], duration=3.0)
+    frame = simulation.frames()[0]
+    mapped = am.estimated_map(frame.beliefs["wheels"])
+    assert mapped.occupied([(2.98, -1.0), (3.02, -1.0)]).any()
+    path = frame.beliefs["controller"]["path"][0]
+    path = path[np.isfinite(path[:, 0])]
+    assert path[:, 1].max() > 1.5
+    assert frame.beliefs["controller"]["plans"][0, 0] >= 3  # each second
+
+
+def test_a_robot_driven_by_hand_does_not_change_what_the_others_map():
+    robots = [
+        attrs.evolve(make(navigate((5.5, y), mapper="wheels"), name=f"r{n}", start=am.Pose(y=y)), estimators=MAPPER)
+        for n, y in enumerate((-2.0, 2.0))
+    ]
+    alone = simulate(robots, [WALL], duration=3.0)
+    other = simulate(robots, [WALL], duration=0.0)
+    other.hand_over("r0")
+    other.run(3.0)
+    assert other.true_pose[1].tolist() == alone.true_pose[1].tolist()
+
+
+@pytest.mark.parametrize("name", ["maper", "wheels"])
+def test_a_mapper_must_make_a_map(name):
+    with pytest.raises(am.ComponentError, match=f"the map of the estimator '{name}', but robot 'rover' has no such"):
+        simulate([make(navigate((6.0, -1.0), mapper=name))], duration=0.1)
+
+
+def test_each_row_plans_on_the_map_that_it_knows():
+    """One knows of the wall, the other does not, and plans straight through it."""
+    maps = tuple(am.Map.from_segments([*ROOM, *walls], resolution=0.05) for walls in ([WALL], []))
+    robot = simulate([make(navigate((6.0, -1.0)))], duration=0.0).frames()[0].robot
+    ways = Ways.of(attrs.evolve(robot, rows=2, map=None, maps=maps), am.planners.ThetaStar(), "", None)
+    nothing_seen = Window(np.full((2, 2, 2), -1e30, np.float32), np.zeros((2, 2), np.int64), 0.05)
+    plans = [ways.plan(np.zeros(3), np.array([6.0, -1.0]), nothing_seen, row, 0.0) for row in (0, 1)]
+    assert [(status, len(points)) for status, points in plans[1:]] == [("found", 2)]
+    assert plans[0][0] == "found"
+    assert plans[0][1][:, 1].max() > 1.5

@@ -24,6 +24,8 @@ DRIVEN = (
     "loop",
     "map-the-office",
     "find-the-way",
+    "parking-lot",
+    "unknown-maze",
 )
 
 
@@ -59,6 +61,41 @@ def test_its_robots_meet_nothing_to_the_end(name: str) -> None:
     if name == "car-park":
         assert np.hypot(*(sim.true_pose[0, :2] - (18.7, 31.0))) < 0.6
         assert abs(np.sin(sim.true_pose[0, 2] - np.pi / 2)) < np.sin(np.radians(6.0))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 2])
+def test_car_and_tractor_park_in_their_bays_whatever_their_errors(seed: int) -> None:
+    """In eight replicas, with other errors in each. The bay leaves the car 1 m on either side."""
+    scenario = am.load("parking-lot")
+    sim = am.Simulation(scenario, seed=seed, replicas=8)
+    sim.run(scenario.duration)
+    assert [event.path for event in sim.events] == ["goal_reached"] * 16
+    for name, goal in (("car", (29.7, 2.0)), ("tractor", (38.1, 33.0))):
+        poses = np.array([sim.robot(name, replica).true_pose for replica in range(8)])
+        assert np.hypot(*(poses[:, :2] - goal).T).max() < 0.3
+        assert np.abs(np.sin(poses[:, 2] - 0.5 * np.pi)).max() < np.sin(np.radians(10.0))
+        assert np.abs(np.diff(poses, axis=0)).max() > 0.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_robot_finds_its_way_out_of_a_maze_that_it_maps(seed: int) -> None:
+    """It knows no wall at the start, meets dead ends, and plans again and again."""
+    scenario = am.load("unknown-maze")
+    assert scenario.robots[0].knowledge.map is None
+    sim = am.Simulation(scenario, seed=seed, replicas=8)
+    sim.run(5.0)
+    first = sim.frames()[0].beliefs
+    seen = np.isfinite(first["mapping"]["occupancy"]).mean(axis=(1, 2))
+    path = first["controller"]["path"]
+    sim.run(scenario.duration - 5.0)
+    assert not [event for event in sim.events if event.kind != "report"]
+    assert [event.path for event in sim.events if event.path != "recovery"] == ["goal_reached"] * 8
+    last = sim.frames()[0].beliefs
+    assert (np.isfinite(last["mapping"]["occupancy"]).mean(axis=(1, 2)) > 1.5 * seen).all()
+    assert (last["controller"]["plans"] > 10).all()
+    assert last["controller"]["path"].tobytes() != path.tobytes()
 
 
 @pytest.mark.long

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import signal
 import sys
 import time
@@ -32,6 +33,55 @@ def test_a_budget_of_nothing_is_used_up_at_once(name):
     plan = REGISTRY.get("planner", name)(budget=0).plan(hall(), START, GOAL)
     assert (plan.status, plan.expanded, len(plan.poses)) == ("budget", 0, 0)
     assert "the budget of 0" in plan.message
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_places_outside_the_map_are_blocked_and_it_is_said(name):
+    planner = REGISTRY.get("planner", name)()
+    for outside in ((9.0, 1.0, 0.0), (1.0, -0.5), (1e300, 1.0, 0.0)):
+        x, y = outside[:2]
+        plan = planner.plan(hall(), START, outside)
+        assert (plan.status, plan.message) == ("goal_blocked", f"the goal ({x:g}, {y:g}) is outside the map")
+        plan = planner.plan(hall(), outside, GOAL)
+        assert (plan.status, plan.message) == ("start_blocked", f"the start ({x:g}, {y:g}) is outside the map")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_places_in_walls_are_blocked(name):
+    planner = REGISTRY.get("planner", name)()
+    wall = (3.05, 0.55, 0.0)
+    assert planner.plan(hall(), START, wall).status == "goal_blocked"
+    assert planner.plan(hall(), wall, GOAL).status == "start_blocked"
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("given", [(np.nan, 1.0), (np.inf, 1.0), (1.0, 1.0, np.nan), (1.0,), (1, 2, 3, 4), "ab", None])
+def test_places_that_are_no_numbers_are_errors(name, given):
+    planner = REGISTRY.get("planner", name)()
+    with pytest.raises(am.PlanError, match=r"goal is .*; expected \(x, y\) or \(x, y, heading\), finite numbers"):
+        planner.plan(hall(), START, given)
+    with pytest.raises(am.PlanError, match=r"start is .*; expected \(x, y\) or \(x, y, heading\), finite numbers"):
+        planner.plan(hall(), given, GOAL)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_no_map_or_no_footprint_is_an_error(name):
+    planner = REGISTRY.get("planner", name)()
+    with pytest.raises(am.PlanError, match="world is a ndarray; expected a Map"):
+        planner.plan(hall().to_array(), START, GOAL)
+    with pytest.raises(am.PlanError, match=r"footprint is 0\.25; expected a Shape"):
+        planner.plan(hall(), START, GOAL, footprint=0.25)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_of_a_footprint_wider_than_the_door_it_is_said_which_one_would_pass(name):
+    """The door is 1 m wide; a cell keeps 0.4 m and more from both sides."""
+    cls = REGISTRY.get("planner", name)
+    planner = cls(radius=0.5, cell=0.3, headings=16) if name == "hybrid_a_star" else cls()
+    plan = planner.plan(hall(), START, (5.05, 2.05, 0.0), footprint=am.Shape.circle(0.55))
+    assert plan.status == "unreachable"
+    # For planners with headings it is of the largest disc within the footprint's outline, which has corners.
+    assert re.search(r"for a footprint that reaches 0\.5(5|49) m; one that reaches 0\.4 m would pass$", plan.message)
 
 
 @pytest.mark.parametrize("name", NAMES)
