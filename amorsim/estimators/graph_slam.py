@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -69,6 +69,11 @@ class GraphSlam(MapArea, ScanTracker):
     loop_fit: float = parameter(0.6, ge=0, le=1, static=True, help="least fit of a loop's correlative stage")
     loop_share: float = parameter(0.7, ge=0, le=1, static=True, help="least share of points on a loop's other end")
     nodes: int = parameter(400, ge=2, le=20_000, static=True, help="the most nodes of the graph")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What predicts the pose and what corrects it, and which loops it believes."""
+        trust = f"of {self.loop_gap} nodes and more, fit {self.loop_fit:g}, share {self.loop_share:g}"
+        return [*super().sources(), ("loops", "correct all poses", trust)]
 
     def start(self, context: Context) -> State:
         """The state of scan matching, an empty graph and an empty map.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -85,6 +85,12 @@ class GridMapping(MapArea, Estimator):
     miss: float = parameter(0.4, gt=0, lt=0.5, static=True, help="probability of a cell that beams only crossed")
     certainty: float = parameter(0.9999, gt=0.5, lt=1, static=True, help="largest probability of a cell")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """Where the poses come from, and what draws the map."""
+        given = f"estimator {self.estimator!r}" if self.estimator else f"sensor {self.place or self.encoder!r}"
+        trust = f"hit {self.hit:g}, miss {self.miss:g}" if self.model == "log_odds" else "hits and misses are counted"
+        return [(given, "gives x, y, heading", "as exact"), (f"sensor {self.laser!r}", "draws the map", trust)]
 
     def start(self, context: Context) -> State:
         """The pose, the joints, and an empty map.

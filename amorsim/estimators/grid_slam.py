@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -98,6 +98,14 @@ class GridSlam(MapArea, Estimator):
     resampling: float = parameter(0.5, ge=0, le=1, static=True, help="effective share below which it resamples")
     nodes: int = parameter(500, ge=2, le=20_000, static=True, help="the most scans in a map")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What moves the particles and what weighs them."""
+        seen = f"{self.particles} particles, range {self.range_std:g} m"
+        return [
+            (f"sensor {self.encoder!r}", "moves the particles", f"{self.wheel_variance:g} m² of travel per m"),
+            (f"sensor {self.laser!r}", "weighs them, draws maps", seen),
+        ]
 
     def start(self, context: Context) -> State:
         """Particles that are all at the start, without a scan, and an empty map.
