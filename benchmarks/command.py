@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, crowd, filters, fleet, mapping, maps, memory, mixed, planners, rays, start
+from benchmarks import compositions, crowd, filters, fleet, graphs, mapping, maps, memory, mixed, planners, rays, start
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -30,6 +30,7 @@ SECTIONS = (
     "start",
     "filters",
     "mapping",
+    "graphs",
     "planners",
 )
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
@@ -72,6 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += start.measure(given.rounds, given.quick, peers, clock, say)
     if "filters" in given.only:
         rows += filters.measure(given.rounds, given.quick, clock, say)
+    if "graphs" in given.only:
+        rows += graphs.measure(given.rounds, given.quick, clock, say)
     if "planners" in given.only:
         rows += planners.measure(given.rounds, given.quick, clock, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])

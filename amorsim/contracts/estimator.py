@@ -12,7 +12,10 @@ from amorsim.contracts.robot import Component, RobotModel
 from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement, State
 from amorsim.core.draws import Draws
 
-__all__ = ["Estimator"]
+__all__ = ["ESTIMATES", "Estimator"]
+
+ESTIMATES = "estimators."
+"""Begins the keys of estimates among the readings that an estimator gets."""
 
 
 class Estimator(Component, abc.ABC):
@@ -28,7 +31,12 @@ class Estimator(Component, abc.ABC):
         state: State,
         draws: Draws,
     ) -> Estimate:
-        """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the previous one (0 at the start)."""
+        """The estimate after this step's readings; `elapsed` `(N, 1)` [s] since the previous one (0 at the start).
+
+        For each field with ``refers="estimators"`` that names another estimator of the robot, `readings` also has that
+        one's estimate of this step: ``readings["estimators.NAME"].measured`` `(N, 12)` is its pose, followed by its
+        covariance row by row.
+        """
 
     def beliefs(self, state: State) -> Beliefs:
         """What else it believes after the last update: innovations, verdicts of gates, biases ...; nothing by default.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -19,7 +19,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
-from amorsim.estimators.map_area import area_of, area_origins, log_odds_evidence, map_beliefs
+from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.node_graph import NodeGraph, empty_nodes, loops_of, near_nodes
 from amorsim.estimators.scan_tracking import ScanTracker
 from amorsim.estimators.scans import beams_of
@@ -38,7 +38,7 @@ _ANGLE = math.radians(1.0)
 
 
 @attrs.frozen(kw_only=True)
-class GraphSlam(ScanTracker):
+class GraphSlam(MapArea, ScanTracker):
     """Maps and localizes at once: key scans are the nodes of a pose graph, which is solved when a loop closes.
 
     It follows the robot as `scan_matching` does. Each key scan is a node, linked to the one before by what wheels and
@@ -58,12 +58,6 @@ class GraphSlam(ScanTracker):
         How well both stages must fit for a loop to be believed, from 0 to 1.
     nodes
         The most nodes; with so many, the graph grows no more, and the robot is followed from the last key on.
-    resolution
-        Side of a cell of the map [m].
-    width, height
-        Of the map [m].
-    center_x, center_y
-        The middle of the map in the world [m]; None: the start.
     """
 
     loop_distance: float = parameter(3.0, unit="m", gt=0, static=True, help="how far a loop's other end is looked for")
@@ -75,11 +69,11 @@ class GraphSlam(ScanTracker):
     loop_fit: float = parameter(0.6, ge=0, le=1, static=True, help="least fit of a loop's correlative stage")
     loop_share: float = parameter(0.7, ge=0, le=1, static=True, help="least share of points on a loop's other end")
     nodes: int = parameter(400, ge=2, le=20_000, static=True, help="the most nodes of the graph")
-    resolution: float = parameter(0.05, unit="m", gt=0, static=True, help="side of a cell of the map")
-    width: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along x")
-    height: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along y")
-    center_x: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
-    center_y: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What predicts the pose and what corrects it, and which loops it believes."""
+        trust = f"of {self.loop_gap} nodes and more, fit {self.loop_fit:g}, share {self.loop_share:g}"
+        return [*super().sources(), ("loops", "correct all poses", trust)]
 
     def start(self, context: Context) -> State:
         """The state of scan matching, an empty graph and an empty map.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -20,9 +20,10 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.contracts.estimator import ESTIMATES
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose, relative
-from amorsim.estimators.map_area import area_of, area_origins, log_odds_evidence, map_beliefs
+from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
@@ -36,12 +37,12 @@ _POSE = ("x", "y", "heading")
 
 
 @attrs.frozen(kw_only=True)
-class GridMapping(Estimator):
+class GridMapping(MapArea, Estimator):
     """Draws an occupancy grid from the scans of a laser, at poses that it takes as exact.
 
-    The poses come from a tracking system (``place``), or else from the wheels: dead reckoning. A tracking system
-    without noise gives the true poses, and a map without distortion. What differs in the map of the wheels is what
-    their drift does to a map.
+    The poses come from another estimator of the robot (``estimator``), from a tracking system (``place``), or from the
+    wheels: dead reckoning. A tracking system without noise gives the true poses, and a map without distortion. Compare
+    it with the map at estimated poses to see what their errors do to a map.
 
     A scan says of each cell at most once that it is hit, or else that it is missed. The map does not grow: it is
     `width` by `height`.
@@ -50,6 +51,8 @@ class GridMapping(Estimator):
     ----------
     laser
         Name of the sensor of scans.
+    estimator
+        Name of the estimator whose poses it takes, such as a ``scan_matching`` or an ``ekf``. Empty: `place`.
     place
         Name of the sensor of x, y and heading, a ``gps`` with ``heading``. Empty: the wheels.
     encoder
@@ -62,17 +65,14 @@ class GridMapping(Estimator):
         Probability that a cell is occupied if a beam ended in it, and if beams only crossed it. For ``"log_odds"``.
     certainty
         A cell's probability stays between 1 - certainty and certainty. For ``"log_odds"``.
-    resolution
-        Side of a cell [m].
-    width, height
-        Of the map [m].
-    center_x, center_y
-        The middle of the map in the world [m]; None: the start.
     age_max
         The oldest scan [s] that is used as if it were taken now. An older one is an error.
     """
 
     laser: str = parameter("laser", refers="sensors", help="name of the sensor of scans")
+    estimator: str = parameter(
+        "", static=True, refers="estimators", help="name of the estimator that gives the poses; empty for `place`"
+    )
     place: str = parameter("", help="name of the sensor of x, y and heading; empty for the wheels")
     encoder: str = parameter("encoder", help="name of the sensor that counts the joints, for the wheels")
     wheel_variance: float = parameter(
@@ -84,12 +84,13 @@ class GridMapping(Estimator):
     hit: float = parameter(0.97, gt=0.5, lt=1, static=True, help="probability of a cell that a beam ended in")
     miss: float = parameter(0.4, gt=0, lt=0.5, static=True, help="probability of a cell that beams only crossed")
     certainty: float = parameter(0.9999, gt=0.5, lt=1, static=True, help="largest probability of a cell")
-    resolution: float = parameter(0.05, unit="m", gt=0, static=True, help="side of a cell")
-    width: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along x")
-    height: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along y")
-    center_x: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
-    center_y: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """Where the poses come from, and what draws the map."""
+        given = f"estimator {self.estimator!r}" if self.estimator else f"sensor {self.place or self.encoder!r}"
+        trust = f"hit {self.hit:g}, miss {self.miss:g}" if self.model == "log_odds" else "hits and misses are counted"
+        return [(given, "gives x, y, heading", "as exact"), (f"sensor {self.laser!r}", "draws the map", trust)]
 
     def start(self, context: Context) -> State:
         """The pose, the joints, and an empty map.
@@ -97,13 +98,18 @@ class GridMapping(Estimator):
         Raises
         ------
         ComponentError
-            If a sensor is missing or of another kind, or the map would be too large.
+            If a sensor is missing or of another kind, two sources of poses are named, or the map would be too large.
         """
         robot, rows = context.robot, context.rows
         check_laser("grid_mapping", robot, self.laser)
+        if self.estimator and self.place:
+            raise ComponentError(
+                f"grid_mapping takes its poses from one source, but both estimator = {self.estimator!r} and "
+                f"place = {self.place!r} are given; leave one of them empty"
+            )
         if self.place:
             _check_place(robot, self.place)
-        else:
+        elif not self.estimator:
             check_encoder("grid_mapping", robot, self.encoder)
         area = area_of("grid_mapping", self)
         cells = rows, area.rows * area.cols
@@ -112,7 +118,7 @@ class GridMapping(Estimator):
             "covariance": np.zeros((rows, 3, 3)),
             "origin": area_origins(self, context.pose, area),
         }
-        if not self.place:
+        if not self.place and not self.estimator:
             state["joints"] = np.full((rows, len(robot.drive.joints)), np.nan)
         if self.model == "log_odds":
             state["log_odds"] = np.full(cells, np.nan, dtype=np.float32)
@@ -130,7 +136,10 @@ class GridMapping(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The pose, after this step's scan is in the map."""
-        if self.place:
+        if self.estimator:
+            given = readings[ESTIMATES + self.estimator].measured
+            state["pose"], state["covariance"] = given[:, :3].copy(), given[:, 3:].reshape(-1, 3, 3).copy()
+        elif self.place:
             self._look_up(robot, readings[self.place], state)
         else:
             before, after = angles_of(robot, self.encoder, readings[self.encoder].measured, state["joints"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -22,7 +22,7 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.poses import compose, wrap_angle
-from amorsim.estimators.map_area import area_of, area_origins, log_odds_evidence, map_beliefs
+from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scan_tracking import empty_outlines, placed
 from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon
@@ -48,7 +48,7 @@ _FLOOR = np.diag((1e-6, 1e-6, 1e-7))  # of the covariance: particles may all be 
 
 
 @attrs.frozen(kw_only=True)
-class GridSlam(Estimator):
+class GridSlam(MapArea, Estimator):
     """Maps and localizes at once by particles: each follows a path of its own, which makes a map of its own.
 
     When the robot has moved far enough, every particle moves by the wheels and a draw of their noise, lays the scan
@@ -78,10 +78,6 @@ class GridSlam(Estimator):
         Particles are drawn anew when their effective number is below this part of them.
     nodes
         The most scans in a map; with so many, the maps grow no more.
-    resolution, width, height
-        Of the map that is shown [m].
-    center_x, center_y
-        The middle of the map in the world [m]; None: the start.
     age_max
         The oldest scan [s] that is used as if it were taken now. An older one is an error.
     """
@@ -101,12 +97,15 @@ class GridSlam(Estimator):
     weighing_points: float = parameter(10.0, gt=0, static=True, help="how many independent points a scan counts as")
     resampling: float = parameter(0.5, ge=0, le=1, static=True, help="effective share below which it resamples")
     nodes: int = parameter(500, ge=2, le=20_000, static=True, help="the most scans in a map")
-    resolution: float = parameter(0.05, unit="m", gt=0, static=True, help="side of a cell of the map")
-    width: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along x")
-    height: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along y")
-    center_x: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
-    center_y: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What moves the particles and what weighs them."""
+        seen = f"{self.particles} particles, range {self.range_std:g} m"
+        return [
+            (f"sensor {self.encoder!r}", "moves the particles", f"{self.wheel_variance:g} m² of travel per m"),
+            (f"sensor {self.laser!r}", "weighs them, draws maps", seen),
+        ]
 
     def start(self, context: Context) -> State:
         """Particles that are all at the start, without a scan, and an empty map.

@@ -3,25 +3,46 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs
+from amorsim.contracts import Beliefs, parameter
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.mapping.occupancy import Evidence
 from amorsim.kernels.mapping.scan_cells import Area
 
-__all__ = ["area_of", "area_origins", "log_odds_evidence", "map_beliefs"]
+__all__ = ["MapArea", "area_of", "area_origins", "log_odds_evidence", "map_beliefs"]
 
 Array = npt.NDArray[np.float64]
 
 _MOST_CELLS = 50_000_000
 
 
-def area_of(who: str, estimator: Any) -> Area:
-    """The area of an estimator with fields `resolution`, `width` and `height`.
+@attrs.frozen(kw_only=True, slots=False)  # two bases with slots cannot be joined
+class MapArea:
+    """The fields of an estimator that draws a map of a fixed size.
+
+    Parameters
+    ----------
+    resolution
+        Side of a cell [m].
+    width, height
+        Of the map [m].
+    center_x, center_y
+        The middle of the map in the world [m]; None: the start.
+    """
+
+    resolution: float = parameter(0.05, unit="m", gt=0, static=True, help="side of a cell of the map")
+    width: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along x")
+    height: float = parameter(40.0, unit="m", gt=0, static=True, help="of the map, along y")
+    center_x: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+    center_y: float | None = parameter(None, unit="m", static=True, help="middle of the map; None: the start")
+
+
+def area_of(who: str, estimator: MapArea) -> Area:
+    """The area that an estimator maps.
 
     Raises
     ------
@@ -38,7 +59,7 @@ def area_of(who: str, estimator: Any) -> Area:
     return Area(rows, cols, side)
 
 
-def area_origins(estimator: Any, poses: Array, area: Area) -> Array:
+def area_origins(estimator: MapArea, poses: Array, area: Area) -> Array:
     """Lower left corners `(N, 2)` [m] of the areas of robots that start at `poses` `(N, 3)`.
 
     They lie at whole multiples of a cell in the world. The middle is the start where `center_x` or `center_y` is None.

@@ -336,7 +336,8 @@ class MonteCarlo(Estimator):
 
 def _column(value: Any, rows: int) -> Array:
     """A parameter of every row `(N, 1)`."""
-    return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (rows, 1)))
+    found = np.array(value, dtype=np.float64)
+    return found if found.shape == (rows, 1) else np.array(np.broadcast_to(found, (rows, 1)))
 
 
 def _moved(poses: Array, displacement: Array) -> Array:

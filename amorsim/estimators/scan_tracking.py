@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -78,6 +78,13 @@ class ScanTracker(Estimator):
     least_share: float = parameter(0.5, ge=0, le=1, static=True, help="share of points that must lie on the key scan")
     degenerate: float = parameter(0.01, ge=0, lt=1, static=True, help="ratio of eigenvalues that counts as degenerate")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a scan still counts as taken now")
+
+    def sources(self) -> Sequence[tuple[str, str, str]]:
+        """What predicts the pose and what corrects it."""
+        return [
+            (f"sensor {self.encoder!r}", "predicts x, y, heading", f"{self.wheel_variance:g} m² of travel per m"),
+            (f"sensor {self.laser!r}", "corrects x, y, heading", f"matched with key scans, range {self.range_std:g} m"),
+        ]
 
     def _begin(self, who: str, context: Context) -> State:
         """The pose and covariance, the joints, and room for the last key scan.

@@ -10,11 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Draws, Estimate, Estimator, Measurement, RobotModel, State
+from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.blame import Whose, array_problem, is_finite
+from amorsim.simulation.feeding import FeedingError, estimate_readings, feeding_order
+from amorsim.simulation.row_clock import RowClock
 
 __all__ = ["Estimators"]
 
@@ -32,10 +35,12 @@ class Estimators:
         The estimate of each; without estimators, the start pose that the robots know.
     """
 
-    def __init__(self, draws: Mapping[str, Draws], whose: Whose) -> None:
+    def __init__(self, draws: Mapping[str, Draws], whose: Whose, row_clock: RowClock) -> None:
         self._draws = draws
         self._whose = whose
+        self._row_clock = row_clock
         self._estimators: dict[str, Estimator] = {}
+        self._fed_by: dict[str, tuple[str, ...]] = {}  # in the order of updates
         self._believers: list[str] = []
         self._rows = 0
         self._updates = 0
@@ -48,7 +53,18 @@ class Estimators:
         return next(iter(self.estimates.values()))
 
     def set_parameters(self, nominal: Sequence[Robot]) -> None:
-        """Take the parameters of every row."""
+        """Take the parameters of every row.
+
+        Raises
+        ------
+        ComponentError
+            If an estimator is fed by one that its robot does not have, or by itself.
+        """
+        try:
+            self._fed_by = feeding_order(nominal[0].estimators)
+        except FeedingError as error:
+            estimator = nominal[0].estimators[error.name]
+            self._whose.blame_start(f"estimator {error.name!r}", estimator, ComponentError(str(error)))
         self._estimators = {name: stack([robot.estimators[name] for robot in nominal]) for name in self._draws}
         self._believers = [
             name for name, estimator in self._estimators.items() if type(estimator).beliefs is not Estimator.beliefs
@@ -68,16 +84,20 @@ class Estimators:
         self.estimates = {name: Estimate(start, np.zeros((len(start), 3, 3))) for name in self._estimators or ("none",)}
 
     def update(self, robot: RobotModel, readings: Mapping[str, Measurement], command: Array, elapsed: Array) -> None:
-        """Update every estimator with the readings.
+        """Update every estimator with the readings, after the estimators that feed it.
 
         Raises
         ------
         ComponentError
             If an estimator raises, or returns no `Estimate` or a pose that is not finite.
         """
-        for name, estimator in self._estimators.items():
+        for name, fed_by in self._fed_by.items():
+            estimator, given = self._estimators[name], readings
+            if fed_by:
+                now = self._row_clock
+                given = {**readings, **estimate_readings(fed_by, self.estimates, now.tick, now.always)}
             try:
-                estimate = estimator.update(robot, readings, command, elapsed, self.states[name], self._draws[name])
+                estimate = estimator.update(robot, given, command, elapsed, self.states[name], self._draws[name])
             except RAISED as error:
                 self._whose.blame(f"estimator {name!r}", estimator, error)
             if problem := _problem(estimate, robot.rows):

@@ -10,11 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
 from amorsim.simulation.blame import Whose
 from amorsim.simulation.estimating import Estimators
+from amorsim.simulation.feeding import FeedingError, feeding_order
 from amorsim.simulation.first_beliefs import BELIEF, first_beliefs
 from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.row_clock import RowClock
@@ -37,7 +38,8 @@ class EstimatorRunner:
             estimate = runner.update(time, readings, command)
         print(estimate.pose, runner.beliefs)
 
-    Fed with what a simulated robot received, it gives the same bits as the simulation.
+    Fed with what a simulated robot received, it gives the same bits as the simulation. Estimators of the robot whose
+    estimates it takes run with it.
 
     Parameters
     ----------
@@ -77,13 +79,14 @@ class EstimatorRunner:
             raise AmorsimError(f"dt: expected a number of seconds > 0, got {dt!r}")
         self._name, self._dt = name, float(dt)
         self._who = f"robot {robot.name!r}, estimator {name!r}"
-        robot = attrs.evolve(robot, estimators={name: estimator})
+        robot = attrs.evolve(robot, estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot))
         self._sizes = {sensor: reading_size(robot, sensor) for sensor in robot.sensors}
         self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
         self._clock = RowClock(np.array([replica]), self._dt)
         self._streams = Streams(seed or 0, [robot.name], self._clock.counter)
         whose = Whose("robot", [robot.name], self._clock)
-        self._estimators = Estimators({name: self._streams.draws("estimator", name)}, whose)
+        draws = {one: self._streams.draws("estimator", one) for one in robot.estimators}
+        self._estimators = Estimators(draws, whose, self._clock)
         self._estimators.set_parameters([robot])
         pose, covariance = first_beliefs([robot], None if seed is None else self._streams.draws(*BELIEF))
         self._estimators.start(
@@ -124,7 +127,7 @@ class EstimatorRunner:
         wanted = self._numbers(np.zeros(len(channels)) if command is None else command, "the command", len(channels))
         held = {sensor: self._reading(sensor, sensor in readings) for sensor in self._sizes}
         self._estimators.update(self._model, held, wanted, np.array([[elapsed]]))
-        pose, covariance = self._estimators.first
+        pose, covariance = self._estimators.estimates[self._name]
         return Estimate(pose[0], covariance[0])
 
     @property
@@ -192,3 +195,17 @@ class EstimatorRunner:
             whole = (self._tick - stamp) * self._dt
             age = whole if abs(whole - (self._time - taken)) < _GRID * self._dt else self._time - taken
         return Measurement(values, np.array([[stamp]]), np.array([[age]]), np.array([[is_new]]))
+
+
+def _with_feeders(name: str, estimators: Mapping[str, Estimator], robot: Robot) -> dict[str, Estimator]:
+    """The named one of a robot's estimators, and those whose estimates it takes, directly or through others."""
+    try:
+        order = feeding_order(estimators)
+    except FeedingError as error:
+        raise ComponentError(f"robot {robot.name!r}, estimator {error.name!r}: {error}") from None
+    found, waiting = {name}, [name]
+    while waiting:
+        more = set(order[waiting.pop()]) - found
+        found |= more
+        waiting += more
+    return {one: estimator for one, estimator in estimators.items() if one in found}

@@ -90,7 +90,7 @@ class Group:
         }
         self.readings: Mapping[str, Measurement] = _Readings(self.sensors)
         self.estimators = Estimators(
-            {name: self.streams.draws("estimator", name) for name in first.estimators}, self.whose
+            {name: self.streams.draws("estimator", name) for name in first.estimators}, self.whose, self.row_clock
         )
         self.true: list[Robot] = []
         self.drive: Drive = first.drive

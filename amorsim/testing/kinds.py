@@ -11,6 +11,7 @@ import numpy.typing as npt
 from amorsim.contracts import Aim, Controller, Emission, Estimator, Motion, Noise, Sensor, State
 from amorsim.simulation.beliefs import beliefs_problem
 from amorsim.simulation.controlling import report_problem
+from amorsim.simulation.feeding import estimate_readings, feeders
 from amorsim.simulation.world.world import Emitted
 from amorsim.testing.failure import Who
 from amorsim.testing.rig import DT, ROWS, STEPS, Rig, Session
@@ -227,6 +228,9 @@ class EstimatorTrial(Trial[Estimator]):
         """One update."""
         rows = len(session.rows)
         readings = session.measurements()
+        names, always = feeders(component), np.ones((rows, 1), dtype=bool)
+        estimates = dict.fromkeys(names, session.estimate())
+        readings |= estimate_readings(names, estimates, session.clock().tick, always)
         for name, reading in readings.items():
             _watch(given, f"readings[{name!r}]", reading, reading._fields)
         command = session.rig.commands[session.t][session.index]

@@ -13,7 +13,7 @@ import amorsim as am
 from amorsim.estimators.map_area import log_odds_evidence
 from amorsim.kernels.mapping.occupancy import add_log_odds
 from amorsim.kernels.mapping.scan_cells import window_for
-from benchmarks import compositions, crowd, mapping, mixed
+from benchmarks import compositions, crowd, graphs, mapping, mixed
 from benchmarks.contest import drive
 from benchmarks.ours import given
 
@@ -92,3 +92,15 @@ def test_mapping_is_timed() -> None:
     rows = mapping.measure(1, True, time.perf_counter, lambda _: None)
     assert [row.side for row in rows] == ["amorsim", "plain Python"]
     assert rows[0].rounds[0] > rows[1].rounds[0]
+
+
+def test_a_graph_that_is_made_is_solved_from_poses_that_are_off() -> None:
+    rows = graphs.measure(1, True, time.perf_counter, lambda _: None)
+    assert rows[0].side == "amorsim"
+    poses, edges = (int(number) for number in re.findall(r"(\d+) (?:poses|edges)", rows[0].setting))
+    assert (poses, edges) == (1728, 2 * 1727 - 144)
+    found = re.match("chi2 ([0-9.]+)", rows[0].note)
+    assert found is not None
+    # As many squared errors of variance 1 as there are measured numbers more than unknown ones, to six deviations.
+    free = 3 * (edges - poses + 1)
+    assert abs(float(found.group(1)) - free) < 6.0 * np.sqrt(2.0 * free)

@@ -124,6 +124,10 @@ def test_it_keeps_the_contract(model):
     check_component(mapper(model=model))
 
 
+def test_it_keeps_the_contract_at_the_poses_of_another_estimator():
+    check_component(mapper(estimator="slam"))
+
+
 def driven(*estimators, duration=6.0, replicas=1):
     """A simulation of a robot that roams about the room, whose wheels are off and whose tracking system is exact."""
     world = am.Map.from_segments(WALLS, resolution=0.01)
@@ -160,6 +164,32 @@ def test_the_map_of_a_tracking_system_is_the_room_and_that_of_bad_wheels_is_not(
     assert strays[1] > 0.15
 
 
+@pytest.mark.parametrize("of", ["wheels", "gps"])
+def test_a_map_at_the_poses_of_another_estimator_is_the_one_that_this_would_draw(of):
+    source = mapper(place="gps") if of == "gps" else mapper(wheel_variance=1e-5)
+    frame = driven(mapper(estimator="map1"), source, mapper(place="gps")).frames()[0]
+    fed, drawn, exact = (frame.beliefs[f"map{i}"]["occupancy"] for i in range(3))
+    assert fed.tobytes() == drawn.tobytes()
+    assert (fed.tobytes() == exact.tobytes()) == (of == "gps")
+    for mine, its in zip(frame.estimates["map0"], frame.estimates["map1"], strict=True):
+        np.testing.assert_array_equal(mine, its)
+    assert (frame.estimates["map0"].covariance.any()) == (of == "wheels")
+
+
+def test_a_runner_runs_the_estimator_that_feeds_it_too():
+    sim = driven(mapper(estimator="map1"), mapper(wheel_variance=1e-5), duration=0.0)
+    runner = am.EstimatorRunner(sim.scenario.robots[0], "map0", dt=sim.dt)
+    for step in range(20):
+        if step:
+            sim.step()
+        frame = sim.frames()[0]
+        readings = {name: reading.measured[0] for name, (_, reading) in frame.readings.items()}
+        estimate = runner.update(frame.time[0], readings, frame.command[0])
+    assert estimate.pose.tobytes() == frame.estimates["map0"].pose[0].tobytes()
+    assert runner.beliefs["occupancy"].tobytes() == frame.beliefs["map0"]["occupancy"][0].tobytes()
+    assert np.isfinite(runner.beliefs["occupancy"]).any()
+
+
 def _touches(world, centre):
     """Whether a wall is within a cell's width of a place."""
     x, y = centre
@@ -189,9 +219,16 @@ def test_the_map_lies_where_it_is_asked_for():
         ({"laser": "gps"}, "a Gps has no beams of a known longest range"),
         ({"place": "laser"}, "a Laser does not measure x, y and heading"),
         ({"encoder": "gps"}, "counts no joints"),
+        ({"estimator": "map1"}, r"robot 'rover', estimator 'map0': it takes the estimate of 'map1'.*has: no other[.]$"),
+        ({"estimator": "map0"}, "in a circle: 'map0' waits for 'map0'"),
         ({"resolution": 0.0005}, "cells of 0.0005 m; expected 5e[+]07 at most"),
     ],
 )
 def test_what_it_cannot_map_with_is_refused(changes, message):
     with pytest.raises(am.ComponentError, match=message):
         driven(mapper(**changes), duration=0.1)
+
+
+def test_two_sources_of_poses_are_refused():
+    with pytest.raises(am.ComponentError, match="both estimator = 'map1' and place = 'gps' are given"):
+        driven(mapper(estimator="map1", place="gps"), mapper(), duration=0.1)

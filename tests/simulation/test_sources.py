@@ -15,6 +15,27 @@ def test_an_estimator_that_names_sources_gets_a_table():
     assert source_lines(am.load("demo")) == []
 
 
+def test_estimators_that_map_name_what_gives_the_poses_and_what_draws_the_map():
+    assert source_lines(am.load("map-the-office")) == [
+        "estimator slam of rover:",
+        "  sensor 'encoder'  predicts x, y, heading  0.0001 m² of travel per m",
+        "  sensor 'laser'    corrects x, y, heading  matched with key scans, range 0.01 m",
+        "  loops             correct all poses       of 10 nodes and more, fit 0.6, share 0.7",
+        "estimator exact of rover:",
+        "  sensor 'tracking'  gives x, y, heading  as exact",
+        "  sensor 'laser'     draws the map        hit 0.97, miss 0.4",
+    ]
+    fed = am.estimators.GridMapping(estimator="slam", model="counting").sources()
+    assert fed[0] == ("estimator 'slam'", "gives x, y, heading", "as exact")
+    assert fed[1][2] == "hits and misses are counted"
+    assert am.estimators.GridMapping().sources()[0][0] == "sensor 'encoder'"
+    assert am.estimators.GridSlam(wheel_variance=1e-4, range_std=0.02).sources()[1] == (
+        "sensor 'laser'",
+        "weighs them, draws maps",
+        "30 particles, range 0.02 m",
+    )
+
+
 def test_robots_that_use_the_same_share_a_table():
     scenario = am.load("landmarks")
     rover = scenario.robots[0]
