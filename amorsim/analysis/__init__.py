@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
     from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
+    from amorsim.analysis.recordings import LogEntry, read_bag, read_log, read_mcap
     from amorsim.analysis.trajectory import (
         Trajectory,
         read_csv,
@@ -41,6 +42,7 @@ _MODULES = {
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
     "amorsim.analysis.pose_errors": "PoseErrors Statistics ape relation_errors rpe",
+    "amorsim.analysis.recordings": "LogEntry read_bag read_log read_mcap",
     "amorsim.analysis.trajectory": (
         "Trajectory read_csv read_kitti read_tum run_trajectories write_csv write_kitti write_tum"
     ),
@@ -51,6 +53,7 @@ __all__ = [
     "Comparison",
     "Consistency",
     "Difference",
+    "LogEntry",
     "MapScores",
     "PoseErrors",
     "RunFiles",
@@ -69,8 +72,11 @@ __all__ = [
     "nis",
     "paired_effect",
     "permutation_p",
+    "read_bag",
     "read_csv",
     "read_kitti",
+    "read_log",
+    "read_mcap",
     "read_tum",
     "relation_errors",
     "rpe",

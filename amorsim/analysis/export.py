@@ -13,7 +13,7 @@ from amorsim.core.whole_files import replacing
 
 __all__ = ["FORMATS", "export_run"]
 
-FORMATS = ("tum", "kitti", "csv", "parquet", "mcap")
+FORMATS = ("tum", "kitti", "csv", "parquet", "mcap", "rosbag")
 
 _WRITERS: Mapping[str, Callable[[Trajectory, Path], None]] = {"tum": write_tum, "kitti": write_kitti, "csv": write_csv}
 
@@ -30,7 +30,10 @@ def export_run(
     ``"kitti"``    the same as KITTI has them
     ``"csv"``      the same as ``time,x,y,heading``
     ``"parquet"``  every table of the run, column by column (needs pyarrow, the extra ``sweep``)
-    ``"mcap"``     one file for Foxglove: poses, ranges and events of the first replica (needs the extra ``mcap``)
+    ``"mcap"``     one file for Foxglove: poses, readings, commands and events of the first replica (needs the extra
+                   ``mcap``)
+    ``"rosbag"``   a rosbag2, for ROS 2, of the first replica: clock, frames, odometry, truth, readings, commands (needs
+                   the extra ``rosbag``, and no ROS)
     =============  ==================================================================================================
 
     Parameters
@@ -60,6 +63,12 @@ def export_run(
 
         path = folder / f"{files.folder.resolve().name}.mcap"
         write_mcap(files, path)
+        return [path]
+    if kind == "rosbag":
+        from amorsim.analysis.bag_file import write_bag
+
+        path = folder / f"{files.folder.resolve().name}-rosbag2"
+        write_bag(files, path)
         return [path]
     return _trajectories(files, folder, kind)
 

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from amorsim.analysis.files import RunFiles
+from amorsim.analysis.message_values import VALUES, beams_of, nanoseconds_of, quaternion
 from amorsim.core.errors import AnalysisError
 from amorsim.core.whole_files import replacing
+from amorsim.scenario.spec import MountedSensor
 
 __all__ = ["write_mcap"]
 
@@ -28,7 +30,7 @@ _POSE = {
     "properties": {"position": _numbers("x", "y", "z"), "orientation": _numbers("x", "y", "z", "w")},
 }
 _LIST = {"type": "array", "items": {"type": "number"}}
-# What of Foxglove's schemas is used: https://docs.foxglove.dev/docs/sdk/schemas
+# What of Foxglove's schemas is used: https://docs.foxglove.dev/docs/sdk/schemas; and one of our own, for numbers.
 _SCHEMAS: dict[str, dict[str, Any]] = {
     "foxglove.PoseInFrame": {"timestamp": _TIME, "frame_id": {"type": "string"}, "pose": _POSE},
     "foxglove.LaserScan": {
@@ -55,16 +57,18 @@ _SCHEMAS: dict[str, dict[str, Any]] = {
         "file": {"type": "string"},
         "line": {"type": "integer"},
     },
+    VALUES: {"timestamp": _TIME, "labels": {"type": "array", "items": {"type": "string"}}, "values": _LIST},
 }
 Message = tuple[float, str, str, dict[str, Any]]  # time [s], topic, schema, content
 _WARNING = 3
 
 
 def write_mcap(files: RunFiles, path: Path) -> None:
-    """Write the first replica of a run: true and estimated poses, true frames, lasers' ranges, events.
+    """Write the first replica of a run: true and estimated poses, true frames, readings, commands, events.
 
-    Topics are ``/ROBOT/true_pose``, ``/ROBOT/estimated_pose``, ``/ROBOT/SENSOR``, ``/tf`` and ``/events``. Ranges
-    without a return are left at 0, because JSON has no infinity.
+    Topics are ``/ROBOT/true_pose``, ``/ROBOT/estimated_pose``, ``/ROBOT/SENSOR``, ``/ROBOT/command``, ``/tf/ROBOT`` and
+    ``/events``. Ranges at even angles are scans; other readings are lists of numbers. Ranges without a return are left
+    at 0, and numbers that are none are null, because JSON has no infinity.
 
     Raises
     ------
@@ -90,7 +94,7 @@ def write_mcap(files: RunFiles, path: Path) -> None:
                 channels[topic] = writer.register_channel(
                     topic=topic, message_encoding="json", schema_id=schemas[schema]
                 )
-            nanoseconds = round(time * 1e9)
+            nanoseconds = nanoseconds_of(time)
             writer.add_message(
                 channel_id=channels[topic],
                 log_time=nanoseconds,
@@ -117,35 +121,48 @@ def _messages(files: RunFiles) -> Iterator[Message]:
                     frames = {"parent_frame_id": "world", "child_frame_id": robot.name}
                     moved = {"translation": pose["position"], "rotation": pose["orientation"]}
                     yield time, f"/tf/{robot.name}", "foxglove.FrameTransform", frames | moved
+        yield from _commands(files, robot.name, replica)
         for name in files.sensors:
-            unit = robot.sensors.get(name)
-            bearings = None if unit is None else unit.sensor.bearings()
-            if unit is None or bearings is None or unit.sensor.unit != "m":
-                continue
-            angles = np.asarray(bearings)[0]
-            read = files.table(f"sensors/{name}", robot=robot.name, replica=replica)
-            ranges = np.stack([read[f"measured_{i}"] for i in range(len(angles))], axis=1)
-            ranges = np.where(np.isfinite(ranges), ranges, 0.0)
-            mount = _pose(unit.mount.x, unit.mount.y, unit.mount.heading)
-            for time, row in zip(read["time"].tolist(), ranges.tolist(), strict=True):
-                yield (
-                    time,
-                    f"/{robot.name}/{name}",
-                    "foxglove.LaserScan",
-                    {
-                        "frame_id": robot.name,
-                        "pose": mount,
-                        "start_angle": float(angles[0]),
-                        "end_angle": float(angles[-1]),
-                        "ranges": row,
-                        "intensities": [],
-                    },
-                )
+            if name in robot.sensors:
+                yield from _readings(files, robot.name, name, robot.sensors[name], replica)
     events = files.table("events", replica=replica)
     for i, time in enumerate(events["time"].tolist()):
-        told = f"{str(events['kind'][i]).replace('_', ' ')} {events['other'][i] or events['path'][i]}".strip()
-        log = {"level": _WARNING, "message": told, "name": str(events["robot"][i]), "file": "", "line": 0}
+        text = f"{str(events['kind'][i]).replace('_', ' ')} {events['other'][i] or events['path'][i]}".strip()
+        log = {"level": _WARNING, "message": text, "name": str(events["robot"][i]), "file": "", "line": 0}
         yield time, "/events", "foxglove.Log", log
+
+
+def _commands(files: RunFiles, robot: str, replica: int) -> Iterator[Message]:
+    table = files.table("commands", robot=robot, replica=replica)
+    channels = [key for key in table if key not in ("replica", "time", "robot")]
+    values = np.column_stack([table[key] for key in channels]).tolist()
+    # A line has the command of the step that ended then; it was given at the end of the step before.
+    for time, row in zip(table["time"].tolist(), values[1:], strict=False):
+        yield time, f"/{robot}/command", VALUES, {"labels": channels, "values": row}
+
+
+def _readings(files: RunFiles, robot: str, name: str, unit: MountedSensor, replica: int) -> Iterator[Message]:
+    read = files.table(f"sensors/{name}", robot=robot, replica=replica)
+    size = sum(key.startswith("measured_") for key in read)
+    values = np.column_stack([read[f"measured_{i}"] for i in range(size)]) if size else np.empty((0, 0))
+    angles = beams_of(unit.sensor)
+    mount = _pose(unit.mount.x, unit.mount.y, unit.mount.heading)
+    for time, stamp, row in zip(read["time"].tolist(), read["stamp"].tolist(), values, strict=True):
+        measured = {"timestamp": _stamp(nanoseconds_of(stamp))}
+        if angles is None or len(angles) != size:
+            numbers = [value if math.isfinite(value) else None for value in row.tolist()]
+            yield time, f"/{robot}/{name}", VALUES, {**measured, "labels": [unit.sensor.unit], "values": numbers}
+            continue
+        scan = {
+            **measured,
+            "frame_id": robot,
+            "pose": mount,
+            "start_angle": float(angles[0]),
+            "end_angle": float(angles[-1]),
+            "ranges": np.where(np.isfinite(row), row, 0.0).tolist(),
+            "intensities": [],
+        }
+        yield time, f"/{robot}/{name}", "foxglove.LaserScan", scan
 
 
 def _stamp(nanoseconds: int) -> dict[str, int]:
@@ -153,5 +170,4 @@ def _stamp(nanoseconds: int) -> dict[str, int]:
 
 
 def _pose(x: float, y: float, heading: float) -> dict[str, dict[str, float]]:
-    turned = {"x": 0.0, "y": 0.0, "z": math.sin(0.5 * heading), "w": math.cos(0.5 * heading)}
-    return {"position": {"x": x, "y": y, "z": 0.0}, "orientation": turned}
+    return {"position": {"x": x, "y": y, "z": 0.0}, "orientation": quaternion(heading)}

@@ -66,7 +66,9 @@ def test_an_mcap_file_is_read_back(run: Path, tmp_path: Path) -> None:
 
 
 def test_what_is_missing_is_told(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(am.AnalysisError, match=r"kind: expected one of tum, kitti, csv, parquet, mcap, got 'bag'"):
+    with pytest.raises(
+        am.AnalysisError, match=r"kind: expected one of tum, kitti, csv, parquet, mcap, rosbag, got 'bag'"
+    ):
         export_run(run, "bag")
     for kind, module in (("parquet", "pyarrow"), ("mcap", "mcap.writer")):
         monkeypatch.setitem(sys.modules, module, None)

@@ -1,0 +1,307 @@
+"""A run as a rosbag2, by the library rosbags: it needs no ROS, and `ros2 bag play` plays it."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.analysis.files import RunFiles, Table
+from amorsim.analysis.message_values import beams_of, nanoseconds_of, quaternion
+from amorsim.core.errors import AnalysisError, RunError
+from amorsim.core.whole_files import PREFIX
+from amorsim.scenario.spec import MountedSensor, Robot
+from amorsim.sensors import Encoder, Gyro, Imu
+
+__all__ = ["write_bag"]
+
+Array = npt.NDArray[np.float64]
+
+_VERSION = 8  # of the bag's format: ROS 2 Iron and later read it
+_MAP = "map"
+_NO_COVARIANCE = np.zeros(36)
+_PLACES = (("xx", (0,)), ("xy", (1, 6)), ("xh", (5, 30)), ("yy", (7,)), ("yh", (11, 31)), ("hh", (35,)))
+_UNKNOWN = -1.0  # first element of a covariance of what an IMU does not measure
+
+Sent = tuple[int, str, Any]  # time [ns], topic, message
+
+
+def write_bag(files: RunFiles, path: Path) -> None:
+    """Write the first replica of a run as a rosbag2, a folder with one MCAP file.
+
+    =========================  =====================================================================================
+    ``/clock``                 ``rosgraph_msgs/Clock`` at each step
+    ``/tf``, ``/tf_static``    ``map`` to ``ROBOT/odom`` (the same frame) to ``ROBOT/base_link``, by the estimated
+                               pose; ``ROBOT/true_base_link``, by the true pose; a frame for each sensor
+    ``/ROBOT/odom``            ``nav_msgs/Odometry``: the estimated pose and twist
+    ``/ROBOT/ground_truth``    ``nav_msgs/Odometry``: the true pose and twist
+    ``/ROBOT/estimates/NAME``  ``geometry_msgs/PoseWithCovarianceStamped``: the estimate of each estimator
+    ``/ROBOT/command``         ``std_msgs/Float64MultiArray``, at the time at which it was given
+    ``/ROBOT/SENSOR``          ``sensor_msgs/LaserScan`` for ranges at even angles, ``JointState`` [rad] for encoders,
+                               ``Imu`` for gyros and IMUs, ``std_msgs/Float64MultiArray`` for others
+    =========================  =====================================================================================
+
+    Messages are in the order in which they arrived; stamps say when they were measured. ROS's scans have single
+    precision.
+
+    Raises
+    ------
+    AnalysisError
+        Without the library rosbags; or if two names are the same in ROS, which has letters, digits and ``_`` only.
+    RunError
+        If a file of the run is damaged, or the bag cannot be written.
+    """
+    try:
+        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.typesys import Stores, get_typestore
+    except ModuleNotFoundError:
+        raise AnalysisError('rosbag2 needs a library: python -m pip install "amorsim[rosbag]"') from None
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    sent = sorted(_Messages(files, store).all(), key=lambda each: each[:2])
+    try:
+        with tempfile.TemporaryDirectory(prefix=PREFIX, dir=path.parent) as place:
+            new = Path(place) / path.name
+            with Writer(new, version=_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
+                connections: dict[str, Any] = {}
+                for time, topic, message in sent:
+                    kind = message.__msgtype__
+                    if topic not in connections:
+                        qos = [_latched()] if topic == "/tf_static" else []
+                        connections[topic] = writer.add_connection(
+                            topic, kind, typestore=store, offered_qos_profiles=qos
+                        )
+                    writer.write(connections[topic], time, store.serialize_cdr(message, kind))
+            _put(new, path)
+    except OSError as error:
+        raise RunError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def _put(new: Path, path: Path) -> None:
+    """Move a bag to its place; an earlier bag there is replaced, anything else is not."""
+    if path.exists():
+        if not (path / "metadata.yaml").exists():
+            raise RunError(f"{path}: exists and is no bag; remove it, or name another folder")
+        shutil.rmtree(path)
+    new.rename(path)
+
+
+def _latched() -> Any:
+    """What a publisher of frames that never change offers: the last message to those that listen later."""
+    from rosbags import interfaces as ros
+
+    never = ros.QosTime(0, 0)
+    return ros.Qos(
+        ros.QosHistory.KEEP_LAST,
+        1,
+        ros.QosReliability.RELIABLE,
+        ros.QosDurability.TRANSIENT_LOCAL,
+        never,
+        never,
+        ros.QosLiveliness.AUTOMATIC,
+        never,
+        False,
+    )
+
+
+class _Messages:
+    """Makes the messages of a run."""
+
+    def __init__(self, files: RunFiles, store: Any) -> None:
+        self._files = files
+        self._types = store.types
+        self._replica = files.replicas[0]
+        self._names: dict[str, str] = {}
+
+    def all(self) -> Iterator[Sent]:
+        """All messages, robot by robot."""
+        robots = self._files.scenario.robots
+        times = self._table("poses", robots[0])["time"]
+        for time in map(nanoseconds_of, times.tolist()):
+            yield time, "/clock", self._type("rosgraph_msgs/msg/Clock")(clock=self._stamp(time))
+        fixed: list[Any] = []
+        begin = nanoseconds_of(float(times[0])) if len(times) else 0
+        for robot in robots:
+            name = self._name(robot.name)
+            fixed.append(self._transform(begin, _MAP, f"{name}/odom", (0.0, 0.0, 0.0)))
+            for sensor, unit in robot.sensors.items():
+                mount = (unit.mount.x, unit.mount.y, unit.mount.heading)
+                fixed.append(self._transform(begin, f"{name}/base_link", self._frame(robot, sensor), mount))
+            yield from self._poses(robot)
+            yield from self._estimates(robot)
+            yield from self._commands(robot)
+            for sensor in self._files.sensors:
+                if sensor in robot.sensors:
+                    yield from self._readings(robot, sensor, robot.sensors[sensor])
+        yield begin, "/tf_static", self._type("tf2_msgs/msg/TFMessage")(transforms=fixed)
+
+    def _name(self, name: str) -> str:
+        """A name as ROS allows it."""
+        told = re.sub(r"\W", "_", name, flags=re.ASCII)
+        told = f"_{told}" if told[0].isdigit() else told
+        if self._names.setdefault(told, name) != name:
+            raise AnalysisError(
+                f"{self._files.folder}: {self._names[told]!r} and {name!r} are both {told!r} in ROS; rename one of them"
+            )
+        return told
+
+    def _frame(self, robot: Robot, sensor: str) -> str:
+        return f"{self._name(robot.name)}/{self._name(sensor)}"
+
+    def _table(self, name: str, robot: Robot) -> Table:
+        return self._files.table(name, robot=robot.name, replica=self._replica)
+
+    def _poses(self, robot: Robot) -> Iterator[Sent]:
+        poses, twists = self._table("poses", robot), self._table("velocities", robot)
+        own = self._name(robot.name)
+        times = list(map(nanoseconds_of, poses["time"].tolist()))
+        odometry = self._type("nav_msgs/msg/Odometry")
+        of = {"estimated": ("odom", f"{own}/odom", "base_link"), "true": ("ground_truth", _MAP, "true_base_link")}
+        for what, (topic, parent, child) in of.items():
+            found = _columns(poses, [f"{what}_{key}" for key in ("x", "y", "heading")])
+            moving = _columns(twists, [f"{what}_{key}" for key in ("forward", "left", "turn")])
+            for time, pose, twist in zip(times, found, moving, strict=False):
+                yield (
+                    time,
+                    f"/{own}/{topic}",
+                    odometry(
+                        header=self._header(time, parent),
+                        child_frame_id=f"{own}/{child}",
+                        pose=self._with_covariance(pose, _NO_COVARIANCE),
+                        twist=self._type("geometry_msgs/msg/TwistWithCovariance")(
+                            twist=self._twist(twist), covariance=_NO_COVARIANCE
+                        ),
+                    ),
+                )
+                moved = self._transform(time, parent, f"{own}/{child}", pose)
+                yield time, "/tf", self._type("tf2_msgs/msg/TFMessage")(transforms=[moved])
+
+    def _estimates(self, robot: Robot) -> Iterator[Sent]:
+        own = self._name(robot.name)
+        stamped = self._type("geometry_msgs/msg/PoseWithCovarianceStamped")
+        for name in robot.estimators:
+            table = self._table(f"estimates/{name}", robot)
+            covariance = np.zeros((len(table["time"]), 36))
+            for key, places in _PLACES:
+                covariance[:, places] = table[key][:, None]
+            poses = _columns(table, ["x", "y", "heading"])
+            topic = f"/{own}/estimates/{self._name(name)}"
+            for time, pose, spread in zip(table["time"].tolist(), poses, covariance, strict=True):
+                when = nanoseconds_of(time)
+                header = self._header(when, f"{own}/odom")
+                yield when, topic, stamped(header=header, pose=self._with_covariance(pose, spread))
+
+    def _commands(self, robot: Robot) -> Iterator[Sent]:
+        table = self._table("commands", robot)
+        channels = [key for key in table if key not in ("replica", "time", "robot")]
+        values = np.column_stack([table[key] for key in channels])
+        times = table["time"].tolist()
+        topic = f"/{self._name(robot.name)}/command"
+        # A line has the command of the step that ended then; it was given at the end of the step before.
+        for time, row in zip(times, values[1:], strict=False):
+            yield nanoseconds_of(time), topic, self._numbers(row, channels)
+
+    def _readings(self, robot: Robot, name: str, unit: MountedSensor) -> Iterator[Sent]:
+        table = self._table(f"sensors/{name}", robot)
+        size = sum(key.startswith("measured_") for key in table)
+        values = np.column_stack([table[f"measured_{i}"] for i in range(size)]) if size else np.empty((0, 0))
+        topic = f"/{self._name(robot.name)}/{self._name(name)}"
+        frame = self._frame(robot, name)
+        for time, stamp, row in zip(table["time"].tolist(), table["stamp"].tolist(), values, strict=True):
+            header = self._header(nanoseconds_of(stamp), frame)
+            yield nanoseconds_of(time), topic, self._reading(robot, unit, header, row)
+
+    def _reading(self, robot: Robot, unit: MountedSensor, header: Any, values: Array) -> Any:
+        sensor = unit.sensor
+        angles = beams_of(sensor)
+        if angles is not None and len(angles) == len(values):
+            return self._type("sensor_msgs/msg/LaserScan")(
+                header=header,
+                angle_min=float(angles[0]),
+                angle_max=float(angles[-1]),
+                angle_increment=float(angles[1] - angles[0]),
+                time_increment=0.0,
+                scan_time=0.0,
+                range_min=float(getattr(sensor, "range_min", 0.0)),
+                range_max=float(getattr(sensor, "range_max", np.inf)),
+                ranges=values.astype(np.float32),
+                intensities=np.empty(0, np.float32),
+            )
+        if isinstance(sensor, Encoder):
+            return self._type("sensor_msgs/msg/JointState")(
+                header=header,
+                name=[joint.name for joint in robot.drive.joints],
+                position=sensor.angles(values),
+                velocity=np.empty(0),
+                effort=np.empty(0),
+            )
+        if isinstance(sensor, (Gyro, Imu)):
+            ahead, left = values[:2].tolist() if isinstance(sensor, Imu) else (0.0, 0.0)
+            unknown = np.zeros(9)
+            unknown[0] = _UNKNOWN
+            return self._type("sensor_msgs/msg/Imu")(
+                header=header,
+                orientation=self._type("geometry_msgs/msg/Quaternion")(x=0.0, y=0.0, z=0.0, w=1.0),
+                orientation_covariance=unknown,
+                angular_velocity=self._vector(0.0, 0.0, float(values[-1])),
+                angular_velocity_covariance=np.zeros(9),
+                linear_acceleration=self._vector(ahead, left, 0.0),
+                linear_acceleration_covariance=np.zeros(9) if isinstance(sensor, Imu) else unknown,
+            )
+        return self._numbers(values, [sensor.unit])
+
+    # ----------------------------------------------------------------------------------------------------------- parts
+
+    def _type(self, name: str) -> Any:
+        return self._types[name]
+
+    def _stamp(self, time: int) -> Any:
+        return self._type("builtin_interfaces/msg/Time")(sec=time // 10**9, nanosec=time % 10**9)
+
+    def _header(self, time: int, frame: str) -> Any:
+        return self._type("std_msgs/msg/Header")(stamp=self._stamp(time), frame_id=frame)
+
+    def _vector(self, x: float, y: float, z: float) -> Any:
+        return self._type("geometry_msgs/msg/Vector3")(x=x, y=y, z=z)
+
+    def _turned(self, heading: float) -> Any:
+        return self._type("geometry_msgs/msg/Quaternion")(**quaternion(heading))
+
+    def _twist(self, twist: Iterable[float]) -> Any:
+        forward, left, turn = twist
+        return self._type("geometry_msgs/msg/Twist")(
+            linear=self._vector(forward, left, 0.0), angular=self._vector(0.0, 0.0, turn)
+        )
+
+    def _with_covariance(self, pose: Iterable[float], covariance: Array) -> Any:
+        x, y, heading = pose
+        point = self._type("geometry_msgs/msg/Point")(x=x, y=y, z=0.0)
+        made = self._type("geometry_msgs/msg/Pose")(position=point, orientation=self._turned(heading))
+        return self._type("geometry_msgs/msg/PoseWithCovariance")(pose=made, covariance=covariance)
+
+    def _transform(self, time: int, parent: str, child: str, pose: Iterable[float]) -> Any:
+        x, y, heading = pose
+        return self._type("geometry_msgs/msg/TransformStamped")(
+            header=self._header(time, parent),
+            child_frame_id=child,
+            transform=self._type("geometry_msgs/msg/Transform")(
+                translation=self._vector(x, y, 0.0), rotation=self._turned(heading)
+            ),
+        )
+
+    def _numbers(self, values: Array, labels: Iterable[str]) -> Any:
+        dimension = self._type("std_msgs/msg/MultiArrayDimension")
+        size = len(values)
+        layout = self._type("std_msgs/msg/MultiArrayLayout")(
+            dim=[dimension(label=", ".join(labels), size=size, stride=size)], data_offset=0
+        )
+        return self._type("std_msgs/msg/Float64MultiArray")(layout=layout, data=np.ascontiguousarray(values))
+
+
+def _columns(table: Table, keys: Iterable[str]) -> Iterator[tuple[float, ...]]:
+    return zip(*(table[key].tolist() for key in keys), strict=True)

@@ -1,0 +1,185 @@
+"""Bags and MCAP files: written from runs, read by their own libraries and by ours."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.analysis import RunFiles, ape, export_run, read_bag, read_log, read_mcap, run_trajectories
+from amorsim.analysis.message_values import command_of, reading_of
+
+HALF_DIGIT = 5.1e-7  # files of a run have six digits
+SINGLE = 1e-6  # [m] ROS's scans have single precision
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("recordings") / "run"
+    changes = [f"robots.rover.sensors.{name}" for name in ("laser.beams=5", "laser.rate=5.0", "laser.latency=0.1")]
+    changes += ["robots.rover.sensors.gyro.use='gyro'", "robots.rover.sensors.compass.use='compass'"]
+    am.run(am.load("demo", changes), folder, duration=1.0, replicas=2)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def bag(run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    pytest.importorskip("rosbags")
+    (path,) = export_run(run, "rosbag", tmp_path_factory.mktemp("bags"))
+    return path
+
+
+@pytest.fixture(scope="module")
+def mcap(run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    pytest.importorskip("mcap")
+    (path,) = export_run(run, "mcap", tmp_path_factory.mktemp("mcaps"))
+    return path
+
+
+def recording(kind: str, request: pytest.FixtureRequest) -> Path:
+    found: Path = request.getfixturevalue(kind)
+    return found
+
+
+def test_a_bag_is_read_back_by_its_library(run: Path, bag: Path) -> None:
+    from rosbags.highlevel import AnyReader
+
+    files = RunFiles(run)
+    found: dict[str, list[tuple[int, Any]]] = {}
+    with AnyReader([bag]) as reader:
+        for connection, time, data in reader.messages():
+            found.setdefault(connection.topic, []).append((time, reader.deserialize(data, connection.msgtype)))
+    poses, scans = files.table("poses", replica=0), files.table("sensors/laser", replica=0)
+    assert [time for time, _ in found["/clock"]] == [round(1e9 * time) for time in poses["time"]]
+    assert all(time == each.clock.sec * 10**9 + each.clock.nanosec for time, each in found["/clock"])
+    truth = [each.pose.pose.position.x for _, each in found["/rover/ground_truth"]]
+    assert truth == poses["true_x"].tolist()
+    assert [each.pose.pose.position.y for _, each in found["/rover/odom"]] == poses["estimated_y"].tolist()
+    forward = files.table("velocities", replica=0)["estimated_forward"]
+    assert [each.twist.twist.linear.x for _, each in found["/rover/odom"]] == forward.tolist()
+    # Received when it arrived, stamped when it was measured.
+    assert [time for time, _ in found["/rover/laser"]] == [round(1e9 * time) for time in scans["time"]]
+    stamps = [each.header.stamp.sec * 10**9 + each.header.stamp.nanosec for _, each in found["/rover/laser"]]
+    assert stamps == [round(1e9 * time) for time in scans["stamp"]]
+    assert stamps[-1] < found["/rover/laser"][-1][0]
+    scan = found["/rover/laser"][0][1]
+    assert (scan.angle_min, len(scan.ranges)) == (pytest.approx(-np.pi / 2), 5)
+    assert scan.ranges[2] == pytest.approx(scans["measured_2"][0])
+    frames = {(each.header.frame_id, each.child_frame_id) for _, message in found["/tf"] for each in message.transforms}
+    assert frames == {("rover/odom", "rover/base_link"), ("map", "rover/true_base_link")}
+    fixed = {each.child_frame_id for each in found["/tf_static"][0][1].transforms}
+    assert {"rover/odom", "rover/laser"} <= fixed
+    covariance = found["/rover/estimates/dead_reckoning"][-1][1].pose.covariance.reshape(6, 6)
+    assert covariance[5, 5] == files.table("estimates/dead_reckoning", replica=0)["hh"][-1]
+    assert np.array_equal(covariance, covariance.T)
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_an_estimator_runs_on_a_recorded_run(kind: str, run: Path, request: pytest.FixtureRequest) -> None:
+    path, files = recording(kind, request), RunFiles(run)
+    robot = files.scenario.robots[0]
+    runner = am.EstimatorRunner(robot, "dead_reckoning", dt=files.scenario.dt)
+    log = list(read_log(path, robot))
+    found = np.array([runner.update(*entry).pose for entry in log])
+    _, estimate = run_trajectories(run, replica=0, estimator="dead_reckoning")
+    assert [entry.time for entry in log] == pytest.approx(estimate.time.tolist())
+    assert np.abs(found - estimate.poses).max() < HALF_DIGIT
+    scans = [entry for entry in log if "laser" in entry.readings]
+    read = files.table("sensors/laser", replica=0)
+    ranges = np.array([[read[f"measured_{i}"][line] for i in range(5)] for line in range(len(scans))])
+    assert np.allclose([entry.readings["laser"] for entry in scans], ranges, rtol=0.0, atol=SINGLE)
+    assert [entry.ages["laser"] for entry in scans] == pytest.approx((read["time"] - read["stamp"]).tolist())
+    for name in ("gyro", "compass"):
+        read = files.table(f"sensors/{name}", replica=0)
+        assert [entry.readings[name][0] for entry in log] == read["measured_0"].tolist()
+    table = files.table("commands", replica=0)
+    # Of the step that ends with the entry; at the start none had been given.
+    assert log[0].command is None
+    assert [entry.command[0] for entry in log[1:] if entry.command is not None] == table["left"][1:].tolist()
+
+
+@pytest.mark.parametrize(("kind", "topic"), [("bag", "/rover/ground_truth"), ("mcap", "/rover/true_pose")])
+def test_trajectories_are_read(kind: str, topic: str, run: Path, request: pytest.FixtureRequest) -> None:
+    path = recording(kind, request)
+    read = read_bag if kind == "bag" else read_mcap
+    true, estimated = run_trajectories(run, replica=0)
+    assert ape(true, read(path, topic)).statistics.max < 1e-12
+    if kind == "bag":
+        assert ape(true, read_bag(path, "/tf", frame="rover/true_base_link")).statistics.max < 1e-12
+        assert ape(estimated, read_bag(path, "/rover/estimates/dead_reckoning")).statistics.max < 1e-12
+        assert len(read_bag(next(path.glob("*.mcap")), topic)) == len(true)  # its file alone, too
+    else:
+        assert ape(true, read_mcap(path, "/tf/rover", frame="rover")).statistics.max < 1e-12
+
+
+def test_a_bag_replaces_a_bag_and_nothing_else(run: Path, bag: Path, tmp_path: Path) -> None:
+    export_run(run, "rosbag", bag.parent)
+    assert len(read_bag(bag, "/rover/odom")) == 11
+    (tmp_path / bag.name).mkdir()
+    (tmp_path / bag.name / "thesis.tex").touch()
+    with pytest.raises(am.RunError, match="exists and is no bag"):
+        export_run(run, "rosbag", tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [bag.name]
+
+
+def test_mistakes_are_explained(run: Path, bag: Path, mcap: Path, tmp_path: Path) -> None:
+    robot = RunFiles(run).scenario.robots[0]
+    with pytest.raises(am.AnalysisError, match=r"several topics have poses; say which with topic=.*/rover/odom"):
+        read_bag(bag)
+    with pytest.raises(am.AnalysisError, match=r"there is no topic '/rover/odo'.*Did you mean '/rover/odom'"):
+        read_bag(bag, "/rover/odo")
+    with pytest.raises(am.AnalysisError, match=r"messages on /rover/laser, foxglove.LaserScan, have no pose"):
+        read_mcap(mcap, "/rover/laser")
+    with pytest.raises(am.AnalysisError, match=r"no poses into the frame 'camera' on the topic /tf"):
+        read_bag(bag, "/tf", frame="camera")
+    with pytest.raises(am.AnalysisError, match="has no sensor 'lidar', but: "):
+        read_log(bag, robot, topics={"lidar": "/scan"})
+    with pytest.raises(am.AnalysisError, match="there is no topic '/scan'; it has: /clock"):
+        list(read_log(bag, robot, topics={"laser": "/scan"}))
+    with pytest.raises(am.AnalysisError, match="'nav_msgs/Odometry' holds no reading of a Laser"):
+        list(read_log(bag, robot, topics={"laser": "/rover/odom"}))
+    with pytest.raises(am.AnalysisError, match="'sensor_msgs/JointState' holds no command"):
+        list(read_log(bag, robot, command="/rover/encoder"))
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(mcap.read_bytes()[:500])
+    for path in (damaged, tmp_path / "none.mcap", tmp_path / "none"):
+        with pytest.raises(am.AnalysisError, match=r"cannot be read as a recording"):
+            list(read_log(path, robot))
+
+
+def test_what_is_missing_is_named(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("rosbags.rosbag2", "rosbags.highlevel", "mcap.reader"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(am.AnalysisError, match=r"pip install \"amorsim\[rosbag\]\""):
+        export_run(run, "rosbag", tmp_path)
+    with pytest.raises(am.AnalysisError, match=r"pip install \"amorsim\[rosbag\]\""):
+        read_bag(tmp_path)
+    with pytest.raises(am.AnalysisError, match=r"pip install \"amorsim\[mcap\]\""):
+        read_mcap(tmp_path / "x.mcap")
+
+
+class Part:
+    """Stands for a message or a part of one."""
+
+    def __init__(self, **parts: Any) -> None:
+        self.__dict__ |= parts
+
+
+def test_messages_of_real_robots_become_readings_and_commands() -> None:
+    robot = am.load("demo").robots[0]
+    encoder = am.sensors.Encoder(counts_per_revolution=1000.0)
+    names = [joint.name for joint in robot.drive.joints]
+    joints = Part(name=["arm", *reversed(names)], position=np.array([9.0, 2.0 * np.pi, -np.pi]))
+    assert reading_of("sensor_msgs/JointState", joints, encoder, robot, "/j").tolist() == [-500.0, 1000.0]
+    laser = am.sensors.Laser(beams=3)
+    scan = Part(angle_min=1.5, angle_max=-1.5, ranges=np.array([1.0, np.inf, 3.0], np.float32))
+    assert reading_of("sensor_msgs/LaserScan", scan, laser, robot, "/s").tolist() == [3.0, np.inf, 1.0]
+    nothing = Part(linear=Part(x=0.0, y=0.0, z=0.0), angular=Part(x=0.0, y=0.0, z=1.0))
+    left, right = command_of("geometry_msgs/Twist", nothing, robot, "/cmd_vel")
+    assert left == pytest.approx(-right)
+    assert right > 0.0
+    assert command_of("geometry_msgs/TwistStamped", Part(twist=nothing), robot, "/cmd_vel").tolist() == [left, right]
