@@ -176,8 +176,8 @@ class View(Protocol):
     ) -> tuple[Array, npt.NDArray[np.int64]]:
         """Distances [m] `(N * m, k)` as from `cast`, and the thing that each beam hits first: -1 for a wall or nothing.
 
-        Things are the bodies of the replica, in order, then those landmarks that have a colour and a size.
-        Without `landmarks`, things are bodies only, and the distances are those of `cast`.
+        `range_max` is as in `cast`. Things are the bodies of the replica, in order, then those landmarks that have a
+        colour and a size. Without `landmarks`, things are bodies only, and the distances are those of `cast`.
         """
 
     def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:

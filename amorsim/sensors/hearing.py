@@ -28,6 +28,7 @@ _BATCHES = (1, 8, 64)
 
 _TOGETHER = 12  # rays of a listener that are cast as one look
 _OFF = 0.01  # [m] before a surface from where the way on is looked at: within an occupied cell nothing is seen
+_BEYOND = 1.001  # times its length, a line is looked along: what blocks it is not farther
 _AHEAD = np.zeros((1, 1))
 
 
@@ -80,7 +81,8 @@ def hear(
         lines = _lines(len(listens) * found)
         acoustics.lay_lines(listeners, emitters, facing, sounds, _OFF, lines)
         lines.poses[:, 2] = np.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
-        reach, met = view.look(lines.poses, _AHEAD, facing.limit, landmarks=False)
+        length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
+        reach, met = view.look(lines.poses, _AHEAD, length * _BEYOND + _OFF, landmarks=False)
         met = _owners(view, met)
         if not acoustics.take_free(sounds, lines, reach, met, facing.is_done, heard, after, after_number):
             break

@@ -66,6 +66,22 @@ def test_a_right_question_is_answered() -> None:
     assert 0.0 < sim.robot("rover").readings["asks"].true[0] < 50.0
 
 
+def test_a_limit_for_each_origin_cuts_that_origins_beams_only() -> None:
+    """Both questions about beams: the distances are those with one long limit, or inf beyond the origin's own."""
+
+    def ask(view: Any, aim: Any) -> Any:
+        origins = np.repeat(view.pose, 3, axis=0)
+        far = view.cast(origins, AHEAD, np.full((view.rows, 1), 50.0))
+        limits = far * np.array([[1.001], [0.999], [1.001]])
+        expected = np.where(far <= limits, far, np.inf)
+        assert np.isinf(expected).sum() == 1
+        np.testing.assert_array_equal(view.cast(origins, AHEAD, limits), expected)
+        np.testing.assert_array_equal(view.look(origins, AHEAD, limits)[0], expected)
+        return far[:1]
+
+    look(ask)
+
+
 def test_neighbours_are_the_bodies_near_in_each_replica_by_itself() -> None:
     """A trailer of one's own is none; a fast one is, when asked ahead, from farther away."""
     asked: list[Any] = []

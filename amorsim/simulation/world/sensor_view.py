@@ -86,10 +86,7 @@ class GroupView:
             )
         cos_b, sin_b = self._table(bearings)
         per_row = len(origins) // self.rows
-        if per_row > 1 and len(range_max) == len(origins):
-            limits = np.ascontiguousarray(range_max[:, 0])
-        else:
-            limits = self._per_origin(range_max, per_row)
+        limits = self._limits(range_max, origins)
         out = np.empty((len(origins), bearings.shape[1]))
         world = self._world
 
@@ -159,9 +156,8 @@ class GroupView:
         self, origins: Array, bearings: Array, range_max: Array, landmarks: bool = True
     ) -> tuple[Array, npt.NDArray[np.int64]]:
         """The first things that beams hit; see `amorsim.contracts.View.look`."""
-        per_row = len(origins) // self.rows
-        limits = self._per_origin(range_max, per_row)
-        return look_about(self._world, np.repeat(self._bodies, per_row), origins, bearings, limits, landmarks)
+        own = np.repeat(self._bodies, len(origins) // self.rows)
+        return look_about(self._world, own, origins, bearings, self._limits(range_max, origins), landmarks)
 
     def normals(self, origins: Array, bearings: Array, bodies: npt.NDArray[np.int64]) -> Array:
         """The normals of bodies where beams enter them; see `amorsim.contracts.View.normals`."""
@@ -240,6 +236,12 @@ class GroupView:
         """One number for each of a row's origins."""
         numbers = self._per_row(values)
         return np.repeat(numbers, per_row) if per_row > 1 else numbers
+
+    def _limits(self, range_max: Array, origins: Array) -> Array:
+        """One limit for each origin `(N * m,)`, from one for each origin, for each row, or for all."""
+        if len(origins) > self.rows and np.shape(range_max) == (len(origins), 1):
+            return np.ascontiguousarray(range_max[:, 0])
+        return self._per_origin(range_max, len(origins) // self.rows)
 
     def _cones(self, origins: Array, half_angle: float, limits: Array, traversal: str) -> Array:
         """The nearest returns `(N * m,)` in cones of one width."""
