@@ -77,9 +77,9 @@ class UserMotion(UserCode, Motion):
             others = np.delete(bodies.poses[row], bodies.own[row], axis=0)
             x, y, heading = view.body_pose[row].tolist()
             time = float(view.tick[row, 0]) * dt
-            state = ObstacleState(x, y, heading, float(view.free[row, 0]), time, dt, others)
+            moment = ObstacleState(x, y, heading, float(view.free[row, 0]), time, dt, others)
             try:
-                answer = caller(row)(state)
+                answer = caller(row)(moment)
             except RAISED as error:
                 raise self.raised(error, _who(names, row), time, "") from error
             wanted[row] = self._velocity(answer, _who(names, row))
