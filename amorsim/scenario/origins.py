@@ -93,6 +93,8 @@ class Origins:
         if not _may_inherit(root, (*at, *path)):
             return values
         own = found_at(self._lifted_merged(root, (*at, *path)), at)
+        if own is MISSING:  # a device that builds on one that cannot be read
+            return values
         return {**values, **own} if at else own
 
     def _lifted_merged(self, root: dict[str, Any], path: Path_) -> dict[str, Any]:
