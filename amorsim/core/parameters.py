@@ -38,7 +38,7 @@ _LARGEST_WHOLE = 2**53  # for those without bounds of their own
 
 FRAMES = ("world", "body")
 """What a parameter's `frame` may be."""
-COMPONENTS = ("planner", "controller")
+COMPONENTS = ("planner", "controller", "estimator", "motion")
 """The kinds of component that a parameter may be."""
 REFERS = ("sensors", "estimators", "joints")
 """What a parameter may refer to by name."""
@@ -66,7 +66,7 @@ class Parameter:
     a run's folder gets a copy of the file. `frame` says where points are: ``"world"``, ``"body"`` (the frame of the
     robot or of what it is part of), or ``""`` for what is no point. `refers` says what a text is the name of: one of
     the robot's ``"sensors"``, ``"estimators"`` or ``"joints"``. `component` is the kind of a value that is a component
-    itself: ``"planner"`` or ``"controller"``; files give it as a table with ``use = NAME``.
+    itself, one of `COMPONENTS`; files give it as a table with ``use = NAME``.
     """
 
     name: str

@@ -11,9 +11,9 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Controller, Drive, Joint, Part, Planner
+from amorsim.contracts import Controller, Drive, Estimator, Joint, Motion, Part, Planner
 from amorsim.core.errors import did_you_mean
-from amorsim.core.parameters import FRAMES, REFERS, Parameter, describe
+from amorsim.core.parameters import COMPONENTS, FRAMES, REFERS, Parameter, describe
 from amorsim.core.trouble import in_words
 
 __all__ = ["RESERVED", "check_class", "check_name"]
@@ -172,10 +172,10 @@ def _check_field(parameter: Parameter) -> Iterator[str]:
 
 def _check_component(parameter: Parameter) -> Iterator[str]:
     """A field that is a component: of a known kind, and annotated with its contract or a class of it."""
-    contracts = {"planner": Planner, "controller": Controller}
-    contract = contracts.get(parameter.component)
+    contracts: tuple[type, ...] = (Planner, Controller, Estimator, Motion)
+    contract = dict(zip(COMPONENTS, contracts, strict=True)).get(parameter.component)
     if contract is None:
-        yield f"field {parameter.name!r}: component: expected {' or '.join(contracts)}, found {parameter.component!r}"
+        yield f"field {parameter.name!r}: component: expected {' or '.join(COMPONENTS)}, found {parameter.component!r}"
     elif not (isinstance(parameter.type, type) and issubclass(parameter.type, contract)):
         yield f"field {parameter.name!r}: expected {contract.__name__} or a class of it, found {parameter.type}"
 

@@ -7,16 +7,19 @@ from typing import Any
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.models import ERROR_KEYS
 
-__all__ = ["error_over", "is_error", "meaning_of", "without_neutral"]
+__all__ = ["error_over", "errors_in", "is_error", "meaning_of", "without_neutral"]
 
 _DRAWS = {"normal", "uniform"}
 
 
+def errors_in(path: Path_) -> int:
+    """How many parts of a path lead to the table of errors that it leads into, of a scenario or a model; or 0."""
+    return next((length for length in (1, 3) if path[length - 1 : length] == ("errors",)), 0)
+
+
 def error_over(values: Any, path: Path_) -> Path_ | None:
     """The path of the error that is at a path or over it in a file's tables; None where there is none."""
-    if "errors" not in path:
-        return None
-    for length in range(path.index("errors") + 2, len(path) + 1):
+    for length in range(errors_in(path) + 1, len(path) + 1) if errors_in(path) else ():
         said = found_at(values, path[:length])
         if said is MISSING:
             return None

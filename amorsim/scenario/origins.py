@@ -93,6 +93,8 @@ class Origins:
         if not _may_inherit(root, (*at, *path)):
             return values
         own = found_at(self._lifted_merged(root, (*at, *path)), at)
+        if own is MISSING:  # a device that builds on one that cannot be read
+            return values
         return {**values, **own} if at else own
 
     def _lifted_merged(self, root: dict[str, Any], path: Path_) -> dict[str, Any]:
@@ -137,9 +139,10 @@ class Origins:
         return self._default(self._lifted_merged(root, at), at)
 
     def default_over(self, values: dict[str, Any], path: Path_) -> tuple[Path_, dict[str, Any]] | None:
-        """The component over a path that holds by default alone: where it is, and its table without needless keys.
+        """The component over a path of which neither the file nor a model says anything: where it is, and its table.
 
-        A file that says one of its fields must say which component it is.
+        That is its default's, without needless keys, and empty if the path leads to ``use``. A file that says one of
+        the component's fields must say which component it is.
         """
         root, begin = lifted(values), KINDS[kind_of(values)]
         at = (*begin, *path)
@@ -148,9 +151,12 @@ class Origins:
             if found_at(merged, at[:length]) is not MISSING:
                 continue
             field = field_at(merged, at[:length], self._registry, self._file.parent)
-            if field is not None and field.component and not field.is_required:
-                is_other = at[length:] == ("use",)
-                return path[: length - len(begin)], {} if is_other else _without_defaults(default_in_file(field), field)
+            if field is None or not field.component:
+                continue
+            if at[length:] == ("use",):
+                return path[: length - len(begin)], {}
+            if not field.is_required:
+                return path[: length - len(begin)], _without_defaults(default_in_file(field), field)
         return None
 
     def is_default(self, values: dict[str, Any], path: Path_) -> bool:

@@ -8,7 +8,7 @@ from amorsim.scenario.bodies import SHAPES
 from amorsim.scenario.editing import Editor
 from amorsim.scenario.layout import MISSING, Path_, changed, found_at, without
 from amorsim.scenario.models import are_of_one_kind
-from amorsim.scenario.neutral import error_over, is_error, meaning_of
+from amorsim.scenario.neutral import error_over, errors_in, is_error, meaning_of
 from amorsim.scenario.origins import Origins, kind_of
 from amorsim.scenario.toml_values import are_same, plain
 
@@ -112,7 +112,7 @@ class Setter:
         if said is MISSING or not is_error(said):
             return
         rest = without(self._editor.values, error)
-        for length in range(len(error) - 1, error.index("errors"), -1):  # an empty table would hide the model's
+        for length in range(len(error) - 1, errors_in(error), -1):  # an empty table would hide the model's
             if found_at(rest, error[:length]) == {}:
                 rest = without(rest, error[:length])
         if meaning_of(found_at(self._origins.merged(rest, error), error)) == meaning_of(said):
@@ -169,7 +169,7 @@ class Setter:
         """
         self._editor.remove(at)
         for length in range(len(at) - 1, 0, -1):
-            is_new = found_at(self._opened, at[:length]) is MISSING or "errors" in at[:length]
+            is_new = found_at(self._opened, at[:length]) is MISSING or length >= errors_in(at) > 0
             there = found_at(self._editor.values, at[:length])
             if there is MISSING:  # it went with what was in it
                 continue

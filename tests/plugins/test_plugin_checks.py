@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 import attrs
 import pytest
 
-from amorsim.contracts import Drive, Joint, MapLoader, Noise, Part, Recorder, Sensor, parameter
+from amorsim.contracts import Drive, Estimator, Joint, MapLoader, Noise, Part, Planner, Recorder, Sensor, parameter
 from amorsim.core.shapes import Shape
 from amorsim.plugins.checks import check_class
 
@@ -313,3 +313,28 @@ def test_points_are_in_a_frame_and_names_refer_to_something_that_is_known():
     frame, refers = check_class("sensor", Sensor, Lost)
     assert frame == "field 'x': frame: expected 'world' or 'body', found 'wrld'. Did you mean 'world'?"
     assert refers.startswith("field 'of': refers: expected 'sensors' or")
+
+
+def test_a_field_that_is_a_component_names_its_kind_and_its_contract():
+    @frozen
+    class Owner(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        way: Planner = parameter(component="planner")
+        next_one: Estimator = parameter(component="estimator")
+
+    assert check_class("sensor", Sensor, Owner) == ()
+
+    @frozen
+    class Unknown(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        way: Planner = parameter(component="way")
+
+    expected = "component: expected planner or controller or estimator or motion, found 'way'"
+    assert expected in only(check_class("sensor", Sensor, Unknown))
+
+    @frozen
+    class Wrong(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        way: Planner = parameter(component="controller")
+
+    assert "expected Controller or a class of it, found" in only(check_class("sensor", Sensor, Wrong))

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
+import amorsim as am
 from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.toml_values import are_same, as_toml, keys_as_toml, parse
 from tests.examples import settings
@@ -270,3 +271,30 @@ def test_every_file_that_ships_can_be_changed_anywhere_and_back(path: Path, tmp_
         assert kinds <= {"equal", "delete", "replace"}
         document.undo()
         assert document.text.encode() == data
+
+
+@settings(RANDOM, max_examples=60)
+@given(st.data())
+def test_what_is_in_a_table_moves_whole_or_stays_where_it_is(data: st.DataObject) -> None:
+    text = data.draw(texts())
+    try:
+        values = parse(text.removeprefix("\N{BOM}"))
+    except tomllib.TOMLDecodeError:
+        assume(False)
+    keyed = [path for path, _ in places(values) if path and isinstance(path[-1], str)]
+    assume(keyed)
+    path = data.draw(st.sampled_from(keyed))
+    keys = list(holder(values, path))
+    place = data.draw(st.integers(0, len(keys) - 1))
+    document = Document(text, "random.toml")
+    try:
+        document.move(path, place)
+    except am.DocumentError:  # as a pair below a header would be that table's
+        assert document.text == text
+        return
+    found = parse(document.text.removeprefix("\N{BOM}"))
+    assert are_same(found, values)
+    keys.insert(place, keys.pop(keys.index(path[-1])))
+    assert list(holder(found, path)) == keys
+    document.undo()
+    assert document.text == text

@@ -68,3 +68,33 @@ def test_another_component_in_a_field_takes_nothing_of_the_one_before(document):
     assert document.text == TEXT
     document.set(f"{CONTROLLER}.planner.cell", 0.2)
     assert document.text == TEXT.replace("cell = 0.1", "cell = 0.2")
+
+
+def test_a_component_that_must_be_given_is_chosen_like_any_other(document):
+    document.remove(f"{CONTROLLER}.planner")
+    assert [fault.path for fault in document.faults()] == ["robots.0.controller.planner"]
+    document.set(f"{CONTROLLER}.planner.use", "a_star")
+    assert document.text.endswith('goals = [[3.0, 2.0]]\nplanner = { use = "a_star" }\n')
+    assert document.faults() == ()
+
+
+def test_a_component_of_the_model_is_overridden_in_parts_or_as_a_whole(document, tmp_path):
+    (tmp_path / "mine.toml").write_text(
+        'format = 1\nmodel = "pioneer2dx"\n'
+        'controller = { use = "navigate", goals = [[1, 1]], planner = { use = "a_star", cell = 0.3 } }\n'
+    )
+    document.remove(CONTROLLER)
+    document.set("robots.rover.model", "mine.toml")
+    text = document.text
+    origin = document.inherited(f"{CONTROLLER}.planner.cell")
+    assert (origin.source, origin.value) == ("model", 0.3)
+    document.set(f"{CONTROLLER}.planner.cell", 0.2)
+    planner = document.scenario().robots[0].controller.planner
+    assert (type(planner).__name__, planner.cell) == ("AStar", 0.2)
+    document.set(f"{CONTROLLER}.planner.cell", 0.3)
+    assert document.text == text
+    document.set(f"{CONTROLLER}.planner.use", "theta_star")
+    planner = document.scenario().robots[0].controller.planner
+    assert (type(planner).__name__, planner.cell) == ("ThetaStar", None)
+    document.set(f"{CONTROLLER}.avoider.speed", 0.3)
+    assert document.scenario().robots[0].controller.avoider.speed == 0.3

@@ -100,3 +100,21 @@ def test_an_error_may_be_begun_with_what_changes_nothing(tmp_path):
     document = document_of(tmp_path, "")
     document.set(TRACK, {"scale": 1.0})
     assert document.get(TRACK) == {"scale": 1.0}
+
+
+def test_a_sensor_may_be_called_errors(tmp_path):
+    document = document_of(tmp_path, "sensors.errors = { use = 'gyro' }\n")
+    text = document.text
+    document.set("robots.rover.sensors.errors.mount.x", 0.1)
+    document.set("robots.rover.sensors.errors.mount.x", 0.0)
+    assert document.text == text
+    assert document.faults() == ()
+
+
+def test_the_errors_of_a_model_are_set_back_too(tmp_path):
+    (tmp_path / "mine.toml").write_text(MINE)
+    model = am.open_document(tmp_path / "mine.toml")
+    model.set("errors.drive.track.scale", 1.0)
+    assert "errors.drive.track = { add = 0.01 }\n" in model.text
+    model.set("errors.drive.track.add", 0.0)
+    assert model.text == 'format = 1\nmodel = "pioneer2dx"\n'

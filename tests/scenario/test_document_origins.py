@@ -192,3 +192,15 @@ def test_a_device_is_a_document_too(tmp_path):
     assert [(fault.path, fault.line) for fault in device.faults()] == [("range_max", 3)]
     device.set("range_max", under.value)
     assert device.text == text.replace("range_max = 30.0\n", "")
+
+
+def test_a_device_that_builds_on_an_unknown_one_can_be_changed(tmp_path):
+    path = tmp_path / "far.toml"
+    path.write_text('format = 1\nmodel = "sick-lms2000"\nrange_max = 30.0\n')
+    device = am.open_document(path)
+    assert device.get("range_max") == 30.0
+    with pytest.raises(am.DocumentError, match="nothing says it"):
+        device.get("beams")
+    device.set("range_max", 20.0)
+    assert "range_max = 20.0" in device.text
+    assert [fault.path for fault in device.faults()] == ["model"]

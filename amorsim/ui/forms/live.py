@@ -27,6 +27,7 @@ from amorsim.ui.simulator.protocol import ParameterForm
 __all__ = ["forms_of", "value_at"]
 
 _NUMBERS = ("scale", "add", "value")  # of a deviation
+_AT_START = "It is used when an episode starts, and set when the simulation is made."
 
 
 def forms_of(simulation: Simulation, name: str, origins: Origins | None = None) -> list[ParameterForm]:
@@ -118,6 +119,8 @@ def _places(robot: Robot) -> Iterator[_Place]:
         yield _Place(f"estimators.{name}", estimator, ("estimator",))
     if robot.controller is not None:
         yield _Place("controller", robot.controller, ("controller",))
+    if robot.estimators:
+        yield _Place("initial_belief", robot.initial_belief, ("nominal",), fixed=_AT_START)
 
 
 def _noise(at: str, unit: MountedSensor) -> Iterator[_Place]:

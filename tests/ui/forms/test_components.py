@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -15,6 +16,7 @@ from amorsim.controllers.avoider import Avoider
 from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.navigate import Navigate
 from amorsim.planners import AStar, ThetaStar
+from amorsim.plugins import manager
 from amorsim.plugins.manager import make_registry
 from amorsim.ui.forms.description import form_of
 from amorsim.ui.forms.live import forms_of
@@ -33,13 +35,30 @@ class Fallback(am.Controller):
         return np.zeros((robot.rows, 2))
 
 
+@attrs.frozen(kw_only=True)
+class Shifted(am.Estimator):
+    """What another estimator estimates, shifted along x."""
+
+    inner: am.Estimator = am.parameter(am.estimators.DeadReckoning(), component="estimator")
+    shift: float = am.parameter(0.5, unit="m")
+
+    def start(self, context: Any) -> Any:
+        return self.inner.start(context)
+
+    def update(self, robot: Any, readings: Any, command: Any, elapsed: Any, state: Any, draws: Any) -> Any:
+        found = self.inner.update(robot, readings, command, elapsed, state, draws)
+        pose = found.pose + np.concatenate([self.shift, 0 * self.shift, 0 * self.shift], axis=1)
+        return am.Estimate(pose=pose, covariance=found.covariance)
+
+
 class Foreign:
-    """A plugin that brings a controller whose fields are components, and no code for forms."""
+    """A plugin that brings components whose fields are components, and no code for forms."""
 
     @staticmethod
     @am.hookimpl
     def amorsim_register(registry: Any) -> None:
         registry.controller("fallback", Fallback)
+        registry.estimator("shifted", Shifted)
 
 
 @pytest.fixture(scope="module")
@@ -137,3 +156,30 @@ def test_where_a_value_of_a_component_in_a_field_comes_from_is_said() -> None:
     assert forms["controller.avoider.speed"]["origin"] == forms["controller.planner.cell"]["origin"] == "file"
     assert forms["controller.avoider.patience"]["origin"] == "default"
     assert issubclass(Dwa, Avoider)
+
+
+def test_a_foreign_estimator_in_another_is_read_shown_and_run(
+    registry: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(manager, "make_registry", lambda: registry)
+    manager.default_registry.cache_clear()
+    try:
+        (tmp_path / "room.wld").write_text("width 4000\nheight 3000\n")
+        (tmp_path / "one.toml").write_text(
+            "format = 1\nworld.map = 'room.wld'\n[[robots]]\nname = 'rover'\nmodel = 'pioneer2dx'\n"
+            "pose = { x = 1, y = 1 }\nestimators.dead_reckoning = false\n"
+            "estimators.both = { use = 'shifted', inner = { use = 'shifted', inner = { use = 'dead_reckoning' } } }\n"
+        )
+        simulation = am.Simulation(am.load(tmp_path / "one.toml"))
+        forms = {form["path"]: form for form in forms_of(simulation, "rover")}
+        inner = forms["estimators.both.inner.inner"]
+        assert (inner["value"]["use"], inner["group"]) == ("dead_reckoning", "estimators.both.inner")
+        assert forms["estimators.both.inner.shift"]["slider"]
+        simulation.step()
+        true, estimated = simulation.robot("rover").true_pose, simulation.robot("rover").estimated_pose
+        assert estimated[0] - true[0] == pytest.approx(1.0, abs=0.01)
+        simulation.set("rover", "estimators.both.inner.shift", 0.25)
+        simulation.step()
+        assert simulation.robot("rover").estimated_pose[0] - true[0] == pytest.approx(0.75, abs=0.01)
+    finally:
+        manager.default_registry.cache_clear()

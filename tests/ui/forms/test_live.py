@@ -174,3 +174,16 @@ def test_the_error_of_one_element_of_a_ring_is_shown_too() -> None:
     form = next(form for form in forms_of(simulation, "rover") if form["path"].startswith("errors.sensors.ring.ele"))
     assert form["widget"]["kind"] == "number"
     assert (form["label"], form["value"], form["unit"]) == ("elements 2 heading error", 0.02, "rad")
+
+
+def test_what_the_robot_knows_of_its_start_is_shown_and_fixed() -> None:
+    belief = am.InitialBelief(kind="gaussian", std=0.3)
+    simulation = am.Simulation(building.scenario(building.robot(initial_belief=belief)))
+    forms = {form["path"]: form for form in forms_of(simulation, "rover")}
+    std = forms["initial_belief.std"]
+    assert (std["value"], std["unit"], std["group"], std["kind"]) == (0.3, "m", "initial_belief", "nominal")
+    assert std["fixed"] == "It is used when an episode starts, and set when the simulation is made."
+    assert std["slider"] == []
+    assert forms["initial_belief.kind"]["widget"]["choices"] == ["exact", "gaussian", "nothing"]
+    bare = am.Simulation(building.scenario(building.robot(estimators={})))
+    assert not any(form["path"].startswith("initial_belief") for form in forms_of(bare, "rover"))

@@ -1,7 +1,8 @@
 // The inspector: what the selected thing says, as forms where its fields are known, and else as TOML.
 
 import { h, say } from "../shared/dom.js";
-import { makeField, shapeOf } from "../shared/fields.js";
+import { makeField } from "../shared/fields.js";
+import { shapeOf } from "../shared/nested_fields.js";
 import { holdSensor } from "./mounting.js";
 import { drawing, more, reordering } from "./more.js";
 import { reshaping } from "./reshape.js";

@@ -51,8 +51,8 @@ export function stateOf(parameter) {
 
 /** What the marks mean, in a line. */
 export function marksInWords() {
-  const told = ["changed", "drawn", "inherited", "fixed"].map((state) => h("span", {}, h("span", { class: "mark" }, MARKS[state][0]), MARKS[state][1]));
-  return h("p", { class: "legend-of-marks" }, told);
+  const parts = ["changed", "drawn", "inherited", "fixed"].map((state) => h("span", {}, h("span", { class: "mark" }, MARKS[state][0]), MARKS[state][1]));
+  return h("p", { class: "legend-of-marks" }, parts);
 }
 
 export class Field {
@@ -99,7 +99,7 @@ export class Field {
     if (!this.isBusy) this.put(parameter);
   }
 
-  /** Whether somebody is changing it. */
+  /** Whether the user is changing it. */
   get isBusy() {
     return false;
   }

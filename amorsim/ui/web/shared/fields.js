@@ -3,6 +3,7 @@
 import { brief, h, say } from "./dom.js";
 import { Field, numberIn, shown } from "./field.js";
 import { ListField } from "./list_field.js";
+import { ComponentField, EitherField, GroupField } from "./nested_fields.js";
 import { NumberField } from "./number_field.js";
 
 /** True or false. */
@@ -174,118 +175,6 @@ class DistributionField extends Field {
   }
 }
 
-/** A table with fields of its own. */
-class GroupField extends Field {
-  constructor(parameter, on) {
-    super(parameter, on);
-    this.fields = parameter.widget.fields.map((field) => makeField(field, on));
-    const inner = h("div", { class: "inner", role: "group", "aria-labelledby": `${this.id}-legend` }, this.fields.map((field) => field.element));
-    this.element.append(h("div", { class: "line" }, this.legend(parameter), this.back), this.help, inner, this.error);
-    this.update(parameter);
-  }
-
-  get isBusy() {
-    return this.fields.some((field) => field.isBusy);
-  }
-
-  update(parameter) {
-    super.update(parameter);
-    parameter.widget.fields.forEach((field, n) => this.fields[n].update({ ...field, fixed: parameter.fixed || field.fixed }));
-  }
-}
-
-/** What decides how fields are shown: all that is known of them but their values. @returns {any[]} */
-export const shapeOf = (fields) => fields.map(({ path, widget }) => [path, { ...widget, fields: shapeOf(widget?.fields ?? []) }]);
-
-/** A component: which one it is, and the fields of its own, which may be components again. */
-class ComponentField extends Field {
-  constructor(parameter, on) {
-    super(parameter, on);
-    /** @type {Field[]} */
-    this.fields = [];
-    this.select = h("select", { id: this.id, "aria-describedby": this.described, onchange: () => this.choose() });
-    this.inner = h("div", { class: "inner", role: "group", "aria-label": parameter.label });
-    this.element.append(h("div", { class: "line" }, this.label(parameter), this.select, this.back), this.help, this.error, this.inner);
-    this.update(parameter);
-  }
-
-  get controls() {
-    return [this.select];
-  }
-
-  /** Which one it is; nothing where it is not chosen yet. */
-  get used() {
-    return this.parameter.value?.use ?? "";
-  }
-
-  async choose() {
-    if (!(await this.give(this.select.value, `${this.path}.use`))) this.select.value = this.used;
-  }
-
-  update(parameter) {
-    const fields = parameter.widget.fields.map((field) => ({ ...field, fixed: parameter.fixed || field.fixed }));
-    const signature = JSON.stringify(shapeOf(fields));
-    if (signature !== this.signature) {
-      this.signature = signature;
-      this.fields = fields.map((field) => makeField(field, this.on));
-      this.inner.replaceChildren(...this.fields.map((field) => field.element));
-      this.inner.hidden = !fields.length;
-    }
-    super.update(parameter);
-    fields.forEach((field, n) => this.fields[n].update(field));
-  }
-
-  put(parameter) {
-    const all = [...new Set([...(this.used ? [] : [""]), ...parameter.widget.choices, this.used])];
-    this.select.replaceChildren(...all.map((word) => h("option", { value: word }, word || "choose …")));
-    this.select.value = this.used;
-    this.select.disabled = Boolean(parameter.fixed);
-    super.put(parameter);
-  }
-}
-
-/** What one of several kinds of value is shown by. */
-class EitherField extends Field {
-  constructor(parameter, on) {
-    super(parameter, on);
-    const { options } = parameter.widget;
-    this.select = h(
-      "select",
-      { id: this.id, "aria-label": `kind of ${parameter.label}`, onchange: () => this.turn(Number(this.select.value)) },
-      options.map((option, n) => h("option", { value: String(n) }, option.kind)),
-    );
-    this.holder = h("div", {});
-    this.element.append(h("div", { class: "line either" }, this.select), this.holder);
-    this.update(parameter);
-  }
-
-  /** Which option shows a value. */
-  fitting({ value, widget }) {
-    const kinds = Array.isArray(value) ? ["list", "table", "forms"] : { number: ["number"], boolean: ["flag"], string: ["choice", "text", "name", "file"] }[typeof value] ?? [];
-    return Math.max(0, widget.options.findIndex((option) => kinds.includes(option.kind)));
-  }
-
-  turn(n) {
-    this.chosen = n;
-    const [option, { value }] = [this.parameter.widget.options[n], this.parameter];
-    this.inner = makeField({ ...this.parameter, widget: option, value: this.fitting(this.parameter) === n ? value : null }, this.on);
-    this.holder.replaceChildren(this.inner.element);
-  }
-
-  get isBusy() {
-    return this.inner?.isBusy;
-  }
-
-  put(parameter) {
-    const n = this.fitting(parameter);
-    this.select.value = String(n);
-    this.select.disabled = Boolean(parameter.fixed);
-    if (n === this.chosen) this.inner.update({ ...parameter, widget: parameter.widget.options[n] });
-    else this.turn(n);
-    super.put(parameter);
-  }
-}
-
 const KINDS = {
   number: NumberField,
   flag: FlagField,
@@ -301,6 +190,8 @@ const KINDS = {
   distribution: DistributionField,
   either: EitherField,
 };
+
+const NESTED = [ListField, GroupField, ComponentField, EitherField]; // which make the fields in them
 
 /** A part of an error without a mark of its own: the error has one. */
 const plainly = (part) => ({ ...part, is_given: false });
@@ -342,6 +233,6 @@ function errorParts(parameter, element, on) {
 /** The field of a `FieldForm` or `ParameterForm`; its `element` shows it, its `update` takes another value. */
 export function makeField(parameter, on) {
   const Kind = KINDS[parameter.widget?.kind ?? "number"];
-  if (Kind === ListField) return new ListField(parameter, on, makeField);
+  if (NESTED.includes(Kind)) return new Kind(parameter, on, makeField);
   return new Kind(parameter, on, (shown, element) => errorParts(shown, element, on));
 }

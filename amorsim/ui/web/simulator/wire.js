@@ -438,6 +438,7 @@ export const BLOCKS = [
  * @property {boolean} is_whole
  * @property {string[]} choices
  * @property {string} refers
+ * @property {string} component
  * @property {string} frame
  * @property {Widget} item
  * @property {string[]} columns

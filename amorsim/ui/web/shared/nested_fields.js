@@ -1,0 +1,125 @@
+// Fields with fields in them: tables, components, and values of one of several kinds.
+
+import { h } from "./dom.js";
+import { Field } from "./field.js";
+
+/** A table with fields of its own. */
+export class GroupField extends Field {
+  constructor(parameter, on, makeField) {
+    super(parameter, on);
+    this.makeField = makeField;
+    this.fields = parameter.widget.fields.map((field) => makeField(field, on));
+    const inner = h("div", { class: "inner", role: "group", "aria-labelledby": `${this.id}-legend` }, this.fields.map((field) => field.element));
+    this.element.append(h("div", { class: "line" }, this.legend(parameter), this.back), this.help, inner, this.error);
+    this.update(parameter);
+  }
+
+  get isBusy() {
+    return this.fields.some((field) => field.isBusy);
+  }
+
+  update(parameter) {
+    super.update(parameter);
+    parameter.widget.fields.forEach((field, n) => this.fields[n].update({ ...field, fixed: parameter.fixed || field.fixed }));
+  }
+}
+
+/**
+ * What decides how fields are shown: all that is known of them but their values.
+ * @param {any[]} fields
+ * @returns {any[]}
+ */
+export function shapeOf(fields) {
+  return fields.map(({ path, widget }) => [path, { ...widget, fields: shapeOf(widget?.fields ?? []) }]);
+}
+
+/** A component: which one it is, and the fields of its own, which may be components again. */
+export class ComponentField extends Field {
+  constructor(parameter, on, makeField) {
+    super(parameter, on);
+    this.makeField = makeField;
+    /** @type {Field[]} */
+    this.fields = [];
+    this.select = h("select", { id: this.id, "aria-describedby": this.described, onchange: () => this.choose() });
+    this.inner = h("div", { class: "inner", role: "group", "aria-label": parameter.label });
+    this.element.append(h("div", { class: "line" }, this.label(parameter), this.select, this.back), this.help, this.error, this.inner);
+    this.update(parameter);
+  }
+
+  get controls() {
+    return [this.select];
+  }
+
+  /** Which one it is; nothing where it is not chosen yet. */
+  get used() {
+    return this.parameter.value?.use ?? "";
+  }
+
+  async choose() {
+    if (!(await this.give(this.select.value, `${this.path}.use`))) this.select.value = this.used;
+  }
+
+  update(parameter) {
+    const fields = parameter.widget.fields.map((field) => ({ ...field, fixed: parameter.fixed || field.fixed }));
+    const signature = JSON.stringify(shapeOf(fields));
+    if (signature !== this.signature) {
+      this.signature = signature;
+      this.fields = fields.map((field) => this.makeField(field, this.on));
+      this.inner.replaceChildren(...this.fields.map((field) => field.element));
+      this.inner.hidden = !fields.length;
+    }
+    super.update(parameter);
+    fields.forEach((field, n) => this.fields[n].update(field));
+  }
+
+  put(parameter) {
+    const all = [...new Set([...(this.used ? [] : [""]), ...parameter.widget.choices, this.used])];
+    this.select.replaceChildren(...all.map((word) => h("option", { value: word }, word || "choose …")));
+    this.select.value = this.used;
+    this.select.disabled = Boolean(parameter.fixed);
+    super.put(parameter);
+  }
+}
+
+/** What one of several kinds of value is shown by. */
+export class EitherField extends Field {
+  constructor(parameter, on, makeField) {
+    super(parameter, on);
+    this.makeField = makeField;
+    const { options } = parameter.widget;
+    this.select = h(
+      "select",
+      { id: this.id, "aria-label": `kind of ${parameter.label}`, onchange: () => this.turn(Number(this.select.value)) },
+      options.map((option, n) => h("option", { value: String(n) }, option.kind)),
+    );
+    this.holder = h("div", {});
+    this.element.append(h("div", { class: "line either" }, this.select), this.holder);
+    this.update(parameter);
+  }
+
+  /** Which option shows a value. */
+  fitting({ value, widget }) {
+    const kinds = Array.isArray(value) ? ["list", "table", "forms"] : { number: ["number"], boolean: ["flag"], string: ["choice", "text", "name", "file"] }[typeof value] ?? [];
+    return Math.max(0, widget.options.findIndex((option) => kinds.includes(option.kind)));
+  }
+
+  turn(n) {
+    this.chosen = n;
+    const [option, { value }] = [this.parameter.widget.options[n], this.parameter];
+    this.inner = this.makeField({ ...this.parameter, widget: option, value: this.fitting(this.parameter) === n ? value : null }, this.on);
+    this.holder.replaceChildren(this.inner.element);
+  }
+
+  get isBusy() {
+    return this.inner?.isBusy;
+  }
+
+  put(parameter) {
+    const n = this.fitting(parameter);
+    this.select.value = String(n);
+    this.select.disabled = Boolean(parameter.fixed);
+    if (n === this.chosen) this.inner.update({ ...parameter, widget: parameter.widget.options[n] });
+    else this.turn(n);
+    super.put(parameter);
+  }
+}
