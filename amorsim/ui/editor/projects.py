@@ -31,7 +31,7 @@ __all__ = ["ASKS", "Projects"]
 
 ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "code", "worlds")
 MOST_LISTED = 200  # files of the project that are listed
-LONGEST_BENCH = 240.0  # [s] of an experiment, whose kernels may have to be compiled
+LONGEST_BENCH = 240.0  # [s] of an experiment, or of writing a world: their kernels may have to be compiled
 LONGEST_CODE = 1_000_000  # letters
 
 Answer = dict[str, Any]
@@ -171,7 +171,8 @@ class Projects:
         """Write the world in the format that a name's ending says; `use` lets the scenario name that file."""
         work = self._session.work
         target = place_for(work.folder, name)
-        found = await self._ask("write_world", target=target, is_trial=is_trial, force=False)
+        await asyncio.to_thread(self._bench.ask, "look", **self._session.asked())
+        found = await asyncio.to_thread(self._bench.ask, "write_world", target=target, is_trial=is_trial, force=False)
         if use and not is_trial:
             work.edit(f"take {target.name} as the world", lambda work: _take(work, target, found["options"]))
             self._session.touched()

@@ -66,13 +66,14 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
     outlines = {outline.name: outline for outline in partial.outlines}
     for number, table in _tables(values, "robots"):
         thing = _body("robots", number, table, robots, outlines, "robot")
-        thing["note"] = str(table.get("model", "")) or thing["note"]
+        thing["note"] = _both(str(table.get("model", "")), thing["note"])
         found.append(thing)
     for number, table in _tables(values, "obstacles"):
         default = f"obstacle{number + 1}_" if "count" in table else f"obstacle{number + 1}"
         thing = _body("obstacles", number, table, obstacles, outlines, default)
         motion = table.get("motion")
-        thing["note"] = str(motion.get("use", "")) if isinstance(motion, dict) else "stands still"
+        moves = str(motion.get("use", "")) if isinstance(motion, dict) else "stands still"
+        thing["note"] = _both(moves, thing["note"])
         found.append(thing)
     zones = list(enumerate(partial.zones))
     for number, table in _tables(values, "zones"):
@@ -109,6 +110,10 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
             fault.path == thing["path"] or fault.path.startswith(f"{thing['path']}.") for fault in partial.faults
         )
     return found
+
+
+def _both(*notes: str) -> str:
+    return ", ".join(note for note in notes if note)
 
 
 def _thing(path: str, kind: str, name: str, note: str) -> Thing:

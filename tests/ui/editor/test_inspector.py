@@ -81,3 +81,21 @@ def test_the_sides_of_a_rectangle_are_numbers(path: str, tmp_path: Path) -> None
         assert session.work.document.get(f"{path}.shape") == {"rectangle": [0.6, 0.5]}
 
     talk("demo", tmp_path, say)
+
+
+def test_the_list_says_how_many_there_are_and_who_places_them(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        fleet = {
+            "name": "f",
+            "model": "pioneer2dx",
+            "count": 4,
+            "start": {"grid": [1.0, 1.0], "spacing": 1.0, "columns": 2},
+        }
+        await change(session, op="add", path="robots", value=fleet)
+        posts = {"name": "p", "shape": {"circle": 0.1}, "count": 3, "start": {"random": "anywhere"}}
+        await change(session, op="add", path="obstacles", value=posts)
+        notes = {thing["name"]: thing["note"] for thing in (await drawn(session))["things"]}
+        assert notes["f"] == "pioneer2dx, 4 of them"
+        assert notes["p"] == "stands still, 3 of them, placed by the run"
+
+    talk("demo", tmp_path, say)

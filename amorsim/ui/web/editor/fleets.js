@@ -16,7 +16,8 @@ export function askFleet(page, kind, box) {
   const [x0, y0, x1, y1] = box;
   const problem = h("p", { class: "error", role: "alert" });
   const model = h("select", {}, (kind.models ?? []).map((name) => h("option", { value: name }, name)));
-  const usual = page.stage.things.find(({ kind: one, note }) => one === "robot" && kind.models?.includes(note))?.note;
+  const modelOf = (/** @type {string} */ note) => note.split(",")[0];
+  const usual = page.stage.things.filter(({ kind: one }) => one === "robot").map(({ note }) => modelOf(note)).find((name) => kind.models?.includes(name));
   model.value = usual ?? "pioneer2dx"; // as those that are there
   const count = h("input", { type: "text", inputmode: "numeric", autocomplete: "off", value: "10" });
   const stands = h("select", {}, h("option", { value: "random" }, "at random"), h("option", { value: "grid" }, "on a grid"));
