@@ -25,7 +25,7 @@ from amorsim.contracts.planner import Plan, Planner
 from amorsim.contracts.recorder import Frame, ObstacleFrame, Recorder, RunInfo
 from amorsim.contracts.robot import Context, Drive, Joint, Part, RobotModel, Sensor, SensorModel
 from amorsim.contracts.scenario_loader import ScenarioDocument, ScenarioLoader
-from amorsim.contracts.values import Aim, Beliefs, Clock, Estimate, Measurement, State
+from amorsim.contracts.values import Aim, Beliefs, Clock, Estimate, LazyBeliefs, Measurement, State
 from amorsim.contracts.view import BodyStates, Emission, Emissions, FloorPoints, Lights, Neighbours, Sightings, View
 from amorsim.contracts.world_generator import WorldGenerator
 from amorsim.core.draws import Draws
@@ -50,6 +50,7 @@ __all__ = [
     "FloorPoints",
     "Frame",
     "Joint",
+    "LazyBeliefs",
     "Lights",
     "MapLoader",
     "Measurement",

@@ -44,6 +44,8 @@ class Estimator(Component, abc.ABC):
         Called only when a recorder or a viewer asks, once a step at most, so compute here what `update` does not need.
         Names and shapes are the same in every step: (N, ...), of float64, int64 or bool, first axis the row. Values are
         finite, or nan where there is nothing. Return arrays that later steps do not write into. Do not change `state`.
+        A recorder of text asks in every step, but for small arrays alone: return `amorsim.contracts.LazyBeliefs` to
+        compute large ones only when somebody looks them up.
         """
         return {}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import types
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts.robot import RobotModel
-from amorsim.contracts.values import Array, Beliefs, Estimate, Measurement
+from amorsim.contracts.values import Array, Beliefs, BeliefsByName, Estimate, Measurement
 
 __all__ = ["Frame", "ObstacleFrame", "Recorder", "RunInfo"]
 
@@ -38,6 +38,12 @@ class Frame(NamedTuple):
     part_pose: Array = np.empty((0, 0, 3))  # (N, p, 3) true, if there are parts
     # Of the estimators that have any, by name. Computed when first looked up, which must be in the frame's own step.
     beliefs: Mapping[str, Beliefs] = types.MappingProxyType({})
+
+    def some_beliefs(self, name: str, wanted: Iterable[str]) -> Beliefs:
+        """Some beliefs of an estimator, without computing those that are not wanted, which may be large."""
+        if isinstance(self.beliefs, BeliefsByName):
+            return self.beliefs.some(name, wanted)
+        return {belief: self.beliefs[name][belief] for belief in wanted}
 
 
 class ObstacleFrame(NamedTuple):

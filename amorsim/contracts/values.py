@@ -2,19 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import abc
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Aim", "Array", "Beliefs", "Clock", "Estimate", "Measurement", "State"]
+__all__ = ["Aim", "Array", "Beliefs", "BeliefsByName", "Clock", "Estimate", "LazyBeliefs", "Measurement", "State"]
 
 
 Array = npt.NDArray[np.float64]
 State = dict[str, npt.NDArray[Any]]
 Beliefs = Mapping[str, npt.NDArray[Any]]
 """What an estimator believes besides the pose: arrays by name, first axis the row; nan where there is nothing."""
+
+
+class LazyBeliefs(Mapping[str, npt.NDArray[Any]]):
+    """Beliefs of which some are functions, which compute an array when it is looked up: for what few ask for.
+
+    Only for the step in which it was made: the functions may read the state as it is then.
+    """
+
+    def __init__(self, arrays: Mapping[str, npt.NDArray[Any] | Callable[[], npt.NDArray[Any]]]) -> None:
+        self._arrays = arrays
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        found = self._arrays[name]
+        return found() if callable(found) else found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+
+class BeliefsByName(Mapping[str, Beliefs]):
+    """The beliefs of those that have any, by name."""
+
+    @abc.abstractmethod
+    def some(self, name: str, wanted: Iterable[str]) -> Beliefs:
+        """Some beliefs of one of them; what is not wanted need not be computed."""
 
 
 class Clock(NamedTuple):

@@ -14,6 +14,7 @@ from amorsim.contracts import (
     Context,
     Draws,
     Estimate,
+    LazyBeliefs,
     Measurement,
     RobotModel,
     State,
@@ -163,12 +164,16 @@ class GraphSlam(MapArea, ScanTracker):
         [m]; ``graph_poses`` (N, nodes, 3), nan beyond the last one; ``graph_edges`` (N, edges, 2), -1 beyond the last
         one; ``graph_loops``, how many of these closed a loop.
         """
-        probability = np.empty(state["log_odds"].shape)
-        occupancy.probabilities_of_log_odds(state["log_odds"], probability)
-        return {
-            **super().beliefs(state),
-            **map_beliefs(probability, state["origin"], area_of("graph_slam", self)),
-            "graph_poses": state["node_pose"].copy(),
-            "graph_edges": state["edge_nodes"].copy(),
-            "graph_loops": loops_of(state),
-        }
+
+        def probability(out: Array) -> None:
+            occupancy.probabilities_of_log_odds(state["log_odds"], out)
+
+        return LazyBeliefs(
+            {
+                **self._of_match(state),
+                **map_beliefs(probability, state["origin"], area_of("graph_slam", self)),
+                "graph_poses": lambda: state["node_pose"].copy(),
+                "graph_edges": lambda: state["edge_nodes"].copy(),
+                "graph_loops": loops_of(state),
+            }
+        )

@@ -15,6 +15,7 @@ from amorsim.contracts import (
     Draws,
     Estimate,
     Estimator,
+    LazyBeliefs,
     Measurement,
     RobotModel,
     State,
@@ -171,12 +172,14 @@ class GridMapping(MapArea, Estimator):
 
     def beliefs(self, state: State) -> Beliefs:
         """The map: ``occupancy`` (N, rows, cols), ``occupancy_origin`` [m] and ``occupancy_resolution`` [m]."""
-        probability = np.empty((len(state["pose"]), state["log_odds" if self.model == "log_odds" else "hits"].shape[1]))
-        if self.model == "log_odds":
-            occupancy.probabilities_of_log_odds(state["log_odds"], probability)
-        else:
-            occupancy.probabilities_of_counts(state["hits"], state["misses"], probability)
-        return map_beliefs(probability, state["origin"], area_of("grid_mapping", self))
+
+        def probability(out: Array) -> None:
+            if self.model == "log_odds":
+                occupancy.probabilities_of_log_odds(state["log_odds"], out)
+            else:
+                occupancy.probabilities_of_counts(state["hits"], state["misses"], out)
+
+        return LazyBeliefs(map_beliefs(probability, state["origin"], area_of("grid_mapping", self)))
 
 
 def _check_place(robot: RobotModel, name: str) -> None:

@@ -16,6 +16,7 @@ from amorsim.contracts import (
     Draws,
     Estimate,
     Estimator,
+    LazyBeliefs,
     Measurement,
     RobotModel,
     State,
@@ -241,16 +242,20 @@ class GridSlam(MapArea, Estimator):
         weights = _weights_of(state)
         best = np.argmax(weights, axis=1)
         every = np.arange(len(best))
-        probability = np.empty(state["log_odds"].shape)
-        occupancy.probabilities_of_log_odds(state["log_odds"], probability)
-        return {
-            "particles": state["particles"].copy(),
-            "weights": weights,
-            "effective_particles": _effective(weights),
-            "path": state["paths"][every, best].copy(),
-            **map_beliefs(probability, state["origin"], area_of("grid_slam", self)),
-            "scan": placed(state["scan"], np.ascontiguousarray(state["particles"][every, best])),
-        }
+
+        def probability(out: Array) -> None:
+            occupancy.probabilities_of_log_odds(state["log_odds"], out)
+
+        return LazyBeliefs(
+            {
+                "particles": state["particles"].copy(),
+                "weights": weights,
+                "effective_particles": _effective(weights),
+                "path": lambda: state["paths"][every, best].copy(),
+                **map_beliefs(probability, state["origin"], area_of("grid_slam", self)),
+                "scan": lambda: placed(state["scan"], np.ascontiguousarray(state["particles"][every, best])),
+            }
+        )
 
 
 def _weights_of(state: State) -> Array:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, parameter
+from amorsim.contracts import parameter
 from amorsim.core.errors import ComponentError
 from amorsim.kernels.mapping.occupancy import Evidence
 from amorsim.kernels.mapping.scan_cells import Area
@@ -82,10 +84,20 @@ def _log_odds(probability: float) -> float:
     return math.log(probability / (1.0 - probability))
 
 
-def map_beliefs(probability: Array, origins: Array, area: Area) -> Beliefs:
-    """A map as beliefs: probabilities `(N, rows * cols)` that cells are occupied, nan where nothing was seen."""
+def map_beliefs(probability: Callable[[Array], None], origins: Array, area: Area) -> dict[str, Any]:
+    """A map as `LazyBeliefs` take it.
+
+    `probability` fills an array `(N, rows * cols)` with probabilities that cells are occupied, nan where nothing was
+    seen; it is called when the map is looked up.
+    """
+
+    def occupancy() -> Array:
+        found = np.empty((len(origins), area.rows * area.cols))
+        probability(found)
+        return found.reshape(-1, area.rows, area.cols)
+
     return {
-        "occupancy": probability.reshape(len(probability), area.rows, area.cols),
+        "occupancy": occupancy,
         "occupancy_origin": origins.copy(),
-        "occupancy_resolution": np.full(len(probability), area.resolution),
+        "occupancy_resolution": np.full(len(origins), area.resolution),
     }

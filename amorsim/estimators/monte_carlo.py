@@ -17,6 +17,7 @@ from amorsim.contracts import (
     Draws,
     Estimate,
     Estimator,
+    LazyBeliefs,
     Measurement,
     RobotModel,
     State,
@@ -322,16 +323,22 @@ class MonteCarlo(Estimator):
         """
         most = state["weights"].shape[1]
         is_there = np.arange(most) < state["count"][:, None]
-        return {
-            "particles": np.where(is_there[:, :, None], _moved(state["particles"], state["moved"]), np.nan),
-            "weights": np.where(is_there, state["weights"], np.nan),
-            "hypotheses": _moved(state["hypotheses"], state["moved"]),
-            "hypotheses_covariance": state["hypotheses_covariance"].copy(),
-            "hypotheses_weight": state["hypotheses_weight"].copy(),
-            "effective_size": state["figures"][:, 0].copy(),
-            "count": state["count"].copy(),
-            "recovery": state["figures"][:, 1].copy(),
-        }
+
+        def particles() -> Array:
+            return np.where(is_there[:, :, None], _moved(state["particles"], state["moved"]), np.nan)
+
+        return LazyBeliefs(
+            {
+                "particles": particles,
+                "weights": lambda: np.where(is_there, state["weights"], np.nan),
+                "hypotheses": _moved(state["hypotheses"], state["moved"]),
+                "hypotheses_covariance": state["hypotheses_covariance"].copy(),
+                "hypotheses_weight": state["hypotheses_weight"].copy(),
+                "effective_size": state["figures"][:, 0].copy(),
+                "count": state["count"].copy(),
+                "recovery": state["figures"][:, 1].copy(),
+            }
+        )
 
 
 def _column(value: Any, rows: int) -> Array:

@@ -10,7 +10,17 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement, RobotModel, State, parameter
+from amorsim.contracts import (
+    Beliefs,
+    Context,
+    Estimate,
+    Estimator,
+    LazyBeliefs,
+    Measurement,
+    RobotModel,
+    State,
+    parameter,
+)
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.estimators.scans import beams_of, check_fresh, check_laser
@@ -192,6 +202,10 @@ class ScanTracker(Estimator):
         scan says least (x, y, and turn as a length); nan where nothing was matched. ``scan``: the last scan's points in
         the world `(N, k, 2)` [m], as the robot believes them to be.
         """
+        return LazyBeliefs(self._of_match(state))
+
+    def _of_match(self, state: State) -> dict[str, Any]:
+        """The beliefs of this step's match, as `LazyBeliefs` take them."""
         record = state["match"]
         return {
             "match_correction": record[:, :3].copy(),
@@ -202,7 +216,7 @@ class ScanTracker(Estimator):
             "match_degenerate": record[:, tracking.DEGENERATE].copy(),
             "match_weakest": record[:, tracking.WEAKEST].copy(),
             "match_direction": record[:, tracking.DIRECTION :].copy(),
-            "scan": placed(state["scan"], state["scan_pose"]),
+            "scan": lambda: placed(state["scan"], state["scan_pose"]),
         }
 
 

@@ -125,7 +125,7 @@ class RobotSteps(Steps):
         for true, reading in frame.readings.values():
             whole += (true, reading.measured, reading.stamp, reading.fresh)
         for name, beliefs in self.beliefs.items():
-            found = frame.beliefs[name]
+            found = frame.some_beliefs(name, beliefs)
             whole += [found[belief] for belief in beliefs]
         np.concatenate([array.ravel() for array in whole], out=self.table[self.count, : self._end])
         self.count += 1

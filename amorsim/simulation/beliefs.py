@@ -4,30 +4,35 @@ from __future__ import annotations
 
 import re
 import types
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs
+from amorsim.contracts.values import BeliefsByName
 from amorsim.core.errors import AmorsimError
 
-__all__ = ["BeliefsNow", "StepBeliefs", "beliefs_of_step", "beliefs_problem"]
+__all__ = ["BeliefsNow", "Believer", "StepBeliefs", "beliefs_of_step", "beliefs_problem", "chosen"]
 
 _BELIEF = re.compile(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z][A-Za-z0-9]*)*")  # numbers at the end are indices in files
 _NOTHING: Mapping[str, Beliefs] = types.MappingProxyType({})
 
 
-def beliefs_of_step(believers: Mapping[str, Callable[[], Beliefs]], moment: Callable[[], int]) -> Mapping[str, Beliefs]:
+Believer = Callable[[Iterable[str] | None], Beliefs]
+"""Gives the beliefs of a name that are wanted, or all of them."""
+
+
+def beliefs_of_step(believers: Mapping[str, Believer], moment: Callable[[], int]) -> Mapping[str, Beliefs]:
     """The beliefs of those that have any, by name; `moment` is the number of the step."""
     return StepBeliefs(believers, moment) if believers else _NOTHING
 
 
-class StepBeliefs(Mapping[str, Beliefs]):
+class StepBeliefs(BeliefsByName):
     """The beliefs of a step, by name: computed when looked up, and kept."""
 
-    def __init__(self, believers: Mapping[str, Callable[[], Beliefs]], moment: Callable[[], int]) -> None:
+    def __init__(self, believers: Mapping[str, Believer], moment: Callable[[], int]) -> None:
         self._believers = believers
         self._moment = moment
         self._made = moment()
@@ -37,13 +42,22 @@ class StepBeliefs(Mapping[str, Beliefs]):
         if name not in self._believers:
             raise KeyError(name)
         if name not in self._kept:
-            if self._moment() != self._made:
-                raise AmorsimError(
-                    f"the beliefs of {name!r} were looked up after their step; look them up in the step, "
-                    "or take a new frame"
-                )
-            self._kept[name] = self._believers[name]()
+            self._kept[name] = self._ask(name, None)
         return self._kept[name]
+
+    def some(self, name: str, wanted: Iterable[str]) -> Beliefs:
+        """Some beliefs of one of them; what is not wanted need not be computed."""
+        if name in self._kept:
+            return {belief: self._kept[name][belief] for belief in wanted}
+        return self._ask(name, wanted)
+
+    def _ask(self, name: str, wanted: Iterable[str] | None) -> Beliefs:
+        if self._moment() != self._made:
+            raise AmorsimError(
+                f"the beliefs of {name!r} were looked up after their step; look them up in the step, "
+                "or take a new frame"
+            )
+        return self._believers[name](wanted)
 
     def __contains__(self, name: object) -> bool:
         return name in self._believers  # asks no component
@@ -58,14 +72,12 @@ class StepBeliefs(Mapping[str, Beliefs]):
 class BeliefsNow(Mapping[str, Beliefs]):
     """The beliefs as they are whenever they are looked up, by name; of some rows, where `rows` says which."""
 
-    def __init__(
-        self, believers: Mapping[str, Callable[[], Beliefs]], rows: npt.NDArray[np.intp] | None = None
-    ) -> None:
+    def __init__(self, believers: Mapping[str, Believer], rows: npt.NDArray[np.intp] | None = None) -> None:
         self._believers = believers
         self._rows = rows
 
     def __getitem__(self, name: str) -> Beliefs:
-        found = self._believers[name]()
+        found = self._believers[name](None)
         return found if self._rows is None else {what: array[self._rows] for what, array in found.items()}
 
     def __iter__(self) -> Iterator[str]:
@@ -77,6 +89,13 @@ class BeliefsNow(Mapping[str, Beliefs]):
     def take(self, rows: npt.NDArray[np.intp]) -> BeliefsNow:
         """The beliefs of some rows alone."""
         return BeliefsNow(self._believers, rows if self._rows is None else self._rows[rows])
+
+
+def chosen(found: Any, wanted: Iterable[str] | None) -> Any:
+    """Those of a component's beliefs that are wanted, or all, computed; what are no beliefs is left as it is."""
+    if not isinstance(found, Mapping):
+        return found
+    return dict(found) if wanted is None else {belief: found[belief] for belief in wanted}
 
 
 def beliefs_problem(found: Any, rows: int) -> str:

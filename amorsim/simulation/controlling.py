@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -13,7 +13,7 @@ from amorsim.contracts import Beliefs, Clock, Context, Controller, Draws, Estima
 from amorsim.core.rows import stack, take
 from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.beliefs import BeliefsNow, beliefs_problem
+from amorsim.simulation.beliefs import BeliefsNow, beliefs_problem, chosen
 from amorsim.simulation.blame import Whose, is_finite
 
 __all__ = ["Driver", "report_problem"]
@@ -164,8 +164,8 @@ class Driver:
         """Whether the controller has beliefs."""
         return self.controller is not None and type(self.controller).beliefs is not Controller.beliefs
 
-    def beliefs(self) -> Beliefs:
-        """The beliefs of the controller, as its state is now.
+    def beliefs(self, wanted: Iterable[str] | None = None) -> Beliefs:
+        """The beliefs of the controller, as its state is now: those that are wanted, or all.
 
         Raises
         ------
@@ -175,7 +175,7 @@ class Driver:
         controller = self.controller
         assert controller is not None
         try:
-            found = controller.beliefs(self.state)
+            found: Beliefs = chosen(controller.beliefs(self.state), wanted)
         except RAISED as error:
             self._whose.blame("controller", controller, error)
         if problem := beliefs_problem(found, len(self.active)):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from amorsim.core.errors import ComponentError
 from amorsim.core.rows import stack
 from amorsim.core.trouble import RAISED
 from amorsim.scenario.spec import Robot
-from amorsim.simulation.beliefs import beliefs_problem
+from amorsim.simulation.beliefs import Believer, beliefs_problem, chosen
 from amorsim.simulation.blame import Whose, array_problem, is_finite
 from amorsim.simulation.feeding import FeedingError, estimate_readings, feeding_order
 from amorsim.simulation.row_clock import RowClock
@@ -118,12 +118,12 @@ class Estimators:
                 for row in np.flatnonzero(failed).tolist():
                     yield name, row, ends
 
-    def believers(self) -> dict[str, Callable[[], Beliefs]]:
+    def believers(self) -> dict[str, Believer]:
         """What gives the beliefs of each estimator that has any, by name."""
         return {name: functools.partial(self.beliefs_of, name) for name in self._believers}
 
-    def beliefs_of(self, name: str) -> Beliefs:
-        """The beliefs of one estimator, as its state is now.
+    def beliefs_of(self, name: str, wanted: Iterable[str] | None = None) -> Beliefs:
+        """The beliefs of one estimator, as its state is now: those that are wanted, or all.
 
         Raises
         ------
@@ -132,7 +132,7 @@ class Estimators:
         """
         estimator = self._estimators[name]
         try:
-            found = estimator.beliefs(self.states[name])
+            found: Beliefs = chosen(estimator.beliefs(self.states[name]), wanted)
         except RAISED as error:
             self._whose.blame(f"estimator {name!r}", estimator, error)
         if problem := beliefs_problem(found, self._rows):

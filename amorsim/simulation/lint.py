@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import collections
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 import shapely
 
 from amorsim.contracts import Controller, Motion
-from amorsim.core.errors import ComponentError
+from amorsim.core.errors import ComponentError, MapError
 from amorsim.core.map import Map
 from amorsim.core.starts import out_of_reach
 from amorsim.core.trouble import RAISED, error_in_words
@@ -17,8 +18,12 @@ from amorsim.core.ways import shut_off
 from amorsim.scenario.paths import changed
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
 from amorsim.scenario.worlds import start_of
+from amorsim.worlds.drawn import map_of, origin_of
 
-__all__ = ["advice"]
+__all__ = ["REPLICAS", "advice"]
+
+REPLICAS = 4
+"""The replicas whose maps are looked at where they have different ones."""
 
 Bools = npt.NDArray[np.bool_]
 
@@ -29,8 +34,23 @@ _TURN = np.arange(32) * (np.pi / 16.0)
 def advice(scenario: Scenario) -> list[str]:
     """Remarks on a valid scenario, each with the path that it is about.
 
-    Where replicas have different maps, these are of replica 0's.
+    Where replicas have different maps, those of the first few are looked at, and a remark that is not on replica 0's
+    names its replica.
     """
+    remarks = _of_parts(scenario) + _of_places(scenario) + _alike(scenario)
+    if origin_of(scenario.map) is not None:
+        for replica in range(1, REPLICAS):
+            try:
+                other = attrs.evolve(scenario, map=map_of(scenario.map, replica))
+            except MapError as error:
+                remarks.append(f"world.map: replica {replica} has no world: {error}")
+                continue
+            remarks += [f"{remark} (replica {replica})" for remark in _of_places(other) if remark not in remarks]
+    return remarks
+
+
+def _of_parts(scenario: Scenario) -> list[str]:
+    """Remarks on robots by themselves."""
     remarks = []
     for robot in scenario.robots:
         for name, unit in robot.sensors.items():
@@ -49,8 +69,12 @@ def advice(scenario: Scenario) -> list[str]:
         if robot.controller is None:
             remarks.append(f"robots.{robot.name}.controller: there is none, so the robot stands still")
         remarks += _factors(robot)
-    remarks += _unreachable(scenario)
-    remarks += _alike(scenario)
+    return remarks
+
+
+def _of_places(scenario: Scenario) -> list[str]:
+    """Remarks on what lies where on the map."""
+    remarks = _unreachable(scenario)
     for i, mark in enumerate(scenario.landmarks):
         x, y = mark.x + mark.radius * np.cos(_TURN), mark.y + mark.radius * np.sin(_TURN)
         if scenario.map.occupied(np.stack((np.append(x, mark.x), np.append(y, mark.y)), axis=1)).all():

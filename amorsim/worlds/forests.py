@@ -15,6 +15,7 @@ from amorsim.worlds.passable import open_parts, places_for
 __all__ = ["Forest"]
 
 _TRIES = 50  # for each tree
+_HOPE, _MANY = 1.5, 50  # how many more trunks than expected may still find a place: by a factor, and more
 _LEAST = 0.5  # of the places where the robot fits, that must be connected
 
 
@@ -38,13 +39,23 @@ class Forest(CellWorld):
         sheet.border(fence)
         count = math.floor(self.density * rows * cols * self.resolution**2 + 0.5)
         low, high = self.least_radius / self.resolution, self.largest_radius / self.resolution
+        if count > _most_discs(rows, cols, low):
+            raise MapError(
+                f"density = {self.density:g} per m^2 is too high: {count} trunks with a radius of at least "
+                f"{self.least_radius:g} m cannot lie side by side in it; take a lower density, or thinner trunks"
+            )
         trunks: dict[tuple[int, int], list[tuple[float, float, float]]] = {}
         side = 2.0 * high + 1.0  # of the squares by which trunks near a place are found
         glade = self.passage / 2
-        placed = 0
-        for _ in range(_TRIES * count):
+        placed = before = 0
+        for number in range(_TRIES * count):
             if placed == count:
                 break
+            if number % count == 0 and number:
+                # Places get fewer: as many as in this round will hardly be found in any of those to come.
+                if _HOPE * (placed - before) * (_TRIES - number // count) + _MANY < count - placed:
+                    break
+                before = placed
             row, col = numbers.uniform() * rows, numbers.uniform() * cols
             radius = low + numbers.uniform() * (high - low)
             square = (int(row / side), int(col / side))
@@ -56,15 +67,23 @@ class Forest(CellWorld):
                 trunks.setdefault(square, []).append((row, col, radius))
                 sheet.disc(col, row, radius)
                 placed += 1
-        else:
-            if placed < count:
-                raise MapError(
-                    f"density = {self.density:g} per m^2 is too high: {placed} of {count} trunks found a place that no "
-                    "other has; take a lower density, or thinner trunks"
-                )
+        if placed < count:
+            raise MapError(
+                f"density = {self.density:g} per m^2 is too high: {placed} of {count} trunks found a place that no "
+                "other has; take a lower density, or thinner trunks"
+            )
         _, sizes = open_parts(places_for(sheet.cells, self.clearance, self.resolution))
         if sizes[1:].max(initial=0) < _LEAST * max(sizes[1:].sum(), 1):
             raise MapError(
                 f"density = {self.density:g} per m^2 is too high for a robot with a clearance of {self.clearance:g} m: "
                 "the trunks part the forest into pieces; take a lower density, thinner trunks, or a smaller clearance"
             )
+
+
+def _most_discs(rows: int, cols: int, radius: float) -> float:
+    """How many discs that do not overlap have their middles in a rectangle, at most; all lengths in cells.
+
+    Source: H. Groemer, "Über die Einlagerung von Kreisen in einen konvexen Bereich", Math. Z. 73 (1960).
+    """
+    apart = 2.0 * radius
+    return 2.0 / math.sqrt(3.0) * rows * cols / apart**2 + (rows + cols) / apart + 1.0

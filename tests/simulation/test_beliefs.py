@@ -4,6 +4,7 @@ import pytest
 
 import amorsim as am
 from amorsim.analysis.files import RunFiles
+from amorsim.contracts import LazyBeliefs
 from amorsim.recorders.text import Text
 from amorsim.runs.tables import read_columns
 from amorsim.testing import check_component
@@ -208,3 +209,33 @@ class Lending(Counting):
 def test_the_check_finds_beliefs_that_break_the_contract(wrong, problem):
     with pytest.raises(am.ComponentError, match=problem):
         check_component(wrong())
+
+
+def test_a_recorder_of_text_asks_for_small_beliefs_alone_in_each_step(tmp_path):
+    looked_up = []
+
+    @attrs.frozen(kw_only=True)
+    class Large(Counting):
+        def beliefs(self, state):
+            def map_():
+                looked_up.append(1)
+                return np.zeros((len(state["count"]), 65))
+
+            return LazyBeliefs({**super().beliefs(state), "large": map_})
+
+    files = []
+    for estimator in (Large(), Counting()):
+        (tmp_path / type(estimator).__name__).mkdir()
+        files.append(recorded(estimator, tmp_path / type(estimator).__name__).read_bytes())
+    assert files[0] == files[1]
+    assert len(looked_up) == 1  # at the start, for its shape
+    sim = am.Simulation(scenario(Large()))
+    frame = sim.frames()[0]
+    assert frame.some_beliefs("who", ["count"]).keys() == {"count"}
+    assert frame.beliefs["who"]["large"].shape == (1, 65)
+    sim.step()
+    assert frame.beliefs["who"]["large"].shape == (1, 65)  # what was looked up in its step is kept
+    frame = sim.frames()[0]
+    sim.step()
+    with pytest.raises(am.AmorsimError, match="after their step"):
+        frame.some_beliefs("who", ["count"])

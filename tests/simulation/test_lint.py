@@ -1,11 +1,18 @@
 """Remarks on what is hardly meant."""
 
+import tomllib
+from pathlib import Path
+
+import attrs
+import numpy as np
 import pytest
 
 import amorsim as am
 from amorsim.scenario.knowledge import Knowledge
+from amorsim.scenario.read import loads
 from amorsim.scenario.spec import Landmark, Light
 from amorsim.simulation.lint import advice
+from amorsim.worlds.drawn import map_of
 from tests.building import robot, room, scenario
 
 
@@ -135,3 +142,35 @@ def test_marks_that_cannot_be_told_apart_are_remarked_on():
         "landmarks.3.id: landmarks.0 carries 1 too; a sensor cannot know which of them it sees",
         "robots.rover.knowledge.landmarks: more than one has the id 4; expected each id once",
     ]
+
+
+def forest(density):
+    """A scenario whose replicas have forests of their own, and a robot that goes to (0, 0)."""
+    text = f"""
+        format = 1
+        [world]
+        map = {{ generate = "forest", seed = 7, size = [7, 6], per = "replica", density = {density} }}
+        [[robots]]
+        name = "rover"
+        model = "pioneer2dx"
+        controller = {{ use = "goto", x = 0.0, y = 0.0 }}
+    """
+    return loads(tomllib.loads(text), Path())
+
+
+def test_where_replicas_have_different_maps_the_first_few_are_looked_at():
+    given = forest(0.6)
+    first, other = given.map, map_of(given.map, 1)
+    cells = first.to_array(), other.to_array()
+    for is_wall, expected in ((0, "is in a wall; it cannot get there (replica 1)"), (1, "is in a wall; it cannot")):
+        row, col = np.argwhere((cells[0] == is_wall) & (cells[1] == 1))[-1]
+        x, y = np.array([col + 0.5, row + 0.5]) * first.resolution + first.origin[:2]
+        goal = am.controllers.GoTo(x=float(x), y=float(y))
+        found = advice(attrs.evolve(given, robots=[attrs.evolve(given.robots[0], controller=goal)]))
+        assert any(remark.startswith("robots.rover.controller.x") and expected in remark for remark in found), found
+        assert ("(replica 1)" in "".join(found)) == (not is_wall)
+
+
+def test_a_replica_without_a_world_is_remarked_on():
+    found = advice(forest("{ uniform = [0.1, 8.0] }"))
+    assert any(remark.startswith("world.map: replica 3 has no world: Forest") for remark in found), found
