@@ -233,6 +233,7 @@ def polyline(poses: Array) -> Array:
     while True:
         bend = np.floor(turned / turn)
         kept = turns_about | np.concatenate(([False], bend[1:] > bend[:-1]))
+        kept[:-1] |= turns_about[1:]  # so that the last line before it has the path's heading there
         # Where a curve begins and ends.
         straight = pieces.turns == 0.0
         kept[1:-1] |= straight[1:] != straight[:-1]
