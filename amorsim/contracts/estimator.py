@@ -41,7 +41,7 @@ class Estimator(Component, abc.ABC):
     def beliefs(self, state: State) -> Beliefs:
         """What else it believes after the last update: innovations, verdicts of gates, biases ...; nothing by default.
 
-        Called only when a recorder or a viewer asks, once a step at most, so compute here what `update` does not need.
+        Called only when a recorder, a viewer or the controller asks, so compute here what `update` does not need.
         Names and shapes are the same in every step: (N, ...), of float64, int64 or bool, first axis the row. Values are
         finite, or nan where there is nothing. Return arrays that later steps do not write into. Do not change `state`.
         A recorder of text asks in every step, but for small arrays alone: return `amorsim.contracts.LazyBeliefs` to

@@ -128,24 +128,22 @@ class PathPursuit(Avoider):
             path, along = np.stack((pose[:, :2], path[:, 0]), axis=1), np.array([[0.0, away]])
             progress, way, stops = np.zeros((1, 1)), np.ones((1, 1)), np.ones((1, 1), dtype=np.int64)
         own: Any = self
-        speed, turn_rate, lookahead, stop, pause = (
-            np.broadcast_to(value, (len(limits), 1))[this]
-            for value in (own.speed, own.turn_rate, own.lookahead, own.stop, own.pause)
-        )
         paused = state["paused"][this]
-        if paused[0, 0] < pause[0, 0]:
+        speed = own.speed[this]
+        if paused[0, 0] < own.pause[row, 0]:
             paused += dt
             speed = np.minimum(speed, _CREEP)
+            speed.flags.writeable = False  # as that of a component: kernels are compiled for each kind
         before = float(way[0, 0])
         out = np.empty((1, 3))
         pure_pursuit.pursue(
             pose,
-            pure_pursuit.Course(*map(np.ascontiguousarray, (path, along, stops)), False),
-            np.ascontiguousarray(lookahead),
-            np.ascontiguousarray(stop),
-            pure_pursuit.Pace(
-                np.ascontiguousarray(speed), np.ascontiguousarray(turn_rate), limits[this], state["curvature"][this]
+            pure_pursuit.Course(
+                np.ascontiguousarray(path), np.ascontiguousarray(along), np.ascontiguousarray(stops), loops=False
             ),
+            own.lookahead[this],
+            own.stop[this],
+            pure_pursuit.Pace(speed, own.turn_rate[this], limits[this], state["curvature"][this]),
             dt,
             progress,
             way,

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from amorsim.algorithms.cells import Cells, free_cells
 from amorsim.algorithms.speed_profile import pieces_of
-from amorsim.contracts import Plan, Planner, RobotModel, State
+from amorsim.contracts import Beliefs, Plan, Planner, RobotModel, State
 from amorsim.core.errors import PlanError
 from amorsim.core.estimated_map import estimated_map
 from amorsim.core.map import Map
@@ -42,6 +42,8 @@ class Ways(NamedTuple):
     """[m] the reach of the footprint."""
     narrow: float
     """[m] kept from walls at the least."""
+    mapped: dict[str, Beliefs]
+    """What the mapper believes in this step, once it was looked up."""
     made: dict[tuple[int, bytes, bytes], Plan]
     """Plans with headings of this step on known maps, which robots that start alike in all replicas share."""
 
@@ -49,7 +51,7 @@ class Ways(NamedTuple):
     def of(cls, robot: RobotModel, planner: Planner, mapper: str, least_clearance: float | None) -> Ways:
         """For these robots; by default paths keep half the width of the footprint."""
         half = float(np.abs(robot.shape.outline[:, 1]).max()) if least_clearance is None else least_clearance
-        return cls(planner, robot, mapper, float(robot.shape.reach), min(half, float(robot.shape.reach)), {})
+        return cls(planner, robot, mapper, float(robot.shape.reach), min(half, float(robot.shape.reach)), {}, {})
 
     def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
         """The status of the plan from a robot's pose to its goal (2,) or (3,), the path's points (M, 2), the search.
@@ -81,7 +83,11 @@ class Ways(NamedTuple):
 
     def _known(self, row: int) -> Map | None:
         """What a robot knows of the world: what it was given, or what it has mapped."""
-        return estimated_map(self.robot.beliefs[self.mapper], row) if self.mapper else self.robot.map_of(row)
+        if not self.mapper:
+            return self.robot.map_of(row)
+        if self.mapper not in self.mapped:
+            self.mapped[self.mapper] = self.robot.beliefs[self.mapper]  # of all rows
+        return estimated_map(self.mapped[self.mapper], row)
 
     def _for_car(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
         """As `plan`, with headings: the path's corners, and those of lines near its curves.
@@ -243,6 +249,7 @@ def polyline(poses: Array) -> Array:
     while True:
         bend = np.floor(turned / turn)
         kept = turns_about | np.concatenate(([False], bend[1:] > bend[:-1]))
+        kept[:-1] |= turns_about[1:]  # so that the last line before it has the path's heading there
         # Where a curve begins and ends.
         straight = pieces.turns == 0.0
         kept[1:-1] |= straight[1:] != straight[:-1]

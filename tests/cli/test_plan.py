@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 import amorsim as am
+from amorsim.cli.console import compile_planners_once
 from amorsim.runs import warm
 from tests.cli.conftest import Command
 
@@ -77,29 +78,40 @@ def test_on_a_map_of_very_many_cells_it_plans_on_coarse_ones_and_says_so(amorsim
     assert "planned on" not in amorsim("plan", "hall.wld", *ends, "--set", "cell=0.1", "--force").err
 
 
-def test_what_is_compiled_at_the_first_plan_is_said(
-    amorsim: Command, rooms: str, monkeypatch: pytest.MonkeyPatch
+def test_kernels_of_planners_are_compiled_once_and_it_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     compiled: list[object] = []
     monkeypatch.setattr(warm, "_is_compiled", compiled.__contains__)
     monkeypatch.setattr(warm, "compile_planner", compiled.append)
-    said = "compiling the kernels of the planner theta_star, once after installing (up to a minute) ..."
-    once, again = (amorsim("plan", rooms, *ENDS, "--planner", "theta_star", "--force").out for _ in range(2))
-    assert said in once.splitlines()
-    assert said not in again
-    assert compiled == [am.planners.ThetaStar]
-
-
-@pytest.mark.long
-def test_a_run_says_so_too_unless_it_is_quiet(amorsim: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    compiled: list[object] = []
-    monkeypatch.setattr(warm, "_is_compiled", compiled.__contains__)
-    monkeypatch.setattr(warm, "compile_planner", compiled.append)
-    asked = ("run", "unknown-maze", "--duration", "0.1", "--out")
-    assert "the planner d_star_lite, once" in amorsim(*asked, "one").out
+    planners = [am.planners.ThetaStar(), am.planners.HybridAStar(), am.planners.ThetaStar(lazy=True)]
+    compile_planners_once(planners)
+    names = "theta_star, hybrid_a_star"
+    said = f"compiling the kernels of the planner {names}, once after installing (up to a minute) ...\n"
+    assert capsys.readouterr().out == said
+    compile_planners_once(planners)
+    assert capsys.readouterr().out == ""
+    assert compiled == [am.planners.ThetaStar, am.planners.HybridAStar]
     compiled.clear()
-    assert amorsim(*asked, "two", "--quiet").out == ""
-    assert compiled == [am.planners.DStarLite]
+    compile_planners_once(planners, quiet=True)
+    assert capsys.readouterr().out == ""
+    assert len(compiled) == 2
+
+
+@pytest.mark.parametrize("command", ["plan", "run"])
+def test_it_is_said_before_the_first_plan(
+    amorsim: Command, rooms: str, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    def compile_planner(kind: type) -> None:
+        raise am.AmorsimError(f"compiling {kind.__name__}")
+
+    monkeypatch.setattr(warm, "_is_compiled", lambda kind: False)
+    monkeypatch.setattr(warm, "compile_planner", compile_planner)
+    asked = ("run", "unknown-maze", "--out", "run") if command == "run" else ("plan", rooms, *ENDS)
+    result = amorsim(*asked)
+    assert result.status == 2
+    assert result.err == f"compiling {'DStarLite' if command == 'run' else 'AStar'}\n"
+    assert "once after installing" in result.out
 
 
 def test_a_picture_that_is_there_is_replaced_by_force_alone(amorsim: Command, rooms: str, tmp_path: Path) -> None:

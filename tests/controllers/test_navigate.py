@@ -171,6 +171,21 @@ def test_it_plans_on_the_map_that_it_makes_and_again_as_that_grows():
     assert frame.beliefs["controller"]["plans"][0, 0] >= 3  # each second
 
 
+def test_beliefs_are_computed_once_for_all_robots_that_plan_in_a_step(monkeypatch):
+    asked = []
+    beliefs = am.estimators.GridMapping.beliefs
+    monkeypatch.setattr(
+        am.estimators.GridMapping, "beliefs", lambda self, state: asked.append(1) or beliefs(self, state)
+    )
+    robots = [
+        attrs.evolve(make(navigate((5.5, y), mapper="wheels"), name=f"r{n}", start=am.Pose(y=y)), estimators=MAPPER)
+        for n, y in enumerate((-2.0, 0.0, 2.0))
+    ]
+    simulation = simulate(robots, duration=0.1)
+    assert simulation.frames()[0].beliefs["controller"]["plans"].ravel().tolist() == [1, 1, 1]
+    assert len(asked) == 2  # at the start, to see that it maps, and for the plans
+
+
 def test_a_robot_driven_by_hand_does_not_change_what_the_others_map():
     robots = [
         attrs.evolve(make(navigate((5.5, y), mapper="wheels"), name=f"r{n}", start=am.Pose(y=y)), estimators=MAPPER)
