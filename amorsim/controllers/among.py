@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import attrs
 import numpy as np
@@ -116,6 +116,15 @@ class Among(Avoider):
         return {"twist": state["moving"].copy(), "others": state["others"].copy()}
 
 
+class Known(NamedTuple):
+    """What robots know when they choose a velocity, as in `Among.choose`."""
+
+    others: Array
+    own: Array
+    wanted: Array
+    radius: Array
+
+
 @attrs.frozen(kw_only=True)
 class _ByVelocity(Among):
     """The base of those that choose, of the velocities that the others leave it, the nearest to the one it wants."""
@@ -124,11 +133,8 @@ class _ByVelocity(Among):
     """The belief that says what each of the others leaves it, and how many numbers that is."""
 
     @abc.abstractmethod
-    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
-        """The velocities `(N, 2)` of the rows from `first` to `end`, into `out`, and what the others leave into `left`.
-
-        `known` are the others, its own velocity, the one it wants, and its radius, as in `choose`.
-        """
+    def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:
+        """The velocities `(N, 2)` of rows `first` to `end`, into `out`, and what the others leave them, into `left`."""
 
     def start_steering(self, context: Context) -> State:
         """The robot's account of its twist, the others, and room for what they leave it."""
@@ -142,7 +148,7 @@ class _ByVelocity(Among):
         """The velocities nearest to those that are wanted."""
         wanted = _wanted(target, self.speed)
         out = np.empty_like(wanted)
-        known, left = (others, own, wanted, radius), state[self.leaves[0]]
+        known, left = Known(others, own, wanted, radius), state[self.leaves[0]]
         draws.share(_WORK, lambda first, end: self.nearest(known, dt, first, end, left, out))
         return out
 
@@ -174,7 +180,7 @@ class Orca(_ByVelocity):
 
     leaves: ClassVar[tuple[str, int]] = ("borders", 4)
 
-    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
+    def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:
         """By ORCA. Of each of the others, `left` is the border of what it permits: a point and a direction [m/s]."""
         mine: Any = self
         reciprocal_velocities(*known, mine.speed, mine.horizon, dt, first, end, left, out)
@@ -251,7 +257,7 @@ class Hrvo(_ByVelocity):
 
     leaves: ClassVar[tuple[str, int]] = ("cones", 6)
 
-    def nearest(self, known: tuple[Array, ...], dt: float, first: int, end: int, left: Array, out: Array) -> None:
+    def nearest(self, known: Known, dt: float, first: int, end: int, left: Array, out: Array) -> None:
         """By HRVO. Of each of the others, `left` is the cone that leads into it: apex, right and left side [m/s]."""
         mine: Any = self
         hybrid_velocities(*known, mine.speed, first, end, left, out)

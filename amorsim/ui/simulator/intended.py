@@ -123,7 +123,8 @@ def _arcs(arcs: Array, twist: Array, pose: Array, seconds: float) -> list[Intend
     arcs = arcs[np.isfinite(arcs[:, :2]).all(axis=1)]
     worth = _worths(arcs[:, 2])
     places = _along(np.repeat(arcs[:, None, :2], _ON_ARC - 1, axis=1), seconds / (_ON_ARC - 1), pose)
-    taken = np.flatnonzero(np.isfinite(arcs[:, 2]) & (arcs[:, :2] == twist[None]).all(axis=1)) if len(twist) else []
+    same = np.isfinite(arcs[:, 2]) & (arcs[:, :2] == twist[None]).all(axis=1) if len(twist) else np.zeros(0)
+    taken = set(np.flatnonzero(same).tolist())
     order = sorted(range(len(arcs)), key=lambda one: one in taken)
     return [
         {"points": _known(places[one]), "worth": round(float(worth[one]), 3), "taken": one in taken} for one in order
