@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -42,7 +43,8 @@ def in_this_process(plan: Plan, todo: Sequence[int], work_of: MakeWork) -> Itera
 def _in_worker(plan: Plan, work: Work) -> Outcome:
     ignore_interrupts()
     if work.begun:
-        Path(work.begun).touch()
+        with contextlib.suppress(OSError):  # what cannot be written is reported when the outcome is
+            Path(work.begun).touch()
     return run_chunk(plan, work.index, work.folder)
 
 
@@ -84,7 +86,7 @@ def _parallel(plan: Plan, todo: Iterator[Work], jobs: int) -> Iterator[Outcome]:
         n_jobs=jobs, backend="loky", return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs"
     )
     with warnings.catch_warnings():
-        # Of workers that stopped, which is told by what became of their chunks.
+        # Of workers that stopped: the outcomes of their chunks say so.
         warnings.filterwarnings("ignore", module="joblib")
         try:
             yield from run(joblib.delayed(_in_worker)(plan, work) for work in todo)
