@@ -55,6 +55,22 @@ def test_a_study_is_a_dict_of_arrays_and_a_frame(tmp_path: Path) -> None:
         assert pandas.read_parquet(table)["digest"].tolist() == study["digest"].tolist()
 
 
+def test_a_study_is_a_polars_frame(tmp_path: Path) -> None:
+    polars = pytest.importorskip("polars")
+    axes = {TRACK: [1.0, 1.05], "robots.rover.on_collision": ["end", "continue"]}
+    study = am.sweep(tables(tmp_path / "s", axes=axes, replicas=1, duration=0.2), tmp_path / "out")
+    frame = study.to_polars()
+    assert isinstance(frame, polars.DataFrame)
+    assert frame.columns == list(study)
+    kinds = (polars.Int64, polars.Float64, polars.String)
+    assert [frame[name].dtype for name in ("point", TRACK, "digest")] == list(kinds)
+    for name in study:
+        assert frame[name].to_list() == study[name].tolist(), name
+    table = tmp_path / "out" / "table.parquet"
+    if table.exists():
+        assert polars.read_parquet(table).equals(frame)
+
+
 def test_without_pyarrow_the_table_is_text_and_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     given = tables(tmp_path / "s", axes={TRACK: [1.0, 1.05], "robots.rover.on_collision": ["end", "continue"]})
     first = am.sweep(given, tmp_path / "out")
