@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.core.trouble import explain
 from amorsim.sweeps import chunk as chunks
 from amorsim.sweeps import spread
 from tests.sweeps.studies import METRICS, TRACK, study_file, tables
@@ -278,6 +279,23 @@ def test_on_a_full_disk_what_was_done_stays(tmp_path: Path, monkeypatch: pytest.
         am.sweep(given, tmp_path / "out")
     assert am.read_study(tmp_path / "out")["point"].tolist() == [0, 0, 0]
     monkeypatch.undo()
+    assert same(am.sweep(given, tmp_path / "out"), whole)
+
+
+def test_on_a_disk_too_full_for_the_table_chunks_stay(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    given = tables(tmp_path / "s", duration=0.2)
+    whole = am.sweep(given, tmp_path / "whole")
+    size = next((tmp_path / "whole").glob("table.*")).stat().st_size
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size - 1, limits[1]))  # bytes of a file
+    try:
+        with pytest.raises(am.StudyError, match=r"table.*: cannot be written") as raised:
+            am.sweep(given, tmp_path / "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert "File too large" in str(raised.value)
+    assert "\n" not in explain(raised.value)  # no lines of a library's code
     assert same(am.sweep(given, tmp_path / "out"), whole)
 
 
