@@ -53,6 +53,10 @@ def command(
     gif: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Also make a moving picture of the first replica: a .gif file.")
     ] = None,
+    mp4: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The same as a video: a .mp4 file. Needs the extra video."),
+    ] = None,
     gif_size: Annotated[int, typer.Option(metavar="PIXELS", help="Longer side of the moving picture.")] = GIF_SIZE,
     gif_rate: Annotated[float, typer.Option(metavar="N", help="Its frames a second, at most 25.")] = GIF_RATE,
     gif_speed: Annotated[
@@ -83,13 +87,17 @@ def command(
     if quiet:
         warnings.simplefilter("ignore")
     check_free(out)
-    if gif is None and (gif_size, gif_rate, gif_speed) != (GIF_SIZE, GIF_RATE, None):
-        raise AmorsimError("--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE makes one")
-    if gif is not None:
+    wanted = {kind: file for kind, file in (("gif", gif), ("mp4", mp4)) if file is not None}
+    if not wanted and (gif_size, gif_rate, gif_speed) != (GIF_SIZE, GIF_RATE, None):
+        raise AmorsimError(
+            "--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE or --mp4 FILE makes one"
+        )
+    if wanted:
         from amorsim.runs.film import Film, check_film
 
-        with _in_options():
-            check_film(gif, gif_size, gif_rate, gif_speed)
+        for kind, file in wanted.items():
+            with _in_options():
+                check_film(file, gif_size, gif_rate, gif_speed, kind)
     compile_once(
         lambda: look_up(scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration), quiet
     )
@@ -104,18 +112,19 @@ def command(
             complain(f"{read.map.name}: {warning}")
         for line in source_lines(read):
             say(line)
-    film = None
-    if gif is not None:
+    films = []
+    for kind, file in wanted.items():
         with _in_options():
-            film = Film(simulation, gif, read.duration, size=gif_size, rate=gif_rate, speed=gif_speed)
+            film = Film(simulation, file, read.duration, size=gif_size, rate=gif_rate, speed=gif_speed, kind=kind)
+            films.append(film)
     with _progress(quiet) as progress:
-        on_step = progress if film is None else functools.partial(_filmed, film, progress)
+        on_step = functools.partial(_filmed, films, progress) if films else progress
         summary = run_scenario(simulation.scenario, out, progress=on_step, simulation=simulation)
-    if film is not None:
+    for film in films:
         film.save()
     if not quiet:
         _report(simulation, summary)
-        if film is not None:
+        for film in films:
             say(f"moving picture: {film.path}")
     if not summary.is_complete:
         raise typer.Exit(130)
@@ -133,8 +142,9 @@ def _in_options() -> Iterator[None]:
         raise AmorsimError(f"--{error.name}: {error.problem}") from None
 
 
-def _filmed(film: Film, progress: Progress | None, share: float) -> None:
-    film.keep()
+def _filmed(films: list[Film], progress: Progress | None, share: float) -> None:
+    for film in films:
+        film.keep()
     if progress is not None:
         progress(share)
 

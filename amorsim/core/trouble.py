@@ -14,7 +14,9 @@ __all__ = ["RAISED", "error_in_words", "explain", "in_words", "users_lines"]
 _OURS = Path(__file__).resolve().parents[1]
 _PYTHONS = Path(sysconfig.get_path("stdlib"))
 _INSTALLED = "site-packages"
-_LIBRARIES = ("llvmlite", "numba", "numpy", "PIL", "scipy", "shapely")  # that amorsim calls in a step
+# That amorsim calls.
+_LIBRARIES = ("distributed", "joblib", "llvmlite", "matplotlib", "numba", "numpy", "PIL", "pyarrow", "scipy", "shapely")
+_COMPILED = (".pyx", ".pxi")  # sources of which a library was compiled
 _LONGEST = 200  # characters of a value
 
 RAISED = (Exception, SystemExit)
@@ -66,6 +68,8 @@ def _is_users(file: str) -> bool:
     if file.startswith("<"):  # of the interpreter's own
         return False
     path = Path(file)
+    if path.suffix in _COMPILED:
+        return False
     is_installed = _INSTALLED in path.parts
     return not path.is_relative_to(_OURS) and (is_installed or not path.is_relative_to(_PYTHONS))
 

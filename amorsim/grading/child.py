@@ -25,7 +25,7 @@ def main() -> None:
     """Answer until nothing more is sent."""
     requests = os.fdopen(os.dup(0), "rb")
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    # What a submission prints is no answer, and nobody sits at its keyboard.
+    # What a submission prints is no answer, and it has no keyboard.
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 0)
     os.dup2(nowhere, 1)

@@ -74,7 +74,7 @@ def grade(
 
     A submission runs in a process that has neither the simulation nor the truth: it gets what a controller or an
     estimator gets, and answers. If it raises, hangs, ends its process or needs too much memory, it has no points in
-    that case, with the reason; nobody else is affected.
+    that case, with the reason; other submissions are not affected.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def _labels(paths: Sequence[Path]) -> list[str]:
 
 
 def _scenario(rubric: Rubric, case: Case) -> Scenario:
-    """The scenario of a case; the lecturer's own mistakes are told before anybody is graded."""
+    """The scenario of a case; the lecturer's own mistakes are reported before anything is graded."""
     try:
         scenario = load(rubric.scenario, case.settings)
         simulation = Simulation(scenario, seed=case.seed)
@@ -235,5 +235,5 @@ def _page(rubric: Rubric, found: Grade) -> Page:
             for number, case in enumerate(found.cases, start=1)
         ],
     )
-    page.paragraph("Points are the mean over all runs. Seeds and worlds of the runs are not told.")
+    page.paragraph("Points are the mean over all runs. Seeds and worlds of the runs stay with the lecturer.")
     return page

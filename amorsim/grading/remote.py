@@ -63,6 +63,8 @@ class Remote:
             start_new_session=True,
             cwd=path.parent,
         )
+        assert self._process.stdin is not None
+        os.set_blocking(self._process.stdin.fileno(), False)
         self._rest = b""
         self._say({"path": str(path), "name": name, "role": role, "memory": memory_limit})
 
@@ -92,14 +94,16 @@ class Remote:
 
     def __call__(self, readings: Mapping[str, RobotReading], estimate: RobotEstimate, clock: RobotClock) -> Any:
         """The submission's command."""
+        when = f"at {clock.time:.1f} s"
         self._say(
             {
                 "readings": _said(readings),
                 "estimate": [estimate.pose.tolist(), estimate.covariance.tolist()],
                 "clock": [clock.tick, clock.time, clock.dt],
-            }
+            },
+            when,
         )
-        kind, value = self._answer(f"at {clock.time:.1f} s")
+        kind, value = self._answer(when)
         try:
             if kind == "twist":
                 return Twist(*value)
@@ -110,13 +114,13 @@ class Remote:
         return value
 
     def begin(self, pose: Array) -> None:
-        """Tell an estimator the pose `(3,)` that the robot starts from, as it was told."""
-        self._say({"start": pose.tolist()})
+        """Send an estimator the pose `(3,)` at which the robot starts, as the robot knows it."""
+        self._say({"start": pose.tolist()}, "at the start")
         self._answer("at the start")
 
     def estimate(self, readings: Mapping[str, RobotReading], command: Array, elapsed: float) -> tuple[Array, Array]:
         """The submission's estimate: a pose `(3,)` and a covariance `(3, 3)`."""
-        self._say({"readings": _said(readings), "command": command.tolist(), "elapsed": elapsed})
+        self._say({"readings": _said(readings), "command": command.tolist(), "elapsed": elapsed}, "in a step")
         _, value = self._answer("in a step")
         try:
             pose, covariance = (np.array(part, dtype=np.float64) for part in value)
@@ -129,13 +133,33 @@ class Remote:
             )
         return pose, covariance
 
-    def _say(self, message: Mapping[str, Any]) -> None:
+    def _say(self, message: Mapping[str, Any], when: str = "loading it") -> None:
+        """Send a line; a submission that does not read must not hold up the grading."""
         assert self._process.stdin is not None
-        try:
-            self._process.stdin.write(json.dumps(message).encode() + b"\n")
-            self._process.stdin.flush()
-        except OSError:
-            raise self._ended("before it was asked") from None
+        assert self._process.stdout is not None
+        if self._rest or select.select([self._process.stdout.fileno()], [], [], 0.0)[0]:
+            self._refuse_answers()
+        pipe = self._process.stdin.fileno()
+        rest = json.dumps(message).encode() + b"\n"
+        while rest:
+            begun = time.monotonic()
+            _, ready, _ = select.select([], [pipe], [], max(0.0, self._left))
+            self._left -= time.monotonic() - begun
+            if not ready:
+                raise ControllerError(f"it took longer than {self._limit:g} s in all ({when})")
+            try:
+                rest = rest[os.write(pipe, rest) :]
+            except BlockingIOError:
+                continue
+            except OSError:
+                raise self._ended("before it was asked") from None
+
+    def _refuse_answers(self) -> None:
+        """Raise if there is an answer to a question that was not asked yet; the end of the process is none."""
+        assert self._process.stdout is not None
+        if self._rest or os.read(self._process.stdout.fileno(), 1):
+            raise ControllerError("it answered before it was asked")
+        raise self._ended("before it was asked")
 
     def _answer(self, when: str) -> tuple[str, Any]:
         assert self._process.stdout is not None
@@ -177,7 +201,7 @@ class SubmittedEstimator(Estimator):
     remote: Remote = attrs.field()
 
     def start(self, context: Context) -> State:
-        """Tell it where it starts."""
+        """Send the pose at the start."""
         self.remote.begin(context.pose[0])
         return {}
 

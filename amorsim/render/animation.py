@@ -1,4 +1,4 @@
-"""Moving pictures: where robots and obstacles truly are, step by step, as a GIF."""
+"""Moving pictures: where robots and obstacles truly are, step by step, as a GIF or a video."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import Patch
 from amorsim.core.whole_files import write_bytes
 from amorsim.render.marks import COLOURS
+from amorsim.render.video import write_video
 from amorsim.render.words import font, in_words, round_length
 
 __all__ = ["Animation", "Shown"]
@@ -133,6 +134,19 @@ class Animation:
         made = io.BytesIO()
         frames[0].save(made, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=False)
         write_bytes(path, made.getvalue())
+
+    def save_video(self, path: str | Path, rate: float) -> None:
+        """Write the frames as an MP4, `rate` of them a second.
+
+        Raises
+        ------
+        RunError
+            If there is no frame, ffmpeg is missing, or the file cannot be written.
+        """
+        if not self._times:
+            raise RunError(f"{path}: there is nothing to show, not even one frame")
+        background = self._background()
+        write_video(Path(path), (self._draw(background, number) for number in range(len(self))), rate)
 
     def _background(self) -> Image.Image:
         """Floor, walls and scale bar, in fine pixels."""

@@ -1,4 +1,4 @@
-"""A simulation as a film: at regular steps a frame of the first replica's true world."""
+"""A simulation as a film, GIF or MP4: at regular steps a frame of the first replica's true world."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 from amorsim.core.errors import RunError
 from amorsim.core.parameters import ParameterError
 from amorsim.render.animation import SMALLEST, Animation, Shown
+from amorsim.render.video import check_video
 from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import Obstacle, Robot
 from amorsim.simulation.simulation import Simulation
@@ -18,10 +19,12 @@ LONGEST = 20.0  # [s] length of a film without a given speed
 FASTEST = 25.0  # frames a second
 
 
-def check_film(path: Path, size: int, rate: float, speed: float | None) -> None:
+def check_film(path: Path, size: int, rate: float, speed: float | None, kind: str = "gif") -> None:
     """Raise an error for settings that make no film, before anything is simulated; arguments and errors as `Film`'s."""
-    if path.suffix.lower() != ".gif":
-        raise ParameterError("gif", f"expected the name of a file that ends in .gif, got {str(path)!r}")
+    if path.suffix.lower() != f".{kind}":
+        raise ParameterError(kind, f"expected the name of a file that ends in .{kind}, got {str(path)!r}")
+    if kind == "mp4":
+        check_video()
     if path.is_dir():
         raise RunError(f"{path}: is a folder; name a file")
     if not path.parent.is_dir():
@@ -42,7 +45,7 @@ class Film:
     simulation
         Filmed from its present step on.
     path
-        Path of the GIF.
+        Path of the file.
     duration
         Simulated time still to come [s].
     size
@@ -51,13 +54,15 @@ class Film:
         Frames a second, as shown; at most 25.
     speed
         Speed of the film relative to simulated time; by default 1, or faster so that the film takes 20 s.
+    kind
+        ``"gif"``, or ``"mp4"``, which needs imageio-ffmpeg.
 
     Raises
     ------
     ParameterError
-        If a number is out of range, or the name does not end in ``.gif``.
+        If a number is out of range, or the name does not end in ``.gif`` or ``.mp4``, as `kind` says.
     RunError
-        If the file's folder is not there, or it is a folder itself.
+        If the file's folder is not there, it is a folder itself, or imageio-ffmpeg is missing.
     """
 
     def __init__(
@@ -69,9 +74,11 @@ class Film:
         size: int = 480,
         rate: float = 10.0,
         speed: float | None = None,
+        kind: str = "gif",
     ) -> None:
-        check_film(path, size, rate, speed)
+        check_film(path, size, rate, speed, kind)
         self.path = path
+        self._kind = kind
         self._simulation = simulation
         self._speed = max(1.0, duration / LONGEST) if speed is None else speed
         self._every = max(1, round(self._speed / rate / simulation.dt))
@@ -105,4 +112,7 @@ class Film:
 
     def save(self) -> None:
         """Write the file."""
-        self._animation.save(self.path, self._speed)
+        if self._kind == "mp4":
+            self._animation.save_video(self.path, self._speed / (self._every * self._simulation.dt))
+        else:
+            self._animation.save(self.path, self._speed)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
+import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -14,10 +16,11 @@ from amorsim.core.errors import StudyError
 from amorsim.sweeps.chunk import Outcome, ignore_interrupts, run_chunk
 from amorsim.sweeps.plan import Plan
 
-__all__ = ["Work", "in_processes", "in_this_process", "on_cluster"]
+__all__ = ["Work", "check_cluster", "in_processes", "in_this_process", "on_cluster"]
 
 _PATIENCE = 60.0  # [s] that a cluster may be without any worker
 _TRIES = 3
+_ADDRESS = re.compile(r"inproc://\S+|(\w+://)?\S+:\d+")
 _LOOK = 2.0  # [s] after which a cluster is looked at again
 
 
@@ -42,7 +45,8 @@ def in_this_process(plan: Plan, todo: Sequence[int], work_of: MakeWork) -> Itera
 def _in_worker(plan: Plan, work: Work) -> Outcome:
     ignore_interrupts()
     if work.begun:
-        Path(work.begun).touch()
+        with contextlib.suppress(OSError):  # what cannot be written is reported when the outcome is
+            Path(work.begun).touch()
     return run_chunk(plan, work.index, work.folder)
 
 
@@ -84,12 +88,22 @@ def _parallel(plan: Plan, todo: Iterator[Work], jobs: int) -> Iterator[Outcome]:
         n_jobs=jobs, backend="loky", return_as="generator_unordered", batch_size=1, pre_dispatch="2*n_jobs"
     )
     with warnings.catch_warnings():
-        # Of workers that stopped, which is told by what became of their chunks.
+        # Of workers that stopped: the outcomes of their chunks say so.
         warnings.filterwarnings("ignore", module="joblib")
         try:
             yield from run(joblib.delayed(_in_worker)(plan, work) for work in todo)
         except TerminatedWorkerError:
             raise _DiedError from None
+
+
+def check_cluster(cluster: Any) -> Any:
+    """The library that speaks to a Dask cluster; raises `StudyError` without it, or if no cluster can be meant."""
+    distributed = _extra("distributed", "dask[distributed]")
+    # A client of what is no address takes long to be deleted, and complains then: it is not made.
+    is_meant = _ADDRESS.fullmatch(cluster) if isinstance(cluster, str) else isinstance(cluster, distributed.Client)
+    if not is_meant:
+        raise StudyError(f"dask: expected the address of a scheduler, as tcp://host:8786, or a client, got {cluster!r}")
+    return distributed
 
 
 def on_cluster(plan: Plan, todo: Sequence[int], work_of: MakeWork, cluster: Any) -> Iterator[Outcome]:
@@ -102,9 +116,7 @@ def on_cluster(plan: Plan, todo: Sequence[int], work_of: MakeWork, cluster: Any)
     StudyError
         If the cluster cannot be reached, or goes away.
     """
-    distributed = _extra("distributed", "dask[distributed]")
-    if not isinstance(cluster, (str, distributed.Client)):
-        raise StudyError(f"dask: expected the address of a scheduler, as tcp://host:8786, or a client, got {cluster!r}")
+    distributed = check_cluster(cluster)
     try:
         client = distributed.Client(cluster, timeout=10, set_as_default=False) if isinstance(cluster, str) else cluster
     except (OSError, ValueError) as error:

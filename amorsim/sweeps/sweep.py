@@ -18,7 +18,7 @@ from amorsim.sweeps.chunk import Outcome, quantities, robot_of
 from amorsim.sweeps.folder import StudyFolder
 from amorsim.sweeps.plan import Axis, Plan
 from amorsim.sweeps.read import read_plan
-from amorsim.sweeps.spread import Work, in_processes, in_this_process, on_cluster
+from amorsim.sweeps.spread import Work, check_cluster, in_processes, in_this_process, on_cluster
 from amorsim.sweeps.table import Study, read_study, write_tables
 
 __all__ = ["Progress", "sweep"]
@@ -74,6 +74,8 @@ def sweep(
     plan = read_plan(study)
     if not isinstance(jobs, int) or jobs < 1:
         raise StudyError(f"jobs: expected a number of processes >= 1, got {jobs!r}")
+    if dask is not None:
+        check_cluster(dask)
     kept = _kept(keep, plan)
     scenario = _checked(plan)
     folder = StudyFolder(Path(out) if out is not None else Path("amorsim-runs") / plan.name, plan, scenario)

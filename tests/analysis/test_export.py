@@ -45,6 +45,15 @@ def test_tables_are_read_back(run: Path, tmp_path: Path) -> None:
     assert tmp_path / "sensors" / "laser.parquet" in made
 
 
+def test_tables_are_read_back_by_polars(run: Path, tmp_path: Path) -> None:
+    polars = pytest.importorskip("polars")
+    pytest.importorskip("pyarrow")
+    export_run(run, "parquet", tmp_path)
+    frame = polars.read_parquet(tmp_path / "poses.parquet")
+    table = am.analysis.RunFiles(run).table("poses", replica="all")
+    assert {name: frame[name].to_list() for name in frame.columns} == {name: table[name].tolist() for name in table}
+
+
 def test_an_mcap_file_is_read_back(run: Path, tmp_path: Path) -> None:
     reader = pytest.importorskip("mcap.reader")
     (path,) = export_run(run, "mcap", tmp_path)

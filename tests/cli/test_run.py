@@ -221,4 +221,6 @@ def test_a_collision_that_ended_a_controller_is_told_with_its_time(amorsim: Comm
 def test_how_a_film_is_needs_a_film(amorsim: Command) -> None:
     result = amorsim("run", "demo", "--gif-speed", "4")
     assert (result.status, result.out) == (2, "")
-    assert result.err.startswith("--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE")
+    assert result.err.startswith(
+        "--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE or --mp4 FILE"
+    )

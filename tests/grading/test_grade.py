@@ -6,10 +6,13 @@ import csv
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, RobotReading
 from amorsim.grading.grade import Grade, grade
+from amorsim.grading.remote import Remote
 from tests.studies import make_study
 from tests.sweeps.studies import SCENARIO
 
@@ -92,6 +95,15 @@ BAD = {
     "syntax": ("def drive(readings:\n", "SyntaxError"),
     "other": ("def steer(readings, estimate, clock):\n    return None\n", "there is no 'drive'"),
     "hungry": ("def drive(readings, estimate, clock):\n    return bytearray(10**11)\n", "memory"),
+    "hasty": (
+        "import os\n\ndef drive(readings, estimate, clock):\n"
+        "    for answers in range(3, 20):\n"
+        "        try:\n"
+        "            os.write(answers, b'[\"twist\", [0.4, 0.0, 0.0]]\\n' * 3)\n"
+        "        except OSError:\n"
+        "            pass\n",
+        "it answered before it was asked",
+    ),
     "truth": (
         "import gc\nimport sys\n\nimport amorsim as am\n\n\ndef drive(readings, estimate, clock):\n"
         "    found = [each for each in gc.get_objects() if type(each).__name__ in ('Simulation', 'Fleet', 'Group')]\n"
@@ -119,6 +131,33 @@ def test_a_submission_that_misbehaves_has_no_points_and_a_reason(course: Path, n
     assert reason in case.problem
     assert found["good"].total > 8.0
     assert reason in (course.parent / "grades" / "grades.csv").read_text().replace('""', '"')
+
+
+DEAF = """\
+import os
+
+
+def drive(readings, estimate, clock):
+    for answers in range(3, 20):
+        try:
+            os.write(answers, b'["twist", [0.0, 0.0, 0.0]]\\n')
+        except OSError:
+            continue
+    while True:
+        pass
+"""
+
+
+@pytest.mark.long
+def test_a_submission_that_does_not_read_holds_nothing_up(tmp_path: Path) -> None:
+    (tmp_path / "deaf.py").write_text(DEAF)
+    more_than_a_pipe_holds = {"laser": RobotReading(np.ones(100_000), 0, 0.0, True)}
+    estimate = RobotEstimate(np.zeros(3).view(PoseVector), np.zeros((3, 3)))
+    remote = Remote(tmp_path / "deaf.py", "drive", "controller", time_limit=0.5, memory_limit=6 * 10**9)
+    with remote:
+        remote({}, estimate, RobotClock(0, 0.0, 0.1))
+        with pytest.raises(am.ControllerError, match=r"took longer than 0.5 s in all \(at 0.1 s\)"):
+            remote(more_than_a_pipe_holds, estimate, RobotClock(1, 0.1, 0.1))
 
 
 @pytest.mark.long

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,10 +79,37 @@ def test_a_film_of_a_run_takes_the_frames_it_needs(tmp_path: Path) -> None:
         assert gif.info["duration"] == 100
 
 
+def test_a_video_of_a_run_is_read_back(tmp_path: Path) -> None:
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    sim = am.Simulation(building.scenario())
+    film = Film(sim, tmp_path / "run.mp4", 100.0, size=201, kind="mp4")  # an odd width, which H.264 has not
+    for _ in range(50):
+        sim.step()
+        film.keep()
+    film.save()
+    command = [ffmpeg.get_ffmpeg_exe(), "-i", str(tmp_path / "run.mp4"), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    read = subprocess.run(command, capture_output=True, check=True)
+    assert b"h264" in read.stderr
+    assert b"10 fps" in read.stderr
+    width, height = (side + side % 2 for side in film._animation.frame(0).size)
+    shown = np.frombuffer(read.stdout, np.uint8).reshape(-1, height, width, 3)
+    assert len(shown) == 11
+    drawn = np.asarray(film._animation.frame(10)).astype(int)
+    assert np.abs(shown[10][: len(drawn), : drawn.shape[1]] - drawn).mean() < 4.0  # of 255, after compression
+    assert [path.name for path in tmp_path.iterdir()] == ["run.mp4"]
+
+
+def test_a_video_without_ffmpeg_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(am.RunError, match=r'python -m pip install "amorsim\[video\]"'):
+        Film(am.Simulation(building.scenario()), tmp_path / "run.mp4", 10.0, kind="mp4")
+
+
 @pytest.mark.parametrize(
     ("name", "settings", "message"),
     [
         ("run.png", {}, "gif: expected the name of a file that ends in .gif"),
+        ("run.gif", {"kind": "mp4"}, "mp4: expected the name of a file that ends in .mp4"),
         ("run.gif", {"size": 50}, "gif-size: expected at least 120 pixels and at most 4096, got 50"),
         ("run.gif", {"size": 10_000_000}, "at most 4096, got 10000000"),
         ("folder.gif", {}, "is a folder; name a file"),
@@ -89,7 +118,7 @@ def test_a_film_of_a_run_takes_the_frames_it_needs(tmp_path: Path) -> None:
         ("none/run.gif", {}, "there is no folder"),
     ],
 )
-def test_what_makes_no_film(tmp_path: Path, name: str, settings: dict[str, float], message: str) -> None:
+def test_what_makes_no_film(tmp_path: Path, name: str, settings: dict[str, Any], message: str) -> None:
     (tmp_path / "folder.gif").mkdir()
     with pytest.raises(am.AmorsimError, match=message):
         Film(am.Simulation(building.scenario()), tmp_path / name, 10.0, **settings)

@@ -13,6 +13,9 @@ from typing import Any
 import pytest
 
 import amorsim as am
+from amorsim.sweeps import spread
+from amorsim.sweeps.chunk import Outcome
+from amorsim.sweeps.read import read_plan
 from tests.sweeps.studies import TRACK, needs_extra, study_file, tables
 
 pytestmark = needs_extra
@@ -119,6 +122,22 @@ def test_a_cluster_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest
         am.sweep(small(tmp_path / "s", 2), tmp_path / "out", dask="tcp://127.0.0.1:9")
     with pytest.raises(am.StudyError, match=r"dask: expected the address of a scheduler"):
         am.sweep(small(tmp_path / "s", 2), tmp_path / "out2", dask=3)
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://host", ""])
+def test_what_is_no_address_is_refused_at_once(tmp_path: Path, address: str) -> None:
+    # A client of such an address takes 20 s to be deleted, and complains then.
+    with pytest.raises(am.StudyError, match=r"dask: expected the address of a scheduler, as tcp://host:8786"):
+        am.sweep(small(tmp_path / "s", 2), tmp_path / "out", dask=address)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_worker_computes_even_if_it_cannot_leave_its_mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # The disk may be full; the process that spreads the work says so when it writes.
+    monkeypatch.setattr(spread, "ignore_interrupts", lambda: None)
+    monkeypatch.setattr(spread, "run_chunk", lambda plan, index, folder: Outcome(index=index))
+    work = spread.Work(index=3, begun=str(tmp_path / "none" / "00000003.begun"))
+    assert spread._in_worker(read_plan(small(tmp_path / "s", 4)), work).index == 3
 
 
 def test_without_the_extra_it_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

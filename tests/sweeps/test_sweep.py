@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.core.trouble import explain
 from amorsim.sweeps import chunk as chunks
 from amorsim.sweeps import spread
 from tests.sweeps.studies import METRICS, TRACK, study_file, tables
@@ -53,6 +54,22 @@ def test_a_study_is_a_dict_of_arrays_and_a_frame(tmp_path: Path) -> None:
     table = tmp_path / "out" / "table.parquet"
     if table.exists():
         assert pandas.read_parquet(table)["digest"].tolist() == study["digest"].tolist()
+
+
+def test_a_study_is_a_polars_frame(tmp_path: Path) -> None:
+    polars = pytest.importorskip("polars")
+    axes = {TRACK: [1.0, 1.05], "robots.rover.on_collision": ["end", "continue"]}
+    study = am.sweep(tables(tmp_path / "s", axes=axes, replicas=1, duration=0.2), tmp_path / "out")
+    frame = study.to_polars()
+    assert isinstance(frame, polars.DataFrame)
+    assert frame.columns == list(study)
+    kinds = (polars.Int64, polars.Float64, polars.String)
+    assert [frame[name].dtype for name in ("point", TRACK, "digest")] == list(kinds)
+    for name in study:
+        assert frame[name].to_list() == study[name].tolist(), name
+    table = tmp_path / "out" / "table.parquet"
+    if table.exists():
+        assert polars.read_parquet(table).equals(frame)
 
 
 def test_without_pyarrow_the_table_is_text_and_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -262,6 +279,23 @@ def test_on_a_full_disk_what_was_done_stays(tmp_path: Path, monkeypatch: pytest.
         am.sweep(given, tmp_path / "out")
     assert am.read_study(tmp_path / "out")["point"].tolist() == [0, 0, 0]
     monkeypatch.undo()
+    assert same(am.sweep(given, tmp_path / "out"), whole)
+
+
+def test_on_a_disk_too_full_for_the_table_chunks_stay(tmp_path: Path) -> None:
+    resource = pytest.importorskip("resource")
+    given = tables(tmp_path / "s", duration=0.2)
+    whole = am.sweep(given, tmp_path / "whole")
+    size = next((tmp_path / "whole").glob("table.*")).stat().st_size
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size - 1, limits[1]))  # bytes of a file
+    try:
+        with pytest.raises(am.StudyError, match=r"table.*: cannot be written") as raised:
+            am.sweep(given, tmp_path / "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert "File too large" in str(raised.value)
+    assert "\n" not in explain(raised.value)  # no lines of a library's code
     assert same(am.sweep(given, tmp_path / "out"), whole)
 
 
