@@ -70,7 +70,7 @@ def set_parameter(fleet: Fleet, handles: Sequence[RobotHandle], path: str, value
             group.set_parameters()
             reason = error.problem if isinstance(error, ParameterError) else str(error.args[0])
             if isinstance(error, ScenarioError):  # it is about what follows from the value
-                reason = f"{in_words(value)} would be out of bounds, for by it {reason}"
+                reason = f"{in_words(value)} would be out of bounds; with it, {reason}"
             raise AmorsimError(f"robot {handles[0].name!r}, {path}: {reason}") from None
     for handle in handles:
         _log(fleet, handle, "parameter_set", path, value)

@@ -314,7 +314,7 @@ class Simulation:
 
         A path such as ``"drive.track"`` sets the nominal value (the true one follows, by its error),
         ``"errors.drive.track.scale"`` the error, ``"sensors.laser.noise.gaussian.std"`` an element of a chain.
-        ``"errors.drive.track"`` takes a `Deviation`, or None, by which there is no error any more.
+        ``"errors.drive.track"`` takes a `Deviation`, or None, which removes the error.
 
         ``"sensors.laser.noise"`` and ``"ground"`` take a whole chain, in all replicas: a list of noises or of tables as
         in files, ``[{"use": "gaussian", "std": 0.01}]``. Elements that stay keep their states, and no other draws

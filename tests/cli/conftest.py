@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import attrs
 import pytest
+import typer.main
 
 from amorsim.cli import main
 from tests.studies import make_study
@@ -24,11 +26,15 @@ class Result:
 
 Command = Callable[..., Result]
 
+# A process has one command line; made again for each command, it would take longer than many of them.
+_get_command = functools.cache(typer.main.get_command)
+
 
 @pytest.fixture
 def amorsim(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
     """Runs ``amorsim ARGUMENTS`` in `tmp_path`."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(typer.main, "get_command", _get_command)
 
     def command(*arguments: object) -> Result:
         monkeypatch.setattr(sys, "argv", ["amorsim", *map(str, arguments)])
