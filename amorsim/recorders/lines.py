@@ -45,9 +45,9 @@ class Columns:
         self.bytes = np.frombuffer(bytearray(b"".join(self.names) or b","), dtype=np.uint8)
         self.ends = np.cumsum([len(name) for name in self.names], dtype=np.int64)
         self.needs_python = any(span.kind > _MOST_DECIMALS for span in spans)
-        told = sum(span.kind == NAME for span in spans) * max((len(name) for name in self.names), default=0)
+        names_width = sum(span.kind == NAME for span in spans) * max((len(name) for name in self.names), default=0)
         self.cells = sum(span.cells for span in spans)
-        self.width = self.cells * WIDEST + told  # bytes that a line takes at most
+        self.width = self.cells * WIDEST + names_width  # bytes that a line takes at most
 
 
 class Lines(NamedTuple):

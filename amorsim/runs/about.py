@@ -115,6 +115,12 @@ def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
         raise RunError(f"{path}: is damaged: its tables and lists are nested too deeply") from None
     if not isinstance(about, dict):
         raise RunError(f"{path}: is damaged: expected a table, got {shown(about)}")
+    form = about.get("format", FORMAT)
+    if _is_whole(form) and form != FORMAT:
+        raise RunError(
+            f"{path}: is in format {form}, of another version of amorsim ({about.get('amorsim', 'not known')}); this "
+            f"one reads format {FORMAT}"
+        )
     for key, (check, what) in (_NEEDED | _OTHERS).items():
         if (key in about or key in _NEEDED) and not check(about.get(key)):
             raise RunError(f"{path}: is damaged: expected {what} under {key!r}, got {shown(about.get(key))}")

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from amorsim.core.errors import RunError, did_you_mean
 
-__all__ = ["LARGEST", "LONGEST_LINE", "Line", "check_file", "last_line", "read_columns", "read_lines"]
+__all__ = ["LARGEST", "LONGEST_LINE", "Line", "check_file", "last_line", "read_columns", "read_header", "read_lines"]
 
 LARGEST = 1e100  # in size, except commands: no other number of a run is larger
 LONGEST_LINE = 1 << 26  # [bytes]
@@ -146,6 +146,17 @@ def last_line(path: Path) -> Line | None:
         number = sum(block.count(b"\n") for block in iter(lambda: file.read(_BLOCK), b""))
     text = _decoded(path, number, tail[-1]).removesuffix("\r")
     return Line(path, number, dict(zip(header, _cells(path, number, text, len(header)), strict=True)))
+
+
+def read_header(path: Path, name: str, *, with_replicas: bool = False) -> tuple[list[str], int]:
+    """The names of the columns of a text file of a run, and where its first line after them begins [bytes].
+
+    Parameters and errors are those of `read_columns`.
+    """
+    with _opened(path) as file:
+        line = file.readline(LONGEST_LINE)
+    text = _decoded(path, 1, line).rstrip("\r\n")
+    return _header(path, iter([(1, [text])]), name, with_replicas), len(line)
 
 
 def read_columns(path: Path, name: str, *, with_replicas: bool = False) -> dict[str, npt.NDArray[Any]]:

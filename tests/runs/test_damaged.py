@@ -66,7 +66,7 @@ def test_undamaged_it_reproduces(folder: Path) -> None:
         ("digests", ["ab"]),
         ("packages", {"numpy": [1, 26]}),
         ("processor", {}),
-        ("format", 2),
+        ("format", "2"),
         ("dt", 0.2),
     ],
 )
@@ -74,6 +74,13 @@ def test_a_value_of_the_wrong_kind_in_run_json_is_named(folder: Path, key: str, 
     about = json.loads((folder / "run.json").read_text())
     (folder / "run.json").write_text(json.dumps(about | {key: value}))
     with pytest.raises(am.RunError, match=rf"run.json: is damaged: .*'{key}'"):
+        am.reproduce(folder)
+
+
+def test_a_folder_of_another_version_says_so(folder: Path) -> None:
+    about = json.loads((folder / "run.json").read_text())
+    (folder / "run.json").write_text(json.dumps(about | {"format": 2, "amorsim": "9.0"}))
+    with pytest.raises(am.RunError, match=r"is in format 2, of another version of amorsim \(9.0\); this one reads"):
         am.reproduce(folder)
 
 

@@ -1,6 +1,6 @@
 """How the readings of a sensor are drawn: what a window needs to know of it besides where it sits.
 
-A few kinds of sensor are known here by name. All others are told by what they say of themselves: a sensor in metres
+A few kinds of sensor are known here by name. All others are recognised by their fields and columns: a sensor in metres
 with bearings and a range has beams, one whose table has a range and a bearing finds things; so those of plugins are
 drawn too.
 """

@@ -47,7 +47,7 @@ class OpeningPage:
             ) from None
 
     def open(self) -> None:
-        """Open it in the browser, without waiting: some browsers hold up whoever opens them."""
+        """Open it in the browser, without waiting: some browsers hold up the program that opens them."""
         threading.Thread(target=webbrowser.open, args=(self.path.as_uri(),), daemon=True).start()
 
     def remove(self) -> None:

@@ -71,7 +71,7 @@ def build(pages: Pages, door: Door, started: Callable[[], None] = lambda: None) 
 
 
 def _connecting(pages: Pages) -> Callable[[WebSocket], Awaitable[None]]:
-    """Lets windows talk with their page's session, so many at a time."""
+    """Lets windows talk with their page's session, a limited number at a time."""
     windows: set[Talk] = set()
 
     async def connect(websocket: WebSocket) -> None:
@@ -171,10 +171,10 @@ async def serve(
     ending: Callable[[], Awaitable[None]] = _nothing,
     longest_message: int = LONGEST_MESSAGE,
 ) -> None:
-    """Serve pages until the process is told to end.
+    """Serve pages until the process is asked to end.
 
     `ready` is given the door, which makes addresses to open the window by; `ending` is awaited as soon as the process
-    is told. A window's message has `longest_message` bytes at most.
+    is asked to. A window's message has `longest_message` bytes at most.
     """
     with listen(host, port) as bound:
         door = Door(host=host, port=bound.getsockname()[1])

@@ -18,14 +18,14 @@ __all__ = ["Carried", "Carrier"]
 MOST_BYTES = 16_000_000  # of all that is carried
 MOST_BYTES_OF_PATHS = 4_000_000
 LEAST_BETWEEN = 2.0  # [s]
-SHARE = 50.0  # of the time between two that taking one may last: one in so many
+SHARE = 50.0  # the time between two is at least this many times what taking one lasts
 
 
 @attrs.frozen(kw_only=True)
 class Carried:
     """A snapshot before anything was given to the simulation at its tick, and the paths up to there.
 
-    `paths` holds true beside estimated poses `(n, R, 6)` of every `stride`-th tick.
+    `paths` holds true, then estimated poses `(n, R, 6)` of every `stride`-th tick.
     """
 
     tick: int

@@ -73,7 +73,7 @@ class Controls:
         return window in self._windows
 
     def told(self) -> dict[str, Any]:
-        """As windows are told of it."""
+        """As a window's state has it."""
         self._pass_on()
         return {"holder": self.holder, "asking": list(self.asking)}
 

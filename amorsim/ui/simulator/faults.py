@@ -20,7 +20,7 @@ class Fault:
 
 
 def fault_of(error: BaseException) -> Fault:
-    """What is told of an error that ended a step."""
+    """The fault that an error in a step is."""
     robot = error.robot if isinstance(error, ControllerError) else ""
     text = str(error) if isinstance(error, AmorsimError) else error_in_words(error)
     return Fault(robots=(robot,) if robot else (), text=text, stack=explain(error))

@@ -56,7 +56,7 @@ class Inputs:
 
     def __init__(self, given: Iterable[Input] = ()) -> None:
         self._given = list(given)
-        self._told = 0  # how many of them are as `news` told
+        self._told = 0  # how many of them `news` has returned
 
     def __iter__(self) -> Any:
         return iter(self._given)

@@ -51,9 +51,9 @@ class Link:
         Its scene, once the simulation is made; an `AmorsimError` where it cannot be, a `FaultsError` where the
         scenario's files are why.
     inputs
-        What was given to it, as far as it told.
+        The inputs that were given to it, as far as it has reported them.
     tick
-        The last that it told of.
+        The last tick that it reported.
     carried
         The last snapshot that another child can go on from, or None.
     uncarried

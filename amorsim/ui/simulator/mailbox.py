@@ -1,4 +1,4 @@
-"""The newest moment, for whoever waits for it: one is kept, one is under way, and none waits for a window."""
+"""The newest moment for the windows that wait for it: one is kept, one is under way, and none waits for a window."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Mailbox:
         self._at = -math.inf  # when it came, as long as nothing was done since
         self._is_asked = False
         self._is_still = False  # whether no newer one can come
-        self._is_turned = False  # whether somebody looks at another robot than when it was asked for
+        self._is_turned = False  # whether a window has turned to another robot since it was asked for
         self._waiting: list[_Waiter] = []
 
     @property
@@ -93,11 +93,11 @@ class Mailbox:
             self._want(now=True)
 
     def spoil(self) -> None:
-        """Something was done: whoever asks next is to see it."""
+        """Something was done: the next frame must show it."""
         self._at = -math.inf
 
     def turn(self) -> None:
-        """Somebody looks at another robot: whoever waits, or asks next, is to see it even where nothing moves."""
+        """A window has turned to another robot: the next frame must show it, even if nothing moves."""
         self._at = -math.inf
         self._is_turned = True
         if self._is_still and self._bundle is not None:

@@ -24,7 +24,7 @@ def leave_with_the_session() -> None:
 
 
 def stay() -> None:
-    """Leave it to whoever reads standard input."""
+    """Leave it to the reader of standard input."""
     _stays.set()
 
 

@@ -1,6 +1,6 @@
 """Frames: the bytes in which a moment goes from the child to the session, and from there to each window.
 
-The child packs a **bundle**: all that is common, and beside it what is told of single robots alone, for each robot that
+The child packs a **bundle**: what all frames share, and in addition what belongs to one robot, for each robot that
 a window looks at. Of that the session makes each window's **frame**, which tells of one robot.
 """
 
@@ -49,7 +49,7 @@ HEADER = (
     ("events", "I"),
     ("robot_count", "I"),
     ("obstacle_count", "I"),
-    ("selected", "i"),  # robot; the counts that follow are of what is told of it
+    ("selected", "i"),  # robot; the counts that follow are of its values
     ("value_count", "I"),
     ("sensor_count", "I"),
     ("joint_count", "I"),
@@ -89,7 +89,7 @@ def _offset(name: str) -> int:
 
 
 _NUMBER_AT, _FLAGS_AT = _offset("number"), _offset("states")
-_ROBOT = [field for field, _ in HEADER].index("selected")  # sizes of what is told of it follow
+_ROBOT = [field for field, _ in HEADER].index("selected")  # sizes of its values follow
 
 
 class FrameFlag(enum.IntFlag):
@@ -232,7 +232,7 @@ def unpack_frame(data: bytes) -> Dynamic:
 
 _BUNDLE_HEADER = struct.Struct("<4sI")  # magic, heads
 _BUNDLE_MAGIC = b"amb1"
-_HEAD = struct.Struct("<iI")  # robot, bytes of its head: a frame's header and what is told of that robot
+_HEAD = struct.Struct("<iI")  # robot, bytes of its head: a frame's header and that robot's values
 _NOTHING = Selected(*(np.full(size, np.nan) for size in (0, 0, 0, 0, 0, 3, 3, 0, 0, 0, 0)))
 
 

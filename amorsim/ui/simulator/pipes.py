@@ -1,4 +1,4 @@
-"""Messages between two processes over pipes: a kind, a length, and so many bytes."""
+"""Messages between two processes over pipes: a kind, a length, and that many bytes."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ def _read(pipe: IO[bytes], size: int) -> bytes | None:
 
 
 class Writer:
-    """Writes messages in a thread of its own, so that nobody waits for whoever reads them.
+    """Writes messages in a thread of its own, so that the sender never waits for the reader.
 
-    What waits is bounded by whoever asks: every message but few is an answer.
+    Few messages wait, since nearly every one is an answer to a command.
     """
 
     def __init__(self, pipe: IO[bytes]) -> None:

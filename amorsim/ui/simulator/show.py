@@ -1,4 +1,4 @@
-"""The window's process: it keeps a session and serves its window until it is told to end."""
+"""The window's process: it keeps a session and serves its window until it is asked to end."""
 
 from __future__ import annotations
 

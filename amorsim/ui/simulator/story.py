@@ -37,7 +37,7 @@ class Story:
     def add(
         self, events: int, tick: int, time: float, kind: str, text: str, *, robot: str = "", stack: str = ""
     ) -> None:
-        """Keep a remark, made after so many events, at a tick and its time [s]."""
+        """Keep a remark, made after `events` events, at a tick and its time [s]."""
         line = line_of(tick, time, kind, text, robot)
         if stack:
             line["stack"] = stack
@@ -55,7 +55,7 @@ class Story:
         return other
 
     def cut(self, tick: int, events: int) -> None:
-        """Forget what came after `tick`, at which there had been so many events."""
+        """Forget what came after `tick`, at which there were `events` events."""
         self._lines = [(min(before, events), line) for before, line in self._lines if line["tick"] <= tick]
 
     def told(self, events: Sequence[Event]) -> list[EventLine]:

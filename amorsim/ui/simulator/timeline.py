@@ -55,7 +55,7 @@ class Paths:
         self.stride *= 2
 
     def at(self, tick: int) -> tuple[int, npt.NDArray[np.float32]]:
-        """The last tick at or before `tick` that was kept, and the poses of it: true beside estimated `(R, 6)`."""
+        """The last tick at or before `tick` that was kept, and its poses: true, then estimated `(R, 6)`."""
         place = max(0, min(tick // self.stride, self._count - 1))
         return place * self.stride, self._kept[place]
 
@@ -81,7 +81,7 @@ class Paths:
         return other
 
     def track(self, robot: int, most: int) -> tuple[list[int], Array]:
-        """Ticks and poses `(n, 6)` of one robot, at most so many, the last among them."""
+        """Ticks and poses `(n, 6)` of one robot, at most `most` of them, including the last."""
         every = max(1, -(-self._count // max(most, 2)))
         # From the end, so that a path ends where its robot is.
         places = np.arange(self._count - 1, -1, -every)[::-1]
