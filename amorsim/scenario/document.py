@@ -158,8 +158,8 @@ class Document:
 
         Of a table or a list, only what differs is written. What holds anyway is left out: a value that is set back to
         what the model, a device or a default says is removed from the file. A default stays if the file said it when
-        it was opened. An error that changes nothing goes as a whole. Another ``use`` is another component: the keys of
-        the one before go.
+        it was opened, and so does a coordinate. An error that changes nothing goes as a whole. Another ``use`` is
+        another component: the keys of the one before go.
 
         Raises
         ------

@@ -14,6 +14,8 @@ from amorsim.scenario.toml_values import are_same, plain
 
 __all__ = ["Setter"]
 
+_COORDINATES = ("x", "y", "heading_deg")
+
 
 class Setter:
     """Says values in the file of an editor, as `Document.set` does.
@@ -160,7 +162,8 @@ class Setter:
         if origin.source != "default":
             return True
         opened = found_at(self._opened, at)
-        return opened is MISSING or not _are_equal(opened, value)
+        # A place is given by all of its coordinates, be some of them 0.
+        return opened is MISSING or not (at[-1] in _COORDINATES or _are_equal(opened, value))
 
     def _drop(self, at: Path_) -> None:
         """Leave out what is at a path, and the tables about it that say nothing then.

@@ -118,3 +118,11 @@ def test_the_errors_of_a_model_are_set_back_too(tmp_path):
     assert "errors.drive.track = { add = 0.01 }\n" in model.text
     model.set("errors.drive.track.add", 0.0)
     assert model.text == 'format = 1\nmodel = "pioneer2dx"\n'
+
+
+def test_a_place_keeps_all_of_its_coordinates(tmp_path):
+    document = document_of(tmp_path, "sensors.laser.mount = { x = 0.1, y = 0.2 }\n")
+    document.set("robots.rover.pose.x", 0.0)
+    assert "pose = { x = 0.0, y = 1.5 }\n" in document.text
+    document.set("robots.rover.sensors.laser.mount.y", 0.0)
+    assert "sensors.laser.mount = { x = 0.1, y = 0.0 }\n" in document.text

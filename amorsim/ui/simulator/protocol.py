@@ -69,7 +69,7 @@ class ParameterForm(TypedDict):
     """
 
     path: str
-    group: str  # "drive", "sensors.laser", "ground", "controller" ...
+    group: str  # "drive", "sensors.laser", "ground", "controller", "controller.planner" ...
     part: str  # the path of what it is a field of: "sensors.laser.noise.gaussian"
     label: str
     unit: str  # of `value`; "rad" and "rad/s" are best shown in degrees, "×" is a factor

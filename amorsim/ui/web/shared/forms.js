@@ -68,7 +68,7 @@ export class Form {
       const isChains = kind === "noise" && chains.length > 0;
       const groups = isChains ? chains.map((chain) => chain.group) : [...new Set(mine.map((p) => p.group))];
       const parts = groups.map((group, n) => {
-        const rows = isChains ? chainRows(chains[n], (path) => this.rows(mine.filter((p) => p.part === path)), this.on) : this.rows(mine.filter((p) => p.group === group));
+        const rows = isChains ? chainRows(chains[n], (path) => this.rows(mine.filter((p) => p.part === path || p.part.startsWith(`${path}.`))), this.on) : this.rows(mine.filter((p) => p.group === group));
         if (group === undefined) return h("div", { class: "group" }, rows);
         const key = `${kind} ${group}`;
         const isOpen = opened.get(key) ?? (kind === "systematic" ? group === "drive" : kind === "noise" && groups.length < 2);
