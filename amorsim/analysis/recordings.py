@@ -218,7 +218,7 @@ def _stamp(content: Any, received: int) -> int:
     if stamp is None:
         return received
     time = int(stamp.sec) * 10**9 + int(stamp.nsec if header is None else stamp.nanosec)
-    # A header that nobody filled has no time, and names no frame.
+    # A header that was never filled has no time, and names no frame.
     return received if header is not None and time == 0 and not header.frame_id else time
 
 
