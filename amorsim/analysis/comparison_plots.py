@@ -112,8 +112,10 @@ class _Groups:
     def rows(self, label: Any, chosen: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.int64]:
         """The rows with this value, in their order; only those that are chosen, where these are given."""
         key = _in_table(self._study, self._axis, label) if self._axis else 0.0
-        rows = self._rows.get(key, np.empty(0, dtype=np.int64))
-        return rows if chosen is None else rows[chosen[rows]]
+        rows: npt.NDArray[np.int64] = self._rows.get(key, np.empty(0, dtype=np.int64))
+        if chosen is not None:
+            rows = rows[chosen[rows]]
+        return rows
 
 
 def _in_table(study: Study, axis: str, label: Any) -> Any:

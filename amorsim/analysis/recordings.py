@@ -90,6 +90,8 @@ def read_log(
 ) -> Iterator[LogEntry]:
     """What a robot received, from a rosbag or an MCAP file: ``runner.update(*entry)`` feeds an `EstimatorRunner`.
 
+    There is an entry for each time at which a reading or a command arrived.
+
     Parameters
     ----------
     path
@@ -102,11 +104,6 @@ def read_log(
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
-
-    Yields
-    ------
-    LogEntry
-        For each time at which a reading or a command arrived.
 
     Raises
     ------
