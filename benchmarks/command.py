@@ -9,7 +9,21 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import compositions, crowd, filters, fleet, graphs, mapping, maps, memory, mixed, planners, rays, start
+from benchmarks import (
+    compositions,
+    crowd,
+    filters,
+    fleet,
+    graphs,
+    mapping,
+    maps,
+    memory,
+    mixed,
+    planners,
+    rays,
+    start,
+    studies,
+)
 from benchmarks.machine import circumstances
 from benchmarks.peers import installed
 from benchmarks.picture import draw
@@ -32,6 +46,7 @@ SECTIONS = (
     "mapping",
     "graphs",
     "planners",
+    "studies",
 )
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
@@ -77,6 +92,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += graphs.measure(given.rounds, given.quick, clock, say)
     if "planners" in given.only:
         rows += planners.measure(given.rounds, given.quick, clock, say)
+    if "studies" in given.only:
+        rows += studies.measure(given.rounds, given.quick, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])
     about["took"] = f"{time.perf_counter() - began:.0f} s, {given.rounds} rounds"
     text = as_text(rows, about, command.strip(), plain_rates, [*missing, *BESIDE])

@@ -20,6 +20,7 @@ _TITLES = {
     "start": "Start-up and files",
     "filters": "Filters",
     "planners": "Planners",
+    "studies": "Studies",
 }
 _HEAD = ("setting", "side", "median", "least to most", "unit", "amorsim is", "counts", "what it did")
 
@@ -77,7 +78,7 @@ def figure(value: float) -> str:
 
 def _is_own(row: Row) -> bool:
     return (
-        row.section in ("compositions", "mixed", "crowd", "memory", "maps", "start", "planners")
+        row.section in ("compositions", "mixed", "crowd", "memory", "maps", "start", "planners", "studies")
         or "costs" in row.note
         or row.side == "plain traversal"
     )

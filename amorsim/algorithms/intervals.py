@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -47,6 +48,7 @@ def mean_interval(samples: Array, confidence: float = 0.95) -> Interval:
     return Interval(float(np.mean(samples)), student_t_quantile(0.5 + 0.5 * confidence, count - 1) * error)
 
 
+@functools.lru_cache(maxsize=1024)
 def student_t_quantile(probability: float, degrees: float) -> float:
     """The value that a t-distributed number stays below with this probability.
 
@@ -70,7 +72,7 @@ def student_t_quantile(probability: float, degrees: float) -> float:
     low, high = 0.0, 1.0
     while _upper_tail(high, degrees) > wanted:
         low, high = high, 2.0 * high
-    # Bisection to neighbouring numbers: slow and sure, for it is asked a few times in a study.
+    # Bisection to neighbouring numbers: slow and sure, for a study asks for few different ones.
     while low < (middle := 0.5 * (low + high)) < high:
         low, high = (middle, high) if _upper_tail(middle, degrees) > wanted else (low, middle)
     return middle

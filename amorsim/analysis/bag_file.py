@@ -142,13 +142,13 @@ class _Messages:
 
     def _name(self, name: str) -> str:
         """A name as ROS allows it."""
-        told = re.sub(r"\W", "_", name, flags=re.ASCII)
-        told = f"_{told}" if told[0].isdigit() else told
-        if self._names.setdefault(told, name) != name:
+        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+        plain = f"_{plain}" if plain[0].isdigit() else plain
+        if self._names.setdefault(plain, name) != name:
             raise AnalysisError(
-                f"{self._files.folder}: {self._names[told]!r} and {name!r} are both {told!r} in ROS; rename one of them"
+                f"{self._files.folder}: {self._names[plain]!r} and {name!r} are both {plain!r} in ROS; rename one"
             )
-        return told
+        return plain
 
     def _frame(self, robot: Robot, sensor: str) -> str:
         return f"{self._name(robot.name)}/{self._name(sensor)}"

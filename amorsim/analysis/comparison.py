@@ -190,8 +190,8 @@ def compare(
     if len(names) != len(read) or len(set(names)) < len(names):
         raise AnalysisError(f"labels: expected {len(read)} different names, got {names}")
     if len({tuple(sorted(study.axes)) for study in read}) > 1:
-        told = "; ".join(f"{name}: {', '.join(study.axes) or 'none'}" for name, study in zip(names, read, strict=True))
-        raise AnalysisError(f"expected studies with the same axes, got {told}")
+        axes = "; ".join(f"{name}: {', '.join(study.axes) or 'none'}" for name, study in zip(names, read, strict=True))
+        raise AnalysisError(f"expected studies with the same axes, got {axes}")
     chosen = _chosen(read, metrics)
     systems = {
         name: _keyed(study, [*sorted(study.axes), "seed", "replica"], chosen)

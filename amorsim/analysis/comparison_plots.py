@@ -20,6 +20,8 @@ Array = npt.NDArray[np.float64]
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 _MARKERS = "osD^vP"
 _MOST_LINES = 6  # along a second axis
+_MOST_TICKS = 30
+_MOST_BARS = 200  # beyond them, intervals are drawn as a band
 
 
 def draw_comparison(found: Comparison) -> Figure:
@@ -65,14 +67,12 @@ def draw_metric(study: Study, metric: str) -> Figure:
     is_number = bool(first) and all(type(label) in (int, float) for label in labels)
     others = [name for name in study.axes[1:2] if len(study.about["axes"][name]) <= _MOST_LINES]
     lines = study.about["axes"][others[0]] if others else [None]
+    groups = _Groups(study, first)
     for number, line in enumerate(lines):
-        of_line = (
-            np.ones(len(study["point"]), bool) if line is None else study[others[0]] == _told(study, others[0], line)
-        )
+        of_line = None if line is None else study[others[0]] == _in_table(study, others[0], line)
         places, values, halves = [], [], []
         for place, label in enumerate(labels):
-            chosen = of_line & (study[first] == _told(study, first, label)) if first else of_line
-            there: Array = study[metric][chosen]
+            there: Array = study[metric][groups.rows(label, of_line)]
             there = there[~np.isnan(there)]
             if not len(there):
                 continue
@@ -82,9 +82,16 @@ def draw_metric(study: Study, metric: str) -> Figure:
             halves.append(interval.half_width if interval else 0.0)
         style: dict[str, Any] = {"color": _COLOURS[number % 6], "marker": _MARKERS[number % 6]}
         label = None if line is None else f"{others[0].rpartition('.')[2]} = {line}"
-        axis.errorbar(places, values, yerr=halves, capsize=3, linewidth=1.4, label=label, **style)
+        if len(places) <= _MOST_BARS or not is_number:
+            axis.errorbar(places, values, yerr=halves, capsize=3, linewidth=1.4, label=label, **style)
+            continue
+        order = np.argsort(places)
+        along, mean, half = (np.array(each)[order] for each in (places, values, halves))
+        axis.plot(along, mean, color=style["color"], linewidth=1.0, label=label)
+        axis.fill_between(along, mean - half, mean + half, color=style["color"], alpha=0.25, linewidth=0.0)
     if not is_number:
-        axis.set_xticks(range(len(labels)), [str(label)[:30] for label in labels])
+        shown = range(0, len(labels), -(-len(labels) // _MOST_TICKS))
+        axis.set_xticks(shown, [str(labels[place])[:30] for place in shown])
     axis.set_xlabel(first, fontsize=9)
     if others:
         axis.legend(frameon=False, fontsize=9)
@@ -92,6 +99,25 @@ def draw_metric(study: Study, metric: str) -> Figure:
     return figure
 
 
-def _told(study: Study, axis: str, label: Any) -> Any:
+class _Groups:
+    """The rows of a study by the value of an axis, found once for all values."""
+
+    def __init__(self, study: Study, axis: str) -> None:
+        self._study, self._axis = study, axis
+        values = study[axis] if axis else np.zeros(len(study["point"]))
+        order = np.argsort(values, kind="stable")
+        found, starts = np.unique(values[order], return_index=True)
+        self._rows = dict(zip(found.tolist(), np.split(order, starts[1:]), strict=False))
+
+    def rows(self, label: Any, chosen: npt.NDArray[np.bool_] | None) -> npt.NDArray[np.int64]:
+        """The rows with this value, in their order; only those that are chosen, where these are given."""
+        key = _in_table(self._study, self._axis, label) if self._axis else 0.0
+        rows: npt.NDArray[np.int64] = self._rows.get(key, np.empty(0, dtype=np.int64))
+        if chosen is not None:
+            rows = rows[chosen[rows]]
+        return rows
+
+
+def _in_table(study: Study, axis: str, label: Any) -> Any:
     """A label as it stands in the table."""
     return str(label) if study[axis].dtype == object else label

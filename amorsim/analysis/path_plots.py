@@ -165,16 +165,16 @@ def _table(files: RunFiles, name: str, replica: Any) -> Table | None:
     return files.table(name, replica=replica) if (files.folder / f"{name}.csv").exists() else None
 
 
-def _standing(told: Table | None) -> Table | None:
+def _standing(recorded: Table | None) -> Table | None:
     """The lines of obstacles that never move, which are where they are in all replicas; once each."""
-    if told is None:
+    if recorded is None:
         return None
-    names, kept = told["obstacle"], []
+    names, kept = recorded["obstacle"], []
     for name in dict.fromkeys(names.tolist()):
         rows = np.flatnonzero(names == name)
-        if all(np.ptp(told[key][rows]) == 0.0 for key in ("x", "y", "heading")):
+        if all(np.ptp(recorded[key][rows]) == 0.0 for key in ("x", "y", "heading")):
             kept.append(rows[0])
-    return {key: values[kept] if kept else values[:0] for key, values in told.items()}
+    return {key: values[kept] if kept else values[:0] for key, values in recorded.items()}
 
 
 def _fill(axis: Any, shape: Shape, pose: tuple[float, float, float], **how: Any) -> None:
@@ -186,16 +186,16 @@ def _fill(axis: Any, shape: Shape, pose: tuple[float, float, float], **how: Any)
     axis.fill(*corners, linewidth=0.8, zorder=2, **how)
 
 
-def _draw_body(axis: Any, files: RunFiles, name: str, trace: Trace, told: Table | None) -> None:
+def _draw_body(axis: Any, files: RunFiles, name: str, trace: Trace, recorded: Table | None) -> None:
     """A robot where it was at the end, with its parts such as a trailer, and the ways of these."""
     robot = next(robot for robot in files.scenario.robots if robot.name == name)
     colour = robot_colours(files.scenario.robots)[name] or COLOURS["body"]
     look = {"facecolor": colour, "edgecolor": TRUE["color"], "alpha": 0.8}
     label: str | None = "trail of " + ", ".join(part.name for part in robot.drive.parts)
-    for part in robot.drive.parts if told is not None else ():
-        assert told is not None
-        rows = told["part"] == f"{name}.{part.name}"
-        x, y, heading = (told[key][rows] for key in ("x", "y", "heading"))
+    for part in robot.drive.parts if recorded is not None else ():
+        assert recorded is not None
+        rows = recorded["part"] == f"{name}.{part.name}"
+        x, y, heading = (recorded[key][rows] for key in ("x", "y", "heading"))
         if len(x):
             axis.plot(x, y, color=TRUE["color"], linewidth=0.8, alpha=0.6, zorder=1, label=label)
             _fill(axis, part.shape, (x[-1], y[-1], heading[-1]), **look)
@@ -205,19 +205,19 @@ def _draw_body(axis: Any, files: RunFiles, name: str, trace: Trace, told: Table 
         _fill(axis, robot.shape, (x, y, heading), **look)
 
 
-def _draw_obstacles(axis: Any, files: RunFiles, told: Table | None) -> None:
+def _draw_obstacles(axis: Any, files: RunFiles, recorded: Table | None) -> None:
     """The ways of the obstacles that moved, and all of them where they were at the end."""
-    if told is None or not len(told["time"]):
+    if recorded is None or not len(recorded["time"]):
         return
     obstacles = {obstacle.name: obstacle for obstacle in files.scenario.obstacles}
-    names = told["obstacle"]
+    names = recorded["obstacle"]
     label: str | None = "obstacles, at the end"
     for name in dict.fromkeys(names.tolist()):
         rows = names == name
         if name not in obstacles:
             line = int(np.argmax(rows)) + 2
             raise RunError(f"{files.folder / 'obstacles.csv'}, line {line}, obstacle: there is no obstacle {name!r}")
-        x, y, heading = (told[key][rows] for key in ("x", "y", "heading"))
+        x, y, heading = (recorded[key][rows] for key in ("x", "y", "heading"))
         if len(x) > 1:
             axis.plot(x, y, color=COLOURS["obstacle"], linewidth=0.6, alpha=0.5, zorder=1)
         look = {"facecolor": obstacles[name].colour or COLOURS["obstacle"], "edgecolor": COLOURS["edge"], "alpha": 0.7}

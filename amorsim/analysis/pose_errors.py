@@ -232,7 +232,7 @@ def rpe(
 def relation_errors(estimate: Trajectory, relations: npt.ArrayLike, *, most_apart: float = 0.05) -> PoseErrors:
     """The errors of an estimated trajectory in known relations between its poses (Kümmerle et al. 2009).
 
-    Of data without a true trajectory, somebody has said how far apart the robot was at two times, from scans matched
+    For data without a true trajectory, experts have said how far apart the robot was at two times, from scans matched
     by hand. Nothing is aligned: only motions are compared.
 
     Parameters

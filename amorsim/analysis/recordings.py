@@ -90,6 +90,8 @@ def read_log(
 ) -> Iterator[LogEntry]:
     """What a robot received, from a rosbag or an MCAP file: ``runner.update(*entry)`` feeds an `EstimatorRunner`.
 
+    There is an entry for each time at which a reading or a command arrived.
+
     Parameters
     ----------
     path
@@ -102,11 +104,6 @@ def read_log(
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
-
-    Yields
-    ------
-    LogEntry
-        For each time at which a reading or a command arrived.
 
     Raises
     ------
@@ -218,7 +215,7 @@ def _stamp(content: Any, received: int) -> int:
     if stamp is None:
         return received
     time = int(stamp.sec) * 10**9 + int(stamp.nsec if header is None else stamp.nanosec)
-    # A header that nobody filled has no time, and names no frame.
+    # A header that was never filled has no time, and names no frame.
     return received if header is not None and time == 0 and not header.frame_id else time
 
 

@@ -78,7 +78,7 @@ def _ends(axis: Any, clockwise: Array, anticlockwise: Array) -> None:
 
 
 def _magnification(reference: Array, believed: list[Array]) -> int:
-    """1, 2, 5, 10 ...: how many times as large errors are drawn, for the largest to be seen beside the path."""
+    """1, 2, 5, 10 ...: how many times as large errors are drawn, for the largest to be seen next to the path."""
     size = float(np.ptp(reference[:, :2], axis=0).max())
     largest = max(float(np.hypot(*(path - reference)[:, :2].T).max()) for path in believed)
     times = 1
@@ -89,7 +89,7 @@ def _magnification(reference: Array, believed: list[Array]) -> int:
 
 
 def plot_attribution(found: Attribution, path: Path) -> None:
-    """Write the picture of what each error does: believed paths beside the true one, and shares of the final error.
+    """Write the picture of what each error does: estimated paths next to the true one, and shares of the final error.
 
     Raises
     ------

@@ -17,6 +17,7 @@ import numpy as np
 from amorsim.controllers.user import UserController
 from amorsim.core.errors import AmorsimError, RunError, StudyError
 from amorsim.core.whole_files import write_text
+from amorsim.grading.guard import memory_hidden
 from amorsim.grading.remote import Remote, SubmittedEstimator
 from amorsim.grading.rubric import Case, Rubric, read_rubric
 from amorsim.reports.page import Page
@@ -109,7 +110,8 @@ def grade(
     for path, label in zip(paths, _labels(paths), strict=True):
         cases = []
         for case in read.cases:
-            cases.append(_case(read, case, scenarios[case], path))
+            with memory_hidden():
+                cases.append(_case(read, case, scenarios[case], path))
             if progress is not None:
                 progress(f"{label}, {case}: {cases[-1].problem or f'{cases[-1].total:.2f} points'}")
         grades.append(Grade(submission=path, label=label, cases=tuple(cases)))

@@ -10,6 +10,7 @@ import os
 import select
 import subprocess
 import time
+import uuid
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, 
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.errors import ControllerError
 from amorsim.core.processes import end_with_children, python_command
+from amorsim.grading.guard import MARK, end_strays
 
 __all__ = ["Remote", "SubmittedEstimator"]
 
@@ -55,6 +57,7 @@ class Remote:
         self._left = time_limit
         self._limit = time_limit
         code = "from amorsim.grading.child import main; main()"
+        self._mark = uuid.uuid4().hex
         self._process = subprocess.Popen(
             python_command(code),
             stdin=subprocess.PIPE,
@@ -62,6 +65,7 @@ class Remote:
             stderr=subprocess.DEVNULL,
             start_new_session=True,
             cwd=path.parent,
+            env={**os.environ, MARK: self._mark},
         )
         assert self._process.stdin is not None
         os.set_blocking(self._process.stdin.fileno(), False)
@@ -85,6 +89,7 @@ class Remote:
     def close(self) -> None:
         """End the process, and all that it has started."""
         end_with_children(self._process)
+        end_strays(self._mark)
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 try:

@@ -77,9 +77,9 @@ class Page:
             image.convert("RGB").resize(size, Image.Resampling.LANCZOS).save(made, "PNG", optimize=True)
             data = made.getvalue()
         coded = base64.b64encode(data).decode("ascii")
-        told = html.escape(caption)
+        text = html.escape(caption)
         self._parts.append(
-            f'<figure><img src="data:image/png;base64,{coded}" alt="{told}"><figcaption>{told}</figcaption></figure>'
+            f'<figure><img src="data:image/png;base64,{coded}" alt="{text}"><figcaption>{text}</figcaption></figure>'
         )
 
     def figure(self, figure: Figure, caption: str) -> None:

@@ -70,8 +70,8 @@ def _figures(files: RunFiles, robot: str) -> list[list[str]]:
         values = values[~np.isnan(values)]
         unit = f" {metric.unit}" if metric.unit else ""
         cells = [float(np.mean(values)), float(np.min(values)), float(np.max(values))] if len(values) else []
-        told = [f"{value:.6g}{unit}" for value in cells] or ["-"] * 3
-        rows.append([name, *(told if len(files.replicas) > 1 else told[:1])])
+        shown = [f"{value:.6g}{unit}" for value in cells] or ["-"] * 3
+        rows.append([name, *(shown if len(files.replicas) > 1 else shown[:1])])
     return rows
 
 
@@ -127,7 +127,7 @@ def _events(page: Page, files: RunFiles) -> None:
 
 def _facts(about: dict[str, Any]) -> list[tuple[str, object]]:
     digests = about.get("digests", {})
-    told = [f"{replica}: {digest}" for replica, digest in list(digests.items())[:3]]
+    shown = [f"{replica}: {digest}" for replica, digest in list(digests.items())[:3]]
     packages = ", ".join(f"{name} {version}" for name, version in about.get("packages", {}).items())
     return [
         ("seed", about["seed"]),
@@ -139,5 +139,5 @@ def _facts(about: dict[str, Any]) -> list[tuple[str, object]]:
         ("packages", packages),
         ("plugins", ", ".join(f"{name} {version}" for name, version in about.get("plugins", {}).items())),
         ("machine", f"{about.get('system', '')} {about.get('processor', '')}"),
-        ("digest by replica", ", ".join(told) + (" ..." if len(digests) > 3 else "")),
+        ("digest by replica", ", ".join(shown) + (" ..." if len(digests) > 3 else "")),
     ]

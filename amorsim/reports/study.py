@@ -33,7 +33,7 @@ def study_page(folder: Path) -> Page:
     page.paragraph("Means over replicas and seeds, with their 95 % intervals (Student's t).")
     page.table(["point", *study.axes, *(_named(study, name) for name in study.metrics)], _points(study))
     if len(points) > _MOST_POINTS:
-        page.paragraph(f"and {len(points) - _MOST_POINTS} more points, in the table beside this file")
+        page.paragraph(f"and {len(points) - _MOST_POINTS} more points, in the study's table")
     if study.failures:
         page.heading("Points that failed")
         page.table(["point", "why"], [[str(point), error] for point, error in study.failures[:_MOST_POINTS]])
@@ -66,8 +66,8 @@ def _named(study: Study, metric: str) -> str:
 
 
 def _labels(labels: list[Any]) -> str:
-    told = ", ".join(map(str, labels[:20]))
-    return told + (f" ... ({len(labels)} values)" if len(labels) > 20 else "")
+    shown = ", ".join(map(str, labels[:20]))
+    return shown + (f" ... ({len(labels)} values)" if len(labels) > 20 else "")
 
 
 def _points(study: Study) -> list[list[str]]:

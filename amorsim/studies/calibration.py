@@ -297,7 +297,7 @@ def _spread(true: float, readings: Array, name: str) -> RangeCalibration:
     returned = np.isfinite(readings)
     counts = returned.sum(axis=0)
     if not math.isfinite(true) or (counts < 2).any():
-        raise AmorsimError(f"sensor {name!r} hardly ever sees a wall squarely ahead of it; nothing can be told of it")
+        raise AmorsimError(f"sensor {name!r} hardly ever sees a wall squarely ahead of it; it cannot be calibrated")
     # Relative to the shortest, so that equal readings have exactly no spread.
     shortest = np.where(returned, readings, np.inf).min(axis=0)
     values = np.where(returned, readings, shortest) - shortest

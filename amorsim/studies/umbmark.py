@@ -272,13 +272,13 @@ def _predictor(drive: Differential, angles: Array) -> Callable[[Array], Array]:
     steps, runs = len(angles) - 1, angles.shape[1]
     # One after another in memory: all steps of all runs are moved at once, then put together step by step.
     before, after = (part.reshape(-1, 2) for part in (angles[:-1], angles[1:]))
-    told = WheelGeometry(drive.wheel_radius_left, drive.wheel_radius_right, drive.track)
+    nominal = WheelGeometry(drive.wheel_radius_left, drive.wheel_radius_right, drive.track)
 
     def predict(tried: Array) -> Array:
         count = len(tried)
         drives = []
         for ed, eb in tried.tolist():
-            left, right, track = told.corrected(ed, eb)
+            left, right, track = nominal.corrected(ed, eb)
             drives.append(attrs.evolve(drive, wheel_radius_left=left, wheel_radius_right=right, track=track))
         rows = np.repeat(np.arange(count), steps * runs)
         moved = take(stack(drives), rows).displacement(

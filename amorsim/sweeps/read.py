@@ -281,7 +281,7 @@ def _labels(values: list[Any]) -> list[Any]:
 
 
 def _anchored(value: Any, folder: Path, files: list[str]) -> Any:
-    """A value with the whole paths of files that it names beside the study's file."""
+    """A value with the whole paths of files that it names next to the study's file."""
     if isinstance(value, dict):
         return {key: _anchored(item, folder, files) for key, item in value.items()}
     if isinstance(value, list):
@@ -319,7 +319,7 @@ def _metrics(node: Node, registry: Registry) -> list[Measured]:
 def read_metric(name: str, node: Node, registry: Registry, *, beside: tuple[str, ...] = ()) -> Measured | None:
     """The metric in a table: its ``use``, its fields, and ``robot``; a fault and None if there is none.
 
-    Keys `beside` these are left to the caller.
+    Further keys, those of `beside`, are left to the caller.
     """
     names = registry.names("metric")
     known = ", ".join(names)

@@ -183,8 +183,9 @@ def _parts(plan: Plan, own_seed: int, outcomes: Iterable[Outcome], kinds: dict[s
         count = plan.replicas
         part["point"] += [chunk.point] * count
         for axis, label in zip(plan.axes, chunk.labels, strict=True):
-            told = str(label) if kinds[axis.name] == "text" else float(label) if kinds[axis.name] == "number" else label
-            part[axis.name] += [told] * count
+            kind = kinds[axis.name]
+            value = str(label) if kind == "text" else float(label) if kind == "number" else label
+            part[axis.name] += [value] * count
         part["seed"] += [own_seed if chunk.seed < 0 else chunk.seed] * count
         part["replica"] += range(count)
         for each in plan.metrics:

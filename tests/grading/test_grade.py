@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 import time
 from pathlib import Path
 
@@ -131,6 +132,67 @@ def test_a_submission_that_misbehaves_has_no_points_and_a_reason(course: Path, n
     assert reason in case.problem
     assert found["good"].total > 8.0
     assert reason in (course.parent / "grades" / "grades.csv").read_text().replace('""', '"')
+
+
+BACK_DOOR = """\
+import os
+
+
+def drive(readings, estimate, clock):
+    with open(f"/proc/{os.getppid()}/mem", "rb") as memory:
+        return memory.fileno()
+"""
+STRAY = """\
+import os
+import time
+
+
+def drive(readings, estimate, clock):
+    if clock.tick == 0 and os.fork() == 0:
+        os.setsid()
+        with open("stray", "w") as file:
+            file.write(str(os.getpid()))
+        time.sleep(100.0)
+        os._exit(0)
+    while not os.path.exists("stray"):
+        time.sleep(0.01)
+    return None
+"""
+on_linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /proc")
+
+
+@on_linux
+@pytest.mark.long
+def test_the_memory_of_the_grader_cannot_be_read(course: Path) -> None:
+    course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
+    shell = BACK_DOOR.replace(
+        "    with", "    os.system(f'head -c 0 /proc/{os.getppid()}/mem || touch refused')\n    with"
+    )
+    found = graded(course, memory=BACK_DOOR, shell=shell)
+    for each in found.values():
+        assert each.total == 0.0
+        assert "PermissionError" in each.cases[0].problem
+    assert (course.parent / "refused").exists()  # nor by a program that it starts, which root would have all rights of
+
+
+@on_linux
+@pytest.mark.long
+def test_what_a_submission_leaves_running_is_ended(course: Path) -> None:
+    course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
+    graded(course, stray=STRAY)
+    stray = Path("/proc") / (course.parent / "stray").read_text() / "stat"
+    until = time.monotonic() + 10.0
+    while runs(stray) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not runs(stray)
+
+
+def runs(stat: Path) -> bool:
+    """Whether a process is there and has not ended."""
+    try:
+        return stat.read_text().rpartition(")")[2].split()[0] not in ("Z", "X")
+    except OSError:
+        return False
 
 
 DEAF = """\
