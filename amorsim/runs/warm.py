@@ -168,7 +168,7 @@ def _pioneers(*poses: tuple[float, float], controller: str = "manual", **sensors
 def _avoiders() -> Scenario:
     """A Pioneer with each of the built-in controllers that avoid what is on their way to goals."""
     registry = make_registry(entry_points=())
-    robots = []
+    robots: list[Table] = []
     for name in registry.names("controller"):
         fields = describe(registry.get("controller", name))
         if "goals" in fields and {field for field in fields if fields[field].is_required} <= {"goals"}:

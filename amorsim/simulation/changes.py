@@ -27,8 +27,8 @@ __all__ = ["hand_over", "move", "set_parameter", "with_other_chain"]
 Array = npt.NDArray[np.float64]
 
 
-def move(fleet: Fleet, handle: RobotHandle, pose: tuple[float, float, float], kind: str) -> None:
-    """Move a robot and its parts to a pose, at rest; this is an event of that kind."""
+def move(fleet: Fleet, handle: RobotHandle, pose: tuple[float, ...], kind: str) -> None:
+    """Move a robot and its parts to a pose (x [m], y [m], heading [rad]), at rest; this is an event of that kind."""
     group, row, name = handle._group, handle._row, handle.name
     wanted = np.array([pose])
     map_ = fleet.world.terrain.at(fleet.replicas.index(handle.replica))

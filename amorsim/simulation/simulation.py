@@ -306,8 +306,7 @@ class Simulation:
         numbers = finite_numbers(pose)
         if numbers is None or len(numbers) != 3:
             raise AmorsimError(f"robot {name!r}: expected a pose of three finite numbers, got {in_words(pose)}")
-        x, y, heading = numbers
-        changes.move(self._fleet, handle, (x, y, heading), "pose_set")
+        changes.move(self._fleet, handle, tuple(numbers), "pose_set")
 
     def set(self, name: str, path: str, value: Any, *, replica: int | None = None) -> None:
         """Change a parameter of a robot from the next step on; in one replica, or in all if none is given.
