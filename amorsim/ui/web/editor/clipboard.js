@@ -1,4 +1,4 @@
-// Copies of things and walls, kept in the page, and what the document has to say for them to be there again.
+// Copies of things and walls, and the changes of the document that paste them.
 
 import { round } from "./geometry.js";
 import { freeName } from "./things.js";

@@ -113,11 +113,12 @@ export async function showCode(page, file) {
   const dialog = open(file, h("div", { class: "code" }, area, state), [close, save]);
   const editor = await dress(area, "python");
   let [written, isSaved] = [said.text, said.is_saved]; // what the document says, and whether the file does
+  let tried = ""; // what the user has asked to be tried
   let pause = 0;
   const show = () => {
     const faults = faultsIn(page, file);
     editor.mark(faults);
-    const where = editor.value() !== written ? "changed" : isSaved ? "saved" : "kept; Ctrl + S saves it and tries it";
+    const where = editor.value() !== written ? "changed" : isSaved ? "saved" : written === tried ? "kept; save the scenario to write this file" : "kept; Ctrl + S saves it and tries it";
     say(state, page.state.is_checking ? "it is being tried" : faults.length ? `${where}; it has faults` : where);
   };
   const send = async (command) => {
@@ -131,6 +132,7 @@ export async function showCode(page, file) {
       return;
     }
     [written, isSaved] = [text, Boolean(done.is_saved)];
+    if (command === "save_code") tried = text;
     show();
   };
   const step = () => send("write_code");

@@ -156,7 +156,7 @@ const sidesOf = (radius) => Math.max(FEWEST, 4 * Math.ceil(Math.PI / Math.acos(M
 
 export class CircleTool extends DrawTool {
   get says() {
-    return "Click the middle, and a point of the circle: walls along its chords. Or type the radius as length.";
+    return "Click the centre, then a point of the circle. It is made of straight walls. Or type the radius as length.";
   }
 
   /** @param {number[]} middle
@@ -191,7 +191,7 @@ export class CircleTool extends DrawTool {
 
 export class MeasureTool extends DrawTool {
   get says() {
-    return "Click two points: their distance and the angle. Next to the pointer: how far the nearest wall is.";
+    return "Click two points to measure distance and angle. At the pointer: the distance to the nearest wall.";
   }
 
   about(mark) {
@@ -208,7 +208,7 @@ export class MeasureTool extends DrawTool {
   }
 }
 
-/** Puts a thing where one clicks; dragging on turns it. */
+/** Puts a thing where the user clicks; dragging on turns it. */
 export class PlaceTool extends DrawTool {
   /**
    * @param {import("./editor.js").EditorPage} page

@@ -20,7 +20,7 @@ import { EditStage } from "./stage.js";
 import { takeUp } from "./underlay.js";
 import { DoorTool, RoomTool, TrimTool } from "./wall_tools.js";
 
-const LOST = "The connection to amorsim is lost; trying again. What was changed is kept by the server.";
+const LOST = "The connection to amorsim is lost; trying again. The server keeps your changes.";
 
 export class EditorPage {
   /** @param {HTMLElement} root */
@@ -172,7 +172,7 @@ export class EditorPage {
 
   // --------------------------------------------------------------------------------------------------------- changing
 
-  /** Let the document be changed, as one step; what is wrong with it is said.
+  /** Change the document, as one step; an error is shown.
    * @param {string} label
    * @param {any[]} changes */
   async edit(label, changes) {
@@ -256,7 +256,9 @@ export class EditorPage {
 
   /** Say what a tool does next. */
   showTool(tool) {
-    say(this.parts.says, tool.says ?? "Drag moves the view.");
+    const words = tool.says ?? "Drag moves the view.";
+    say(this.parts.says, words);
+    this.parts.says.title = words;
   }
 
   /** How what is drawn snaps now. */

@@ -16,7 +16,7 @@ import { reshaping } from "./reshape.js";
 
 const FIRST = ["Controller", "Motion"]; // sections that are open from the beginning
 const NONE = "nothing is selected: click a thing on the canvas or in the list";
-const LEAVE_OUT = "leave it out: what the model or the default says holds";
+const LEAVE_OUT = "remove it here: the model's value or the default holds";
 
 export class Inspector {
   /** @param {import("./editor.js").EditorPage} page */
@@ -50,6 +50,7 @@ export class Inspector {
       this.wall(one.wall);
       return;
     }
+    if (one.path !== this.path) this.empty(one.title, "reading …");
     const said = await this.page.connection.ask({ do: "inspect", path: one.path });
     if (asked !== this.asked) return;
     if (!said.ok) {

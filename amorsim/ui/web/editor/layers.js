@@ -37,6 +37,8 @@ export class MarksLayer extends SceneLayer {
       if (!pose) continue;
       const [x0, y0, x1, y1] = boxOf(thing.footprint, pose);
       context.rect(x0 - 4 * px, y0 - 4 * px, x1 - x0 + 8 * px, y1 - y0 + 8 * px);
+      const isBody = thing.robots.length + thing.obstacles.length > 0;
+      if (this.isDragged && !isBody) trace(context, thing.footprint, pose[0], pose[1], pose[2]); // a zone, a landmark, a lamp
     }
     context.stroke();
     context.setLineDash([]);

@@ -1,20 +1,8 @@
-// The Editor's elements, as they stand; `editor.js` gives them life.
+// The elements of the Editor's page; `editor.js` connects them.
 
 import { h } from "../shared/dom.js";
+import { drawing } from "./drawing.js";
 import { MENU } from "./project.js";
-
-const SVG = "http://www.w3.org/2000/svg";
-
-/** A small drawing on a button. */
-function drawing(path) {
-  const svg = document.createElementNS(SVG, "svg");
-  svg.setAttribute("viewBox", "0 0 20 20");
-  svg.setAttribute("aria-hidden", "true");
-  const line = document.createElementNS(SVG, "path");
-  line.setAttribute("d", path);
-  svg.append(line);
-  return svg;
-}
 
 /** The tools: name, what it does, its key, its drawing. */
 export const TOOLS = [

@@ -1,9 +1,12 @@
-// The list of what there is: a line for each thing, with its faults; and the list of all faults.
+// The list of objects, a line for each with its faults, and the list of all faults.
 
 import { h, say } from "../shared/dom.js";
+import { drawing } from "./drawing.js";
 
 const KINDS = { settings: "Scenario", robot: "Robots", obstacle: "Obstacles", zone: "Zones", landmark: "Landmarks", light: "Lights", wall: "Walls" };
 const MOST = 300; // lines of a kind
+const EYE = "M2 10q8-9 16 0q-8 9-16 0z M12.5 10a2.5 2.5 0 1 1-5 0a2.5 2.5 0 1 1 5 0z M4 17L16 3";
+const PADLOCK = "M4.5 9h11v8h-11z M7 9V6a3 3 0 0 1 6 0v3";
 
 export class ObjectList {
   /** @param {import("./editor.js").EditorPage} page */
@@ -47,7 +50,8 @@ export class ObjectList {
     const { stage } = this.page;
     if (kind === "settings") return h("div", { class: "layer" }, title);
     const button = (set, label, sign) => {
-      const one = h("button", { class: "tool", "aria-pressed": String(set.has(kind)), "aria-label": `${label} ${KINDS[kind].toLowerCase()}`, title: label }, sign);
+      const one = h("button", { class: "tool", "aria-pressed": String(set.has(kind)), "aria-label": `${label} ${KINDS[kind].toLowerCase()}`, title: label });
+      one.append(drawing(sign));
       one.addEventListener("click", () => {
         set.has(kind) ? set.delete(kind) : set.add(kind);
         one.setAttribute("aria-pressed", String(set.has(kind)));
@@ -56,7 +60,7 @@ export class ObjectList {
       });
       return one;
     };
-    return h("div", { class: "layer" }, title, h("div", { class: "both" }, button(stage.hidden, "hide", "◌"), button(stage.locked, "lock", "▪")));
+    return h("div", { class: "layer" }, title, h("div", { class: "both" }, button(stage.hidden, "hide", EYE), button(stage.locked, "lock", PADLOCK)));
   }
 
   line(key, name, note, faults, chosen) {
@@ -103,7 +107,7 @@ export function faultButtons(faults, go) {
   );
 }
 
-/** How many of what there are, in words. */
+/** The numbers of walls, robots and so on, in words. */
 export function counts(element, things, walls) {
   const words = Object.entries({ robot: "robots", obstacle: "obstacles", zone: "zones", landmark: "landmarks", light: "lights" }).flatMap(([kind, many]) => {
     const count = things.filter((thing) => thing.kind === kind).reduce((sum, thing) => sum + Math.max(1, thing.robots.length + thing.obstacles.length), 0);

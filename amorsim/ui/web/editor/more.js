@@ -29,7 +29,7 @@ function outlining(page, thing) {
   return row(button("draw the outline", () => {
     page.hold(new PathTool(page, "outline's corners", (points) => {
       if (points.length < 3) {
-        page.hint("an outline has three corners at least");
+        page.hint("an outline needs at least three corners");
         return;
       }
       const polygon = points.map(([u, v]) => [round((u - x) * c + (v - y) * s), round((v - y) * c - (u - x) * s)]);

@@ -19,7 +19,7 @@ export function showTools({ parts, state, watching }) {
   }
 }
 
-/** Who holds the pen, and the button that asks for it.
+/** Show which window holds the pen, and the button that asks for it.
  * @param {import("./editor.js").EditorPage} page */
 export function showPen(page) {
   const { pen } = page.parts;
@@ -29,7 +29,7 @@ export function showPen(page) {
   pen.onclick = () => page.connection.ask({ do: "controls", want: page.isHolder ? "give" : page.state.holder ? "ask" : "take" });
 }
 
-/** What something else has changed, and what can be done about it.
+/** Show which files another program has changed, and what can be done about it.
  * @param {import("./editor.js").EditorPage} page */
 export function showOutside(page) {
   const { changed_outside: changed, remark, is_saved: isSaved } = page.state;

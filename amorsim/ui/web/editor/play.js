@@ -56,7 +56,7 @@ function frameCame(page, playing, frame) {
     places.forEach((n, i) => n >= 0 && page.stage.carry(which, n, frame[which].subarray(3 * i, 3 * i + 3)));
   }
   playing.tick = frame.tick;
-  page.hint(`playing, ${clock(frame.time)}: nothing can be changed until it is stopped`);
+  page.hint(`playing, ${clock(frame.time)}: stop it to change something`);
   page.stage.redraw();
 }
 

@@ -60,7 +60,7 @@ export async function previewErrors(page, robot) {
   }
   holder.replaceChildren(
     canvas,
-    h("p", { class: "note" }, `Green: where the robot really drives, in ${said.true.length} replicas. Blue, dashed: its estimates. It ends ${fixed(said.mean, 2)} m from where it believes to be on average, ${fixed(said.most, 2)} m at the most.`),
+    h("p", { class: "note" }, `Green: the robot's true paths in ${said.true.length} replicas. Blue, dashed: its estimates. At the end, its estimate is off by ${fixed(said.mean, 2)} m on average and by ${fixed(said.most, 2)} m at most.`),
   );
 }
 
@@ -89,5 +89,5 @@ export async function histogram(page, robot, sensor, holder) {
   context.fillText(`${number(said.edges[0])} ${unit}`, 0, high - 2);
   context.textAlign = "right";
   context.fillText(`${number(said.edges[said.edges.length - 1])} ${unit}`, wide, high - 2);
-  holder.replaceChildren(canvas, h("p", { class: "note" }, `measured minus true, where it starts: ${words}`));
+  holder.replaceChildren(canvas, h("p", { class: "note" }, `measured minus true at the robot's start: ${words}`));
 }

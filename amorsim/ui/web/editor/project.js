@@ -70,7 +70,7 @@ async function askWorld(page) {
   };
   const dialog = open(
     "Another world",
-    h("div", {}, h("label", { class: "asked" }, h("span", {}, "world"), choice), seedRow, h("p", { class: "note" }, "The parameters of a generator stand in the inspector of “world” then. What stands at fixed places stays there."), problem),
+    h("div", {}, h("label", { class: "asked" }, h("span", {}, "world"), choice), seedRow, h("p", { class: "note" }, "The generator's parameters are then in the inspector of “world”. Things with a fixed place keep it."), problem),
     [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: take }, "take")],
   );
 }
@@ -122,7 +122,7 @@ async function zip(page) {
  * @param {string} sensor */
 export function askModel(page, path, sensor = "") {
   const what = sensor || page.stage.things.find((thing) => thing.path === path)?.name || "robot";
-  askName(sensor ? "Save as a device" : "Save as a model", "file", `${what}-${sensor ? "device" : "model"}.toml`, "it says only what differs from the model that it builds on", async (name) => {
+  askName(sensor ? "Save as a device" : "Save as a model", "file", `${what}-${sensor ? "device" : "model"}.toml`, "the file holds only what differs from the parent model", async (name) => {
     const said = await page.connection.ask({ do: "save_model", path, sensor, name });
     if (said.ok) tell(`saved ${said.file}`, h("pre", { class: "difference", tabindex: "0" }, said.text), h("p", { class: "note" }, `Take it with model = "${said.file}".`));
     return said;

@@ -52,7 +52,7 @@ function joinWalls(page) {
   const { walls } = page.stage.walls;
   const found = joined(walls[one], walls[other]);
   if (!found) {
-    page.hint("these walls are parallel: they meet nowhere");
+    page.hint("these walls are parallel and never meet");
     return null;
   }
   const [first, second] = found;

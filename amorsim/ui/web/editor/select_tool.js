@@ -1,4 +1,4 @@
-// The tool that selects, moves and turns: by click, by a box, by dragging, and by the arrow keys.
+// The tool that selects, moves and turns things: by click, box, drag and arrow keys.
 
 import { Tool } from "../shared/tool.js";
 import { round } from "./geometry.js";
@@ -142,7 +142,7 @@ export class SelectTool extends Tool {
     this.commit(doing);
   }
 
-  /** Let the document say what is drawn. */
+  /** Change the document to what is drawn. */
   commit(doing) {
     const { stage } = this;
     const changes = [];

@@ -1,12 +1,13 @@
 // The Editor's canvas: what can be drawn of the document, what is selected, and what a tool is about to do.
 
-import { NEAR } from "../shared/pick.js";
 import { reach } from "../shared/marks.js";
 import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still.js";
 import { BodiesLayer, NamesLayer } from "../shared/world.js";
-import { Walls, holds, isIn } from "./geometry.js";
+import { Carried } from "./carried.js";
+import { Walls, isIn } from "./geometry.js";
 import { gripsOf } from "./grips.js";
 import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
+import { thingAt } from "./picking.js";
 import { RulersLayer, WIDE } from "./rulers.js";
 import { UnderlayLayer } from "./underlay.js";
 import { PlacesLayer, ViewsLayer } from "./views.js";
@@ -27,34 +28,6 @@ import { PlacesLayer, ViewsLayer } from "./views.js";
 
 const NOWHERE = [NaN, NaN, NaN];
 export const HANDLE = 26; // pixels from a body's edge to the handle that turns it
-
-/** What layers of bodies draw from that are dragged, or play: nothing but those. */
-class Carried {
-  /** @param {EditStage} stage */
-  constructor(stage) {
-    this.stage = stage;
-  }
-
-  get scene() {
-    return this.stage.scene;
-  }
-
-  get frame() {
-    return this.stage.carried;
-  }
-
-  get pictures() {
-    return this.stage.pictures;
-  }
-
-  get selection() {
-    return this.stage.selection;
-  }
-
-  posesOf() {
-    return this.frame?.truePoses ?? [];
-  }
-}
 
 /**
  * The canvas of the Editor. What stands still is drawn into a bitmap; what is dragged, or plays, is drawn above it, frame by frame.
@@ -227,7 +200,7 @@ export class EditStage extends StillStage {
     this.carried = null;
   }
 
-  /** Take back what was drawn elsewhere. */
+  /** Draw everything where the document says. */
   putBack() {
     this.drop();
     this.preview = null;
@@ -237,23 +210,8 @@ export class EditStage extends StillStage {
   /** What lies at a point: the smallest body, or else a wall.
    * @param {{x: number, y: number}} point
    * @returns {Chosen | null} */
-  at({ x, y }) {
-    const near = NEAR / this.camera.scale;
-    const hit = this.things
-      .filter((thing) => this.isFree(thing.kind) && thing.pose && thing.footprint)
-      .filter(({ footprint, pose }) => holds(footprint, pose, x, y) || Math.hypot(pose[0] - x, pose[1] - y) <= near)
-      .sort((a, b) => reach(a.footprint) - reach(b.footprint));
-    const small = hit.find(({ kind }) => kind !== "zone");
-    if (small) return this.chosenOf(small);
-    const onPath = this.things.find(
-      (thing) => this.isFree(thing.kind) && thing.places.some(({ points }) => points.some(([u, v]) => Math.hypot(u - x, v - y) <= near)),
-    );
-    if (onPath) return this.chosenOf(onPath);
-    const crowd = this.series(x, y, near);
-    if (crowd) return this.chosenOf(crowd);
-    const n = this.isFree("wall") ? this.walls.nearest(x, y, near) : -1;
-    if (n >= 0) return this.chosenWall(n);
-    return hit.length ? this.chosenOf(hit[0]) : null;
+  at(point) {
+    return thingAt(this, point);
   }
 
   /** Leave out what is hidden; walls and the floor are drawn again, too. */
@@ -288,18 +246,6 @@ export class EditStage extends StillStage {
 
   isFree(kind) {
     return !this.locked.has(kind) && !this.hidden.has(kind);
-  }
-
-  /** The table of many bodies, one of which lies at a point. */
-  series(x, y, near) {
-    if (!this.still || !this.scene) return null;
-    const { robots, obstacles } = this.still;
-    const isAt = (pose, far) => pose && Math.hypot(pose[0] - x, pose[1] - y) <= Math.max(far, near);
-    return this.things.find(
-      (thing) =>
-        !thing.pose && this.isFree(thing.kind) &&
-        (thing.robots.some((i) => isAt(robots[i], this.scene.robots[i].reach)) || thing.obstacles.some((i) => isAt(obstacles[i], this.scene.obstacles[i].reach))),
-    );
   }
 
   /** All that lies in a box.

@@ -2,7 +2,7 @@
 
 const BOX = { polygon: [[-0.3, -0.2], [0.3, -0.2], [0.3, 0.2], [-0.3, 0.2]] };
 
-/** A name that nothing has yet. */
+/** A name that is not taken. */
 export function freeName(stem, things) {
   const taken = new Set(things.map(({ name }) => name));
   let [name, number] = [stem, 1];

@@ -49,7 +49,7 @@ function keep(page) {
     if (image) localStorage.setItem(keyOf(page), JSON.stringify({ src: image.src, place }));
     else localStorage.removeItem(keyOf(page));
   } catch {
-    page.hint("this browser has no room to keep the picture; it is gone when the page is loaded again");
+    page.hint("the browser has no space left for the picture; it is lost when you reload the page");
   }
 }
 
@@ -62,7 +62,7 @@ function show(page, src, place) {
     page.stage.redraw();
     keep(page);
   };
-  image.onerror = () => page.hint("this file is no picture that the browser knows");
+  image.onerror = () => page.hint("the browser cannot read this file as a picture");
   image.src = src;
 }
 

@@ -122,7 +122,7 @@ function doorIn(wall, from, to, kind, things) {
 /** Takes away the part of a wall between two crossings. */
 export class TrimTool extends DrawTool {
   get says() {
-    return "Click a part of a wall: it goes, as far as the next walls that cross it.";
+    return "Click a part of a wall to remove it, up to the walls that cross it.";
   }
 
   snapped({ x, y }) {

@@ -12,7 +12,7 @@ const MARKS = {
   own: ["", ""],
 };
 
-const pretty = (unit) => unit.replace("^2", "²").replace("^3", "³");
+const pretty = (unit) => unit.replaceAll("^2", "²").replaceAll("^3", "³");
 
 /** A unit as it is shown, and the factor to it: angles in degrees. */
 export function shown(unit) {
