@@ -15,7 +15,7 @@ from amorsim.runs.about import read_about, scenario_of
 from amorsim.runs.tables import read_columns
 from amorsim.scenario.spec import Scenario
 
-__all__ = ["RunFiles", "Table"]
+__all__ = ["RunFiles", "Table", "belief_arrays"]
 
 Table = Mapping[str, npt.NDArray[Any]]
 Ints = npt.NDArray[np.int64]
@@ -160,7 +160,7 @@ class RunFiles:
             covariance = of(_COVARIANCE)
             return found | {"pose": of(_POSE), "covariance": covariance.reshape(*covariance.shape[:2], 3, 3)}
         if kind == "beliefs":
-            return found | _beliefs(columns, lines)
+            return found | belief_arrays(columns, lines)
         if kind == "commands":
             return found | {"command": of([key for key in columns if key not in ("replica", "time", "robot")])}
         body, what = (_POSE, "pose") if kind == "poses" else (_TWIST, "twist")
@@ -265,8 +265,8 @@ class RunFiles:
         return times
 
 
-def _beliefs(columns: Table, lines: Ints) -> dict[str, npt.NDArray[Any]]:
-    """Beliefs `(S, N, ...)` by name: columns such as ``innovation_0_1`` are numbers of one array."""
+def belief_arrays(columns: Table, lines: Ints) -> dict[str, npt.NDArray[Any]]:
+    """Beliefs `(S, N, ...)` by name, from the lines `(S, N)`: columns such as ``innovation_0_1`` are of one array."""
     places: dict[str, list[tuple[int, ...]]] = {}
     for key in columns:
         if key not in ("replica", "time", "robot"):

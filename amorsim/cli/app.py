@@ -26,6 +26,7 @@ from amorsim.cli import (
     plan,
     plot,
     plugins,
+    replay,
     report,
     reproduce,
     run,
@@ -69,6 +70,7 @@ app.command("view", short_help="Open the Simulator in the browser.")(view.comman
 app.command("runsim", short_help="The same as view; the original's name for it.")(view.command)
 app.command("edit", short_help="Make or change a scenario in the browser.")(edit.command)
 app.command("createsim", short_help="The same as edit; the original's name for it.")(edit.command)
+app.command("replay", short_help="Open a recorded run in the Simulator.")(replay.command)
 app.command("reproduce", short_help="Run a finished run again, and compare.")(reproduce.command)
 app.command("check", short_help="Report all that is wrong with a scenario.")(check.command)
 app.command("convert", short_help="Write a map in another format.")(convert.command)

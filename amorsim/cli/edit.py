@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import complain, say
+from amorsim.cli.options import Host, Opened, Port, check_port
 
 __all__ = ["command"]
 
@@ -16,15 +17,9 @@ def command(
     scenario: Annotated[
         str, typer.Argument(metavar="[SCENARIO]", help="A scenario's file, faulty or not, or a bundled scenario.")
     ] = "",
-    port: Annotated[int, typer.Option(metavar="N", help="Port to serve the window on; 0 takes one that is free.")] = 0,
-    host: Annotated[
-        str,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Address to serve the window on; only this machine can reach the default. Nothing is encrypted.",
-        ),
-    ] = "127.0.0.1",
-    open_: Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")] = True,
+    port: Port = 0,
+    host: Host = "127.0.0.1",
+    open_: Opened = True,
     allow_code: Annotated[
         bool,
         typer.Option(
@@ -38,12 +33,10 @@ def command(
     present folder. The address is printed on a line of its own, and works once; then another one is printed, for
     another browser. Ctrl-C ends it.
     """
-    from amorsim.core.errors import AmorsimError
     from amorsim.ui.simulator.show import check_extra
 
     check_extra()
-    if not 0 <= port < 65536:
-        raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
+    check_port(port)
 
     from amorsim.ui.editor.show import edit
 

@@ -7,7 +7,20 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["Changes", "Duration", "Played", "Resolution", "RobotName", "RunFolder", "Seed", "Studied"]
+__all__ = [
+    "Changes",
+    "Duration",
+    "Host",
+    "Opened",
+    "Played",
+    "Port",
+    "Resolution",
+    "RobotName",
+    "RunFolder",
+    "Seed",
+    "Studied",
+    "check_port",
+]
 
 Played = Annotated[
     str,
@@ -38,3 +51,20 @@ Resolution = Annotated[
 ]
 RobotName = Annotated[str | None, typer.Option(metavar="NAME", help="Which robot. [default: the first]")]
 RunFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of a run.")]
+Port = Annotated[int, typer.Option(metavar="N", help="Port to serve the window on; 0 takes one that is free.")]
+Host = Annotated[
+    str,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Address to serve the window on; only this machine can reach the default. Nothing is encrypted.",
+    ),
+]
+Opened = Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")]
+
+
+def check_port(port: int) -> None:
+    """Raise an error for a port that there cannot be."""
+    from amorsim.core.errors import AmorsimError
+
+    if not 0 <= port < 65536:
+        raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
-from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
+from amorsim.cli.options import Changes, Duration, Host, Opened, Played, Port, Resolution, Seed, check_port
 
 __all__ = ["command"]
 
@@ -19,15 +19,9 @@ def command(
         Path | None,
         typer.Option(metavar="DIR", help="Folder that the run is written into as it goes, new or empty."),
     ] = None,
-    port: Annotated[int, typer.Option(metavar="N", help="Port to serve the window on; 0 takes one that is free.")] = 0,
-    host: Annotated[
-        str,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Address to serve the window on; only this machine can reach the default. Nothing is encrypted.",
-        ),
-    ] = "127.0.0.1",
-    open_: Annotated[bool, typer.Option("--open/--no-open", help="Whether to open the window in the browser.")] = True,
+    port: Port = 0,
+    host: Host = "127.0.0.1",
+    open_: Opened = True,
     seed: Seed = None,
     duration: Duration = None,
     resolution: Resolution = None,
@@ -39,13 +33,12 @@ def command(
     is printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes
     into the present folder. Of a scenario file with faults, the window shows the faults until the file is mended.
     """
-    from amorsim.core.errors import AmorsimError, ScenarioError
+    from amorsim.core.errors import ScenarioError
     from amorsim.ui.faults.lines import FaultsError, lines_of
     from amorsim.ui.simulator.show import can_be_mended, check_extra, show
 
     check_extra()
-    if not 0 <= port < 65536:
-        raise AmorsimError(f"--port: expected a whole number from 0 to 65535, got {port}")
+    check_port(port)
 
     from amorsim.runs.asked import look_up
     from amorsim.runs.folder import check_free

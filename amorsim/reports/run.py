@@ -58,6 +58,8 @@ def run_page(folder: Path) -> Page:
     page.facts(_facts(about))
     page.paragraph("To run it again and compare all bits, from its folder:")
     page.command(f"amorsim reproduce {folder.resolve().name}")
+    page.paragraph("To see it in the Simulator, moment by moment:")
+    page.command(f"amorsim replay {folder.resolve().name}")
     text = (folder / "scenario.toml").read_text(encoding="utf-8", errors="replace")
     page.listing("The scenario, as it was simulated", text[:_MOST_LETTERS])
     return page

@@ -43,7 +43,14 @@ def test_a_run_has_a_report(made: Path) -> None:
     path = am.report(made / "run")
     assert path == made / "run" / "report.html"
     text = check(
-        path, "Run run", "seed", "digest by replica", "amorsim reproduce run", "position error at the end", "rover"
+        path,
+        "Run run",
+        "seed",
+        "digest by replica",
+        "amorsim reproduce run",
+        "amorsim replay run",
+        "position error at the end",
+        "rover",
     )
     assert text.count("data:image/png") >= 5
 

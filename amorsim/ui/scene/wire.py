@@ -16,6 +16,7 @@ __all__ = [
     "ObstacleShape",
     "Outline",
     "OutlineShape",
+    "Recorded",
     "RobotEntry",
     "Scene",
     "SensorShape",
@@ -70,7 +71,7 @@ class Drawing(TypedDict, total=False):
     - ``sticks``: a line before each element, as long as its value is between the two of `span`; where that has one
       alone, the largest of a reading is as long as can be.
     - ``contacts``: `lines` of the footprint for each value, which are drawn where it is not 0.
-    - ``fix``: a place in the world ``x``, ``y``, with its ``heading`` where that is told.
+    - ``fix``: a place in the world ``x``, ``y``, with its ``heading`` if that is given.
     - ``needle``: a heading in the world.
     """
 
@@ -117,7 +118,7 @@ class Kind(TypedDict):
 
 
 class Knowledge(TypedDict):
-    """What a robot was told of the world."""
+    """What a robot knows of the world."""
 
     map: int | None  # a place in the scene's `maps`
     landmarks: list[list[float]]
@@ -160,10 +161,20 @@ class Floor(TypedDict):
     patches: list[FloorPatch]  # markings and drops, the lowest first
 
 
-class Scene(TypedDict):
-    """All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
+class Recorded(TypedDict):
+    """What the page says of a recorded run."""
 
-    `map` is None where the world's map cannot be read, which happens to a `Still` alone.
+    replica: int
+    replicas: list[int]
+    facts: list[list[str]]  # names and values
+    lacks: list[str]  # sentences
+
+
+class Scene(TypedDict):
+    """Everything that does not change while a simulation runs. `map` and knowledge are places in `maps`.
+
+    `map` is None if the world's map cannot be read, which happens only in a `Still`. `recorded` is there if a recorded
+    run is shown.
     """
 
     version: int
@@ -177,6 +188,7 @@ class Scene(TypedDict):
     robots: list[RobotEntry]
     obstacles: list[ObstacleShape]
     floor: Floor
+    recorded: NotRequired[Recorded]
 
 
 class OutlineShape(TypedDict):

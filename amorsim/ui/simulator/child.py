@@ -23,8 +23,6 @@ from pathlib import Path
 from types import FrameType
 from typing import IO, Any
 
-import numba
-
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain, users_lines
 from amorsim.kernels.cache_folder import mark_warm
@@ -38,7 +36,12 @@ from amorsim.ui.simulator.packing import FrameFlag, pack_bundle
 from amorsim.ui.simulator.pipes import JSON, Writer, read_message
 from amorsim.ui.simulator.player import Player
 from amorsim.ui.simulator.recipe import Recipe
+from amorsim.ui.simulator.recording import Recording
+from amorsim.ui.simulator.replaying import Replaying
 from amorsim.ui.simulator.scenes import SceneBuilder
+from amorsim.ui.simulator.source import Source
+from amorsim.ui.simulator.stacks import is_compiling, robot_of
+from amorsim.ui.simulator.watching import Watching
 
 __all__ = ["Child", "main"]
 
@@ -50,7 +53,6 @@ LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
 LONGEST_SILENCE = 60.0  # [s]
 
 LONGEST_QUIET = 1.0  # [s] after which it is said that kernels are compiled
-_COMPILER = Path(numba.__file__).parent
 
 # What the session says that the simulation needs not be asked for.
 _AT_ONCE = ("ping", "frame", "interrupt", "end")
@@ -68,6 +70,9 @@ class Child:
     said, answers
         What is read, and where answers go.
     """
+
+    _source: Source
+    _does: Watching
 
     def __init__(self, said: IO[bytes], answers: IO[bytes]) -> None:
         self._said = said
@@ -89,6 +94,7 @@ class Child:
         self._carrier = Carrier()
         self._epoch = 0
         self._told: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
+        self._player: Player | None = None  # the source, if it is a simulation
 
     # ---------------------------------------------------------------------------------------------- the reading thread
 
@@ -143,7 +149,7 @@ class Child:
         frame, stack = self._stack()
         # A kernel that is met for the first time (at a first contact ...) is compiled: that takes its time, and ends.
         lines = [] if is_compiling(stack) else users_lines(stack)
-        return {"stack": "\n".join(lines), "robot": _robot_of(frame)} if lines else {}
+        return {"stack": "\n".join(lines), "robot": robot_of(frame)} if lines else {}
 
     def end(self) -> None:
         """Let the first thread end, and see to it that the process does."""
@@ -165,35 +171,50 @@ class Child:
         self, recipe: Recipe, *, out: Path | None, inputs: Inputs, tick: int, epoch: int, carried: Carried | None
     ) -> None:
         """Make the simulation, and simulate until the session ends."""
-        since = ""
         try:
             self._busy_since = time.monotonic()
-            simulation, remark = recipe.simulation()
-            player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
-            if tick or len(inputs):
-                player.inputs = inputs
-                since = player.resume(tick, carried)
+            if recipe.is_recorded:
+                ready = self._open(recipe, epoch)
+            else:
+                ready = self._simulate(recipe, out=out, inputs=inputs, tick=tick, epoch=epoch, carried=carried)
         except AmorsimError as error:
             self._writer.send({"push": "failed", "error": explain(error), "faults": lines_of(error)})
             return
         self._busy_since = None
-        builder = SceneBuilder(simulation)
-        does = Commands(player, builder, self._is_ending.is_set, changes=recipe.changes, passing=recipe.passing)
-        self._player, self._does = player, does
-        self._folder, self._tick = str(player.folder or ""), player.newest
-        scenario = simulation.scenario
-        remarks = [
-            f"{scenario.map.name}: {text}" for text in (*scenario.remarks, *scenario.map.warnings, remark) if text
-        ]
-        ready = {"scene": builder.scene, "remarks": remarks, "folder": self._folder, "since": since}
-        self._writer.send({"push": "ready", **ready})
-        self._epoch = player.epoch
+        source = self._source = self._does.source
+        self._folder, self._tick = str(source.folder or ""), source.newest
+        self._writer.send({"push": "ready", "scene": self._does.scene, "folder": self._folder, **ready})
+        self._epoch = source.epoch
         try:
             while not self._is_ending.is_set():
                 with contextlib.suppress(Interrupted):  # it came late: what it was meant for has returned
                     self._turn()
         finally:
-            player.close()
+            source.close()
+
+    def _simulate(
+        self, recipe: Recipe, *, out: Path | None, inputs: Inputs, tick: int, epoch: int, carried: Carried | None
+    ) -> dict[str, Any]:
+        """Make the simulation, and lead it to where another process was; returns remarks, and from where it was led."""
+        since = ""
+        simulation, remark = recipe.simulation()
+        player = Player(simulation, out=out, notice=self._replayed, epoch=epoch)
+        if tick or len(inputs):
+            player.inputs = inputs
+            since = player.resume(tick, carried)
+        builder = SceneBuilder(simulation)
+        self._player = player
+        self._does = Commands(player, builder, self._is_ending.is_set, changes=recipe.changes, passing=recipe.passing)
+        scenario = simulation.scenario
+        remarks = [
+            f"{scenario.map.name}: {text}" for text in (*scenario.remarks, *scenario.map.warnings, remark) if text
+        ]
+        return {"remarks": remarks, "since": since}
+
+    def _open(self, recipe: Recipe, epoch: int) -> dict[str, Any]:
+        """Open a recorded run; returns remarks."""
+        self._does = Replaying(Recording(Path(recipe.name), epoch=epoch), self._is_ending.is_set)
+        return {"remarks": [], "since": "from its folder"}
 
     def _replayed(self, _: int) -> None:
         if self._is_ending.is_set():
@@ -239,20 +260,20 @@ class Child:
         finally:
             self._busy_since, self._in_step = None, False
         self._changed = True
-        self._tick = self._player.newest
+        self._tick = self._source.newest
         self._tell_inputs()
         self._writer.send({"id": command["id"], **answer})
 
     def _step(self) -> None:
-        does, player = self._does, self._player
+        does, source = self._does, self._source
         # Frames are rare where it runs as fast as it can; only the step before one needs to be looked at.
         is_watched = does.pace.factor is not None or self._is_frame_due()
         if self._is_ending.is_set():
             return
-        player.watched = self._robots
+        source.watched = self._robots
         self._busy_since, self._in_step = time.monotonic(), True
         try:
-            made = player.step(watched=is_watched)
+            made = source.step(watched=is_watched)
         except Interrupted:
             made = False
             self._interrupted()
@@ -260,19 +281,19 @@ class Child:
             self._busy_since, self._in_step = None, False
         self._expect_original()
         self._changed = True
-        self._tick = player.newest
+        self._tick = source.newest
         if not made:
             does.is_running = False
-            if player.fault is not None:
-                sys.stderr.write(player.fault.stack + "\n")
+            if source.fault is not None:
+                sys.stderr.write(source.fault.stack + "\n")
             return
-        if self._is_first:
+        if self._is_first and self._player is not None:
             mark_warm()
             self._is_first = False
         if self._carrier.is_due:
             self._carry()
-        does.pace.stepped(time.monotonic(), player.simulation.dt)
-        if player.newest == player.last:
+        does.pace.stepped(time.monotonic(), source.dt)
+        if source.tick == source.last:
             does.is_running, does.has_ended = False, True
 
     def _expect_original(self) -> None:
@@ -284,7 +305,7 @@ class Child:
 
     def _carry(self) -> None:
         """Let the session have a snapshot for a child after this one, or know why it has none."""
-        carried = self._player.carry(self._carrier)
+        carried = None if self._player is None else self._player.carry(self._carrier)
         if carried is not None:
             self._writer.send({"push": "tick", "tick": carried.tick})
             self._writer.send_snapshot(carried.to_bytes())
@@ -293,6 +314,8 @@ class Child:
 
     def _interrupted(self) -> None:
         robot = self._hung
+        if self._player is None:
+            return
         self._player.fail(
             Fault(
                 robots=(robot,) if robot else (),
@@ -305,13 +328,15 @@ class Child:
     def _hung(self) -> str:
         _, _, trace = sys.exc_info()
         while trace is not None:
-            if robot := _robot_of(trace.tb_frame):
+            if robot := robot_of(trace.tb_frame):
                 return robot
             trace = trace.tb_next
         return ""
 
     def _tell_inputs(self) -> None:
         """Let the session know what was given, for a child after this one."""
+        if self._player is None:
+            return
         if self._player.epoch != self._epoch:  # what was carried is of another course of events
             self._epoch = self._player.epoch
             self._writer.send({"push": "epoch"})
@@ -339,33 +364,15 @@ class Child:
             self._last_frame = time.monotonic()
             flags = (FrameFlag.RUNNING if does.is_running else 0) | (FrameFlag.ENDED if does.has_ended else 0)
             speed = float("inf") if does.pace.factor is None else does.pace.factor
-            self._player.watched = self._robots
-            moments = self._player.frames(
-                version=1, number=self._number, speed=speed, achieved=does.achieved, flags=flags
+            self._source.watched = self._robots
+            moments = self._source.frames(
+                version=does.scene["version"], number=self._number, speed=speed, achieved=does.achieved, flags=flags
             )
             self._writer.send_frame(pack_bundle(moments))
 
     def close(self) -> None:
         """Write what waits."""
         self._writer.close()
-
-
-def is_compiling(stack: traceback.StackSummary, *, anew: bool = False) -> bool:
-    """Whether a stack is in the compiler of kernels; with `anew` only where none is being taken from its cache."""
-    files = (Path(frame.filename) for frame in stack)
-    return any(file.is_relative_to(_COMPILER) and (not anew or file.stem.startswith("compiler")) for file in files)
-
-
-def _robot_of(frame: FrameType | None) -> str:
-    """The robot whose controller a stack is in, as far as `UserController` is in it."""
-    from amorsim.controllers.user import UserController
-
-    while frame is not None:
-        if frame.f_code is UserController.command.__code__:
-            row, names = frame.f_locals.get("row"), frame.f_locals["robot"].names
-            return str(names[row]) if names and row is not None else ""
-        frame = frame.f_back
-    return ""
 
 
 def main() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import attrs
 
+from amorsim.ui.simulator.changes import Changes
 from amorsim.ui.simulator.inputs import Inputs
 from amorsim.ui.simulator.past import Pasts
 from amorsim.ui.simulator.story import Story
@@ -21,7 +22,7 @@ class Course:
     newest: int  # the last tick that was simulated
     present: Any
     inputs: Inputs
-    changes: dict[tuple[str, str], Any]
+    changes: Changes
     paths: Paths
     snapshots: Snapshots
     pasts: Pasts

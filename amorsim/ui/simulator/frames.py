@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,7 @@ __all__ = [
     "obstacle_poses",
     "selected_of",
     "upper_triangle",
+    "with_beliefs",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -120,9 +121,14 @@ def _believed_parts(frame: Frame, row: int, estimated: Array) -> Array:
 
 
 def _with_beliefs(simulation: Simulation, robot: int, selected: Selected) -> Selected:
-    """With the particles and hypotheses of the first of the robot's estimators that has any."""
+    """With the particles and hypotheses that the robot's estimators hold."""
     frame, row = _places(simulation)(robot)
-    for beliefs in frame.beliefs.values():
+    return with_beliefs(selected, frame.beliefs, row)
+
+
+def with_beliefs(selected: Selected, found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: int) -> Selected:
+    """With the particles and hypotheses of a row of the first estimator's beliefs that have any."""
+    for beliefs in found_beliefs.values():
         if "particles" in beliefs and "weights" in beliefs:
             table = np.column_stack((beliefs["particles"][row], beliefs["weights"][row]))
             table = table[np.isfinite(table).all(axis=1)]

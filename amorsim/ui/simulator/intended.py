@@ -12,7 +12,7 @@ from amorsim.contracts import Beliefs, Frame
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.protocol import Intended, IntendedArc, IntendedVelocities
 
-__all__ = ["intended_of"]
+__all__ = ["NO_INTENTION", "intended_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -33,7 +33,7 @@ _SHAPES: Mapping[str, tuple[int, int | None]] = {
     "cones": (2, 6),
 }
 _SECONDS = 1.0  # that arcs last whose controller does not say
-_NOTHING: Intended = {
+NO_INTENTION: Intended = {
     "pose": [],
     "path": None,
     "searched": None,
@@ -53,11 +53,11 @@ def intended_of(simulation: Simulation, robot: str, *, is_known: bool = True) ->
     """
     frame = next(frame for frame in simulation.frames() if robot in frame.names)
     if "controller" not in frame.beliefs:
-        return _NOTHING
+        return NO_INTENTION
     row = list(frame.names).index(robot)
     handle = simulation.robot(robot)
     pose = _course(frame, row, handle.estimated_pose)
-    found: Intended = {**_NOTHING, "pose": [round(value, 4) for value in pose.tolist()]}
+    found: Intended = {**NO_INTENTION, "pose": [round(value, 4) for value in pose.tolist()]}
     has = {name: array for name, array in frame.beliefs["controller"].items() if _is_drawn(name, array)}
     chooser: Any = handle.nominal.controller
     chooser = getattr(chooser, "avoider", chooser)

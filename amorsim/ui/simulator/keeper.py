@@ -109,13 +109,13 @@ class Keeper:
         return str(ready["since"])
 
     async def _await_ready(self, link: Link) -> Answer:
-        """What the child tells when it is ready; the user is told what takes so long."""
+        """The child's message that it is ready; meanwhile the user hears what takes so long."""
         deadline = time.monotonic() + LONGEST_START
         sign: asyncio.Future[Answer] | None = None
         while not (await asyncio.wait([link.ready], timeout=BETWEEN_PINGS))[0]:
             if time.monotonic() > deadline:
                 raise AmorsimError(f"the simulation was not ready after {LONGEST_START:g} s")
-            with contextlib.suppress(AmorsimError):  # it has ended, which is about to be told
+            with contextlib.suppress(AmorsimError):  # it has ended, and `link.ready` is about to say so
                 if sign is not None and sign.done():
                     self._look_for_compiler(sign.result())
                     sign = None
@@ -136,6 +136,10 @@ class Keeper:
         if self._scene is None:
             raise AmorsimError("the simulation has not been started")
         return self._scene
+
+    @scene.setter
+    def scene(self, scene: Scene) -> None:
+        self._scene = scene
 
     # -------------------------------------------------------------------------------------------------------- speaking
 
@@ -228,7 +232,7 @@ class Keeper:
         self.hang = {"status": status, "text": text, "tick": tick, "robot": robot, "stack": stack}
         if is_new:
             self._mailbox.stand_still()
-        if self.link is not None:  # whoever has asked already gets no answer either
+        if self.link is not None:  # earlier commands get no answer either
             self.link.give_up(f"the simulation does not answer: {text}")
 
     def _ended(self, link: Link) -> None:
@@ -240,7 +244,7 @@ class Keeper:
         self._note_hang("gone", f"the simulation has ended by itself ({link.end})", link.tick, robot, link.last_words)
 
     def told(self) -> Answer:
-        """What windows are told of a child that hangs or is gone; nothing where it is well."""
+        """The state to show if the child hangs or is gone; empty if it is well."""
         hang = self.hang
         if hang is None:
             return {}
@@ -307,7 +311,7 @@ class Keeper:
         self.remark("restarted", f"it was started again, and led to where it was {since}")
 
     async def _is_back(self, link: Link) -> bool:
-        """Whether the child's controller has returned, which is soon told."""
+        """Whether the child's controller has returned; the answer comes soon."""
         deadline = time.monotonic() + LONGEST_INTERRUPT
         while time.monotonic() < deadline and link.is_alive:
             sign = await self._sign(link, 0.2)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +14,7 @@ from PIL import Image
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.protocol import Mapped, MappedCells
 
-__all__ = ["mapped_of"]
+__all__ = ["mapped_in", "mapped_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -23,10 +25,14 @@ _FREE, _OCCUPIED = 28, 235  # opacities; what was never seen is clear
 def mapped_of(simulation: Simulation, robot: str) -> list[Mapped]:
     """What each estimator of a robot that maps or matches believes, in their order."""
     frame = next(frame for frame in simulation.frames() if robot in frame.names)
-    row = list(frame.names).index(robot)
+    return mapped_in(frame.beliefs, list(frame.names).index(robot))
+
+
+def mapped_in(found_beliefs: Mapping[str, Mapping[str, npt.NDArray[Any]]], row: int) -> list[Mapped]:
+    """What is mapped in the beliefs of each estimator, of a row, in their order."""
     found: list[Mapped] = []
-    for name in frame.beliefs:
-        beliefs = frame.beliefs[name]
+    for name in found_beliefs:
+        beliefs = found_beliefs[name]
         one: Mapped = {"estimator": name, "map": None, "scan": None, "poses": None, "edges": None}
         if "occupancy" in beliefs:
             origin, side = beliefs["occupancy_origin"][row], float(beliefs["occupancy_resolution"][row])

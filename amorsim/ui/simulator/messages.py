@@ -120,6 +120,8 @@ COMMANDS: Mapping[str, Command] = {
     "scrub": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
     "continue": Command(may={"tick": _either(_TICK, _NOTHING)}, controls=True),
     "go_back": Command(controls=True),
+    # Of a recorded run: which replica is shown.
+    "replica": Command(needs={"number": whole(0)}, controls=True),
     # Driving: [m/s], [m/s], [rad/s]. `hand_over` without `to` is to the hand; `stop` without a robot stops all that
     # are driven by hand.
     "hand_over": Command(may={**_OF_ROBOT, "to": _one_of("hand", "controller")}, controls=True),

@@ -1,10 +1,10 @@
-"""What plots need of the past, besides poses: what frames told of a robot, in few numbers and in bounded memory."""
+"""What plots need of the past besides poses: the values of a robot's frames, in few numbers and bounded memory."""
 
 from __future__ import annotations
 
 import base64
 import copy
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -14,14 +14,14 @@ from amorsim.ui.simulator.frames import Before, selected_of, upper_triangle
 from amorsim.ui.simulator.packing import Selected
 from amorsim.ui.simulator.protocol import Past
 
-__all__ = ["Pasts"]
+__all__ = ["Pasts", "Places", "past_of"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-FEW = 8  # so many robots have their past kept whether anybody looks at them or not
+FEW = 8  # up to this many robots have their past kept, watched or not
 MOST = 6000  # moments of a robot; when it is full, every other of the older half goes
-FIRST = 8  # so many values of a sensor are plotted, where no table says how long its lines are
+FIRST = 8  # values of a sensor that are plotted, if no table says how long its lines are
 
 
 class Pasts:
@@ -42,7 +42,7 @@ class Pasts:
         covariance = upper_triangle(simulation.covariance)
         for robot, selected in selected_of(simulation, robots, before).items():
             if robot not in self._robots:
-                self._robots[robot] = _Robot(*_places(simulation, robot))
+                self._robots[robot] = _Robot(_places(simulation, robot))
             poses = np.concatenate((true[robot], estimated[robot], covariance[robot]))
             self._robots[robot].keep(simulation.tick, poses, selected)
 
@@ -56,25 +56,35 @@ class Pasts:
         return copy.deepcopy(self)
 
     def told(self, robot: int, most: int) -> Past:
-        """What is kept of a robot, at most so many moments, the last among them."""
+        """What is kept of a robot, at most `most` moments, including the last."""
         if robot not in self._robots:
             return {"ticks": [], "values": ""}
         ticks, values = self._robots[robot].told(most)
-        return {"ticks": ticks.tolist(), "values": base64.b64encode(values.astype("<f8").tobytes()).decode()}
+        return past_of(ticks.tolist(), values)
 
 
-class _Robot:
-    """Moments of one robot: ticks, and a line of numbers for each (see `Past`)."""
+def past_of(ticks: list[int], lines: Array) -> Past:
+    """Moments as a window reads them; `lines` are those of `Places.line`."""
+    return {"ticks": ticks, "values": base64.b64encode(lines.astype("<f8").tobytes()).decode()}
 
-    def __init__(self, first: Ints, starts: Ints) -> None:
-        self._first, self._starts = first, starts
-        self._ticks = np.empty(256, dtype=np.int64)
-        self._values = np.empty((256, 0))
-        self._count = 0
 
-    def keep(self, tick: int, poses: Array, selected: Selected) -> None:
-        self.cut(tick - 1)
-        line = np.concatenate(
+class Places:
+    """Which of a robot's values are plotted, by each sensor's count of values and columns."""
+
+    def __init__(self, sensors: Iterable[tuple[int, int]]) -> None:
+        first: list[int] = []
+        starts: list[int] = []
+        begin = 0
+        for size, columns in sensors:
+            first += range(begin, begin + min(size, columns or FIRST))
+            starts += [begin] if size else []
+            begin += size
+        self._first = np.array(first, dtype=np.int64)
+        self._starts = np.array(starts, dtype=np.int64)
+
+    def line(self, poses: Array, selected: Selected) -> Array:
+        """The numbers of a moment (see `Past`); `poses` are the true and the estimated pose, and the covariance."""
+        return np.concatenate(
             (
                 poses,
                 selected.true_twist,
@@ -85,6 +95,23 @@ class _Robot:
                 *(self._nearest(values) for values in (selected.true, selected.measured)),
             )
         )
+
+    def _nearest(self, values: Array) -> Array:
+        return np.fmin.reduceat(values, self._starts) if len(self._starts) else np.empty(0)
+
+
+class _Robot:
+    """Moments of one robot: ticks, and a line of numbers for each (see `Past`)."""
+
+    def __init__(self, places: Places) -> None:
+        self._places = places
+        self._ticks = np.empty(256, dtype=np.int64)
+        self._values = np.empty((256, 0))
+        self._count = 0
+
+    def keep(self, tick: int, poses: Array, selected: Selected) -> None:
+        self.cut(tick - 1)
+        line = self._places.line(poses, selected)
         if self._count == 0:
             self._values = np.empty((len(self._ticks), len(line)))
         elif self._count == MOST:
@@ -95,9 +122,6 @@ class _Robot:
             self._values = np.concatenate((self._values, np.empty((room - self._count, len(line)))))
         self._ticks[self._count], self._values[self._count] = tick, line
         self._count += 1
-
-    def _nearest(self, values: Array) -> Array:
-        return np.fmin.reduceat(values, self._starts) if len(self._starts) else np.empty(0)
 
     def _thin(self) -> None:
         stay = np.concatenate((np.arange(0, MOST // 2, 2), np.arange(MOST // 2, MOST)))
@@ -113,17 +137,11 @@ class _Robot:
         return self._ticks[places], self._values[places]
 
 
-def _places(simulation: Simulation, robot: int) -> tuple[Ints, Ints]:
-    """Which of a robot's values are the first of a sensor, and where each sensor's values begin."""
+def _places(simulation: Simulation, robot: int) -> Places:
+    """Which of a robot's values are plotted."""
     name = simulation.names[robot]
     frame = next(frame for frame in simulation.frames() if name in frame.names)
-    first: list[int] = []
-    starts: list[int] = []
-    begin = 0
-    for sensor, (true, _) in frame.readings.items():
-        size = true.shape[1]
-        columns = frame.robot.sensors[sensor].sensor.columns()
-        first += range(begin, begin + min(size, len(columns) or FIRST))
-        starts += [begin] if size else []
-        begin += size
-    return np.array(first, dtype=np.int64), np.array(starts, dtype=np.int64)
+    return Places(
+        (true.shape[1], len(frame.robot.sensors[sensor].sensor.columns()))
+        for sensor, (true, _) in frame.readings.items()
+    )

@@ -1,24 +1,21 @@
-"""A simulation that is played: forward, back, on from there; with what was given to it kept, to be given again."""
+"""A simulation that is played: forward, back, and on from there; its inputs are kept, to be given again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from amorsim.core.errors import AmorsimError
-from amorsim.simulation.events import Event
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.carried import Carried, Carrier
+from amorsim.ui.simulator.changes import Changes
 from amorsim.ui.simulator.course import Course
 from amorsim.ui.simulator.faults import Fault, fault_of
-from amorsim.ui.simulator.frames import Before, look_back, moments_of
+from amorsim.ui.simulator.frames import look_back
 from amorsim.ui.simulator.inputs import Input, Inputs
-from amorsim.ui.simulator.packing import Dynamic, FrameFlag
 from amorsim.ui.simulator.past import Pasts
-from amorsim.ui.simulator.protocol import EventLine
+from amorsim.ui.simulator.simulated import Simulated
 from amorsim.ui.simulator.story import Story
 from amorsim.ui.simulator.timeline import Paths, Snapshots
 from amorsim.ui.simulator.writing import Writing
@@ -28,7 +25,7 @@ __all__ = ["Player"]
 Notice = Callable[[int], None]
 
 
-class Player:
+class Player(Simulated):
     """A simulation with its past.
 
     Parameters
@@ -36,38 +33,21 @@ class Player:
     simulation
         At its start, of one replica.
     out
-        The folder that it is written into as it goes; one with a number after it where it begins anew, or goes on
-        from an earlier moment.
+        The folder that it is written into as it goes; with a number after it when it begins again, or goes on from an
+        earlier moment.
     epoch
         To count on from.
     notice
         Called with the tick while the past is simulated again, which may take long.
-
-    Attributes
-    ----------
-    epoch
-        Rises whenever the recorded past is no longer what it was.
-    fault
-        Why no step can be made, or None.
     """
 
     def __init__(
         self, simulation: Simulation, *, out: Path | None = None, notice: Notice | None = None, epoch: int = 0
     ) -> None:
-        self.simulation = simulation
-        self.epoch = epoch
-        self.watched: tuple[int, ...] = (0,)  # robots of which frames tell all
+        super().__init__(simulation, epoch)
         self.inputs = Inputs()
-        self.fault: Fault | None = None
-        self._story = Story()
-        self.poses_only: int | None = None  # the tick that is shown, where only poses are known of it
         self._notice = notice or (lambda _: None)
-        self._present: Any = None  # the snapshot of the present, while the past is shown
-        self._newest = 0
-        self._is_past = False
-        self._before: Before | None = None
-        self._changes: dict[tuple[str, str], Any] = {}  # live ones, that outlast a reset
-        self._obstacles = sorted(obstacle.name for obstacle in simulation.scenario.obstacles)
+        self._changes = Changes()
         self._writing = Writing(out)
         self._begin(simulation)
 
@@ -99,38 +79,23 @@ class Player:
         return Simulation(self.simulation.scenario, seed=self.simulation.seed)
 
     def reset(self) -> None:
-        """Begin anew, with the parameters that were set, and the robots in their controllers' hands."""
+        """Begin again, with the parameters that were set, and the robots in their controllers' hands."""
         self._begin(self._new())
         self.inputs = Inputs()
-        for (robot, path), value in self._changes.items():
-            self.give(Input(tick=0, do="set", robot=robot, path=path, value=value))
+        for one in self._changes.inputs():
+            self.give(one)
 
     # ------------------------------------------------------------------------------------------------------------ time
 
-    @property
-    def tick(self) -> int:
-        """The tick that is shown."""
-        return self.simulation.tick if self.poses_only is None else self.poses_only
-
-    @property
-    def newest(self) -> int:
-        """The last tick that was simulated."""
-        return self._newest
-
-    @property
-    def is_past(self) -> bool:
-        """Whether a moment of the past is shown."""
-        return self._is_past
-
-    @property
-    def last(self) -> int:
-        """The tick at which the scenario's duration is over."""
-        return self.simulation.steps_of(self.simulation.scenario.duration)
+    def begin_playing(self) -> None:
+        """Go to the present, from which steps are made."""
+        if self._is_past:
+            self._to_present()
 
     def step(self, *, watched: bool = True) -> bool:
-        """Make a step, and say whether it was made; if not, `fault` tells why.
+        """Make a step, and say whether it was made; if not, `fault` says why.
 
-        Without `watched` no frame can tell the velocities that only two steps together tell.
+        Without `watched` frames lack the velocities that follow from two steps together.
         """
         if self.fault is not None:
             return False
@@ -166,7 +131,7 @@ class Player:
         self.remark("fault", fault.text, robot=", ".join(fault.robots), stack=fault.stack)
 
     def forgive(self) -> None:
-        """Try the step that failed once more when told to go on."""
+        """Try the step that failed once more when the simulation goes on."""
         self.fault = None
 
     def _expect_present(self) -> None:
@@ -209,24 +174,6 @@ class Player:
                 self._before = look_back(self.simulation, self.watched)
             (notice or self._notice)(now)
 
-    @property
-    def is_exact(self) -> bool:
-        """Whether what is shown of the past is where the robots were; not if a controller did otherwise this time."""
-        kept_at, kept = self.paths.at(self.tick)
-        if not self._is_past or self.poses_only is not None or kept_at != self.tick:
-            return True
-        now = np.concatenate((self.simulation.true_pose, self.simulation.estimated_pose), axis=1).astype(np.float32)
-        return bool(np.array_equal(now, kept))
-
-    @property
-    def reason(self) -> str:
-        """Why one cannot go on from a moment of the past, or nothing."""
-        if self.snapshots.reason:
-            return self.snapshots.reason
-        if not self.is_exact:
-            return "a controller did something else when it was run again (a clock or randomness of its own?)"
-        return ""
-
     def go_on(self) -> int:
         """Take the moment that is shown for the present; returns its tick.
 
@@ -259,10 +206,7 @@ class Player:
             self._story.cut(tick, len(self.simulation.events))
             self.epoch += 1
         self._is_past, self._present, self.fault = False, None, None
-        self._changes = {}
-        for one in self.inputs:
-            if one.do == "set":
-                self._note_change(one)
+        self._changes = Changes.of(self.inputs)
         self.remark("continued", f"continued from here; {until}")
         return tick
 
@@ -313,10 +257,7 @@ class Player:
         story.cut(tick, len(self.simulation.events))
         self._begin(self._new())
         self._story = story
-        self._changes = {}
-        for one in self.inputs:
-            if one.do == "set":
-                self._note_change(one)
+        self._changes = Changes.of(self.inputs)
         since = "from the start"
         if carried is not None and self._writing.folder is None:
             try:
@@ -364,83 +305,20 @@ class Player:
         self._expect_present()
         new.give(self.simulation)
         self.inputs.add(new)
-        if new.do == "set":
-            self._note_change(new)
-        elif new.do == "hand_over" and self.fault is not None:
+        self._changes.note(new)
+        if new.do == "hand_over" and self.fault is not None:
             robots = tuple(name for name in self.fault.robots if not self.simulation.robot(name).is_by_hand)
             if not robots:
                 self.fault = None
 
-    def _note_change(self, new: Input) -> None:
-        """Keep a change, in place of those that it holds: a chain or an error has all its numbers in it."""
-        within = f"{new.path}."
-        self._changes = {
-            (robot, path): value
-            for (robot, path), value in self._changes.items()
-            if robot != new.robot or not (path == new.path or path.startswith(within))
-        }
-        self._changes[new.robot, new.path] = new.value
-
     def forget_change(self, robot: str, path: str) -> None:
         """Hold a parameter for unchanged: it was set to what the scenario says."""
-        self._changes.pop((robot, path), None)
+        self._changes.forget(robot, path)
 
     @property
     def changes(self) -> dict[tuple[str, str], Any]:
         """What was set while it ran, by robot and path."""
-        return dict(self._changes)
-
-    # -------------------------------------------------------------------------------------------------------- looking
-
-    def remark(self, kind: str, text: str, *, robot: str = "", stack: str = "") -> None:
-        """Keep a line that is no event of the simulation."""
-        time = self.tick * self.simulation.dt
-        self._story.add(len(self._simulation_events), self.tick, time, kind, text, robot=robot, stack=stack)
-
-    @property
-    def remarks(self) -> list[EventLine]:
-        """What is no event of the simulation, in order."""
-        return self._story.remarks
-
-    @property
-    def event_count(self) -> int:
-        """How many lines `events` has."""
-        return len(self._simulation_events) + len(self._story)
-
-    @property
-    def _simulation_events(self) -> Sequence[Event]:
-        return self.simulation.events if self._present is None else self._present[0].events
-
-    def events(self) -> list[EventLine]:
-        """All that happened up to the present, in the order in which it became known: what is new comes last."""
-        return self._story.told(self._simulation_events)
-
-    def frames(self, *, version: int, number: int, speed: float, achieved: float, flags: int) -> list[Dynamic]:
-        """The moment that is shown, for each robot that is watched."""
-        if self._is_past:
-            flags |= FrameFlag.SCRUBBED
-        if self.fault is not None:
-            flags |= FrameFlag.FAULT
-        poses = None
-        if self.poses_only is not None:
-            flags |= FrameFlag.POSES_ONLY
-            poses = self.paths.at(self.poses_only)[1].astype(float)
-        moments = moments_of(self.simulation, self.watched, self._before, self._obstacles, poses)
-        return [
-            moment._replace(
-                version=version,
-                number=number,
-                epoch=self.epoch,
-                time=self.tick * self.simulation.dt,
-                speed=speed,
-                achieved=achieved,
-                tick=self.tick,
-                newest=self._newest,
-                flags=flags,
-                events=self.event_count,
-            )
-            for moment in moments
-        ]
+        return self._changes.values
 
     # ---------------------------------------------------------------------------------------------------------- ending
 

@@ -21,6 +21,7 @@ simulation runs. A **frame** (binary, see `amorsim.ui.simulator.packing`) is one
 | ``scrub`` | ``tick``, ``exact``, ``can_continue``, ``reason`` |
 | ``step`` | ``tick``, ``steps`` |
 | ``continue`` | ``tick`` |
+| ``replica`` | ``scene``: a `Scene`, of the replica |
 | ``go_back`` | ``tick`` of the end of what the last ``continue`` left |
 | ``drive`` | ``channels`` |
 | ``set`` | ``value`` |
@@ -188,6 +189,7 @@ class State(TypedDict):
     can_continue: bool
     reason: str  # why not
     fault: EventLine | None
+    damage: NotRequired[str]  # what is wrong with the files of a recorded run
     holder: NotRequired[str]  # the window that has the controls
     changed: NotRequired[bool]  # whether the scenario's file, or one that it names, is another one by now
     moved: NotRequired[str]  # the page of the simulation that took this one's place
@@ -198,7 +200,7 @@ class Past(TypedDict):
 
     `values` is a line of float64, little endian and in base64, for each tick: true and estimated pose (3 each),
     covariance (6), true and estimated twist (3 each), true and measured joint rates, true and measured values of all
-    sensors of which only the first are told (as many as a line of its table has columns, or 8), and the least true
+    sensors, of which only the first are sent (as many as a line of its table has columns, or 8), and the least true
     and measured value of each sensor that has any.
     """
 
@@ -207,7 +209,7 @@ class Past(TypedDict):
 
 
 class History(TypedDict):
-    """Where a robot was and believed to be, and what else is known of its past, each of at most so many moments."""
+    """A robot's true and estimated path, and what else is known of its past."""
 
     ok: bool
     epoch: int

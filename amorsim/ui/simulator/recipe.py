@@ -1,4 +1,4 @@
-"""How a scenario was asked for, so that another process makes the same simulation of it."""
+"""What a window was asked to show, so that another process makes the same simulation of it, or opens the same run."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ __all__ = ["Recipe"]
 
 @attrs.frozen(kw_only=True)
 class Recipe:
-    """What `amorsim view` was told: a scenario's name or file, and what is changed of it.
+    """What a window shows: a scenario by its name or file, and what is changed of it; or a recorded run.
 
-    `passing` is a folder that ends with the window, where the scenario and some of its maps lie; or nothing.
+    `passing` is a folder that ends with the window, where the scenario and some of its maps lie; or empty. With
+    `is_recorded`, `name` is the folder of a run, and nothing else is used.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Recipe:
     seed: int | None = None
     duration: float | None = None
     passing: str = ""
+    is_recorded: bool = False
 
     def simulation(self) -> tuple[Simulation, str]:
         """The simulation, at its start, and a remark for the user, or nothing.

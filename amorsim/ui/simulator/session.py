@@ -78,7 +78,7 @@ class Session:
         self._looks = Looks()
         self._mailbox = Mailbox(lambda now: self._keeper.ask_frame(self._looks.robots, now=now))
         self._keeper = Keeper(recipe, out=out, patience=patience, notice=notice, mailbox=self._mailbox)
-        self._state: Answer = {}  # the last that the child told
+        self._state: Answer = {}  # the child's last answer
         self.reload: Callable[[], Awaitable[str]] | None = None
         self.changed = False
         self.moved = ""
@@ -145,8 +145,8 @@ class Session:
     async def newest_frame(self, after: int = 0, window: str = "") -> bytes:
         """The newest frame whose number is above `after`, as soon as there is one; never, once the session has ended.
 
-        It tells all of the robot that the window looks at. Frames are made only while somebody waits for one, at most
-        40 in a second.
+        It holds all values of the robot that the window looks at. Frames are made only while a window waits for one, at
+        most 40 in a second.
         """
         return await self._mailbox.newest(after, lambda: self._looks.of(window))
 
@@ -191,6 +191,8 @@ class Session:
         if self._keeper.hang is not None:
             raise AmorsimError(f"the simulation does not answer: {self._keeper.hang['text']}")
         answer = await self._keeper.send(self._with_robot(window, command))
+        if name == "replica" and answer["ok"]:
+            self._keeper.scene = answer["scene"]
         self._mailbox.spoil()
         return answer
 

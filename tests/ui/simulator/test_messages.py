@@ -31,6 +31,7 @@ GOOD: list[dict[str, Any]] = [
     {"do": "speed", "factor": 0.25},
     {"do": "scrub", "tick": None},
     {"do": "continue", "tick": 40},
+    {"do": "replica", "number": 3},
     {"do": "hand_over", "robot": "rover", "to": "hand"},
     {"do": "drive", "forward": 0.5, "left": 0, "turn": -1.2},
     {"do": "command", "robot": "rover", "channels": [1, 2.5]},

@@ -47,7 +47,12 @@ const KEYS = [
   ["+, −", "zoom"], ["Shift + arrows", "pan"], ["Enter", "in a pane: what is in its middle"], ["N, P", "next, previous robot"], ["L", "light or dark"], ["?", "this"],
 ];
 
-export function showKeys() {
-  const rows = KEYS.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
+const LIVE = ["Shift + R", "M", "arrows, W A S D", "Q, E", "X"];
+const RECORDED = [[",", "one step back"], ["Shift + R", "to the start"]];
+
+/** The keys of the Simulator; of a recorded run, those that do something there. */
+export function showKeys(isRecorded = false) {
+  const keys = isRecorded ? [...RECORDED, ...KEYS.filter(([key]) => !LIVE.includes(key))] : KEYS;
+  const rows = keys.map(([key, does]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, key)), h("td", {}, does)));
   tell("Keys", h("table", { class: "keys" }, h("tbody", {}, rows)));
 }

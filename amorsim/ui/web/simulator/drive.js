@@ -31,6 +31,7 @@ export class Driving {
     this.share = 0.5;
     this.isByHand = false;
     this.isRunning = false;
+    this.isOff = false; // whether there is nothing to drive: a recorded run
     this.switch = h("button", { id: "hand", "aria-pressed": "false", onclick: () => this.toggle() }, "drive by hand (M)");
     this.pace = h("input", {
       type: "range", id: "pace", min: "0.05", max: "1", step: "0.05", value: "0.5", "aria-label": "how fast to drive",
@@ -79,7 +80,7 @@ export class Driving {
   listen() {
     window.addEventListener("keydown", (event) => {
       const move = KEYS[event.code];
-      if (!move || event.shiftKey || event.ctrlKey || event.altKey || event.metaKey || takesKeys(event.target)) return;
+      if (!move || this.isOff || event.shiftKey || event.ctrlKey || event.altKey || event.metaKey || takesKeys(event.target)) return;
       if (!this.isByHand) {
         if (!event.repeat) this.hint("Press M to drive this robot by hand.");
         return;
@@ -146,7 +147,7 @@ export class Driving {
   }
 
   async toggle() {
-    if (!this.robot) return;
+    if (!this.robot || this.isOff) return;
     const to = this.isByHand ? "controller" : "hand";
     const said = await this.ask({ do: "hand_over", robot: this.robot.name, to });
     if (said.ok) this.setByHand(to === "hand");

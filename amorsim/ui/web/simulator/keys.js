@@ -27,6 +27,7 @@ export function listenToKeys(simulator) {
   const plain = {
     " ": () => timebar.toggle(),
     ".": () => timebar.doStep(),
+    ",": () => timebar.doStepBack(),
     R: () => timebar.doReset(),
     m: () => driving.toggle(),
     x: () => driving.isByHand && driving.stop(),
@@ -41,7 +42,7 @@ export function listenToKeys(simulator) {
     n: () => simulator.nextRobot(1),
     p: () => simulator.nextRobot(-1),
     l: () => simulator.toggleTheme(),
-    "?": showKeys,
+    "?": () => showKeys(timebar.isRecorded),
     Escape: () => stage.selection.clear(),
   };
   const shifted = {
@@ -64,7 +65,7 @@ export function listenToKeys(simulator) {
     const does = event.shiftKey && shifted[event.key] ? shifted[event.key] : plain[event.key];
     if (!does) return;
     event.preventDefault();
-    if (event.repeat && event.key !== "." && !shifted[event.key] && !"+-=".includes(event.key)) return;
+    if (event.repeat && !".,".includes(event.key) && !shifted[event.key] && !"+-=".includes(event.key)) return;
     does();
   });
 }

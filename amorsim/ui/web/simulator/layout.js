@@ -22,7 +22,7 @@ export const BELIEFS = [
   ["hypotheses", "hypothesisCount", "where its estimator thinks the robot might be, each with 95 %"],
 ];
 
-export function build({ stage, timebar, driving, form }) {
+export function build({ stage, timebar, driving, form, replay }) {
   const parts = {};
   const make = (name, element) => (parts[name] = element);
   parts.tools = new Map(
@@ -42,6 +42,7 @@ export function build({ stage, timebar, driving, form }) {
     { class: "bar" },
     h("h1", {}, "amorsim"),
     make("scenario", h("span", { class: "scenario" })),
+    h("span", { class: "badge recorded-only", title: "a recorded run: nothing is simulated" }, "recorded"),
     make("robot", h("select", { class: "robots", "aria-label": "robot" })),
     timebar.element,
     make("controls", h("button", { class: "controls", hidden: true })),
@@ -49,8 +50,8 @@ export function build({ stage, timebar, driving, form }) {
       "div",
       { class: "menu" },
       make("editor", h("button", { hidden: true, title: "back to the Editor, where all is as it was" }, "← edit")),
-      make("saveRun", h("button", { class: "holders-only" }, "save run")),
-      make("saveScenario", h("button", { class: "holders-only", title: "the scenario with its present parameters" }, "save as…")),
+      make("saveRun", h("button", { class: "holders-only live-only" }, "save run")),
+      make("saveScenario", h("button", { class: "holders-only live-only", title: "the scenario with its present parameters" }, "save as…")),
       make("picture", h("button", { title: "a picture of the view" }, "picture")),
       make("film", h("button", { title: "record the view as a GIF", "aria-pressed": "false" }, "GIF")),
       make("theme", h("button", { class: "icon", "aria-label": "light or dark (L)", title: "light or dark (L)" }, "◐")),
@@ -81,6 +82,7 @@ export function build({ stage, timebar, driving, form }) {
     ),
     stage.control.element,
   );
+  const about = panel("run", head("run", "This run"), scroll("about this run", replay.element));
   const side = panel(
     "errors",
     h(
@@ -124,7 +126,7 @@ export function build({ stage, timebar, driving, form }) {
     { class: "window" },
     header,
     make("banner", h("div", { class: "banner", role: "alert", hidden: true })),
-    h("div", { class: "panels" }, robot, control, side, numbers, plot, events),
+    h("div", { class: "panels" }, robot, control, side, about, numbers, plot, events),
     timebar.past,
     make("hint", h("div", { class: "hint", role: "status", "aria-live": "polite" })),
     make("card", h("div", { class: "card", role: "status", hidden: true })),

@@ -12,6 +12,7 @@ import { Numbers } from "./numbers.js";
 import { FLAG, ROBOT, readFrame } from "./protocol.js";
 import { isDrawn } from "./readings.js";
 import { Saving } from "./saving.js";
+import { Replay } from "./replay.js";
 import { readScene } from "../shared/scene.js";
 import { Connection } from "../shared/socket.js";
 import { Stage } from "./stage.js";
@@ -35,6 +36,7 @@ export class Simulator {
     });
     this.timebar = new TimeBar(ask);
     this.driving = new Driving(ask, (text) => this.hint(text));
+    this.replay = new Replay(ask, (event) => this.go(event));
     const change = (command) => this.connection.ask({ ...command, robot: this.robot.name }).then((said) => this.formSaid(said));
     this.form = new Form({
       set: (path, value) => change({ do: "set", path, value }),
@@ -88,7 +90,21 @@ export class Simulator {
     document.title = `${this.scene.scenario} · amorsim`;
     this.parts.robot.replaceChildren(...this.scene.robots.map((robot, i) => h("option", { value: String(i) }, robot.name)));
     this.stage.setScene(this.scene, (name) => this.image(name));
+    if (this.scene.recorded) this.setRecorded();
     this.askState();
+    // A frame that came before its scene may be the last for long: while nothing moves there is no other.
+    const { early } = this;
+    this.early = null;
+    if (early && readFrame(early, this.scene).version === this.scene.version) this.frameCame(early);
+  }
+
+  /** Nothing of a recorded run can be changed, and it has a page of its own in the place of the errors. */
+  setRecorded() {
+    this.root.classList.add("recorded");
+    document.title = `${this.scene.scenario}, recorded · amorsim`;
+    this.driving.isOff = true;
+    this.timebar.setRecorded(this.replay.marks);
+    this.replay.show(this.scene);
   }
 
   async image(name) {
@@ -100,6 +116,7 @@ export class Simulator {
     const frame = readFrame(buffer, this.scene);
     this.newest = frame;
     if (!this.scene || frame.version !== this.scene.version) {
+      this.early = buffer;
       this.loadScene();
       this.connection.drawn(frame.number);
       return;
@@ -107,15 +124,16 @@ export class Simulator {
     if (frame.epoch !== this.epoch || frame.selected !== this.selected) this.turn(frame);
     this.stage.setFrame(frame);
     this.showBeliefs(frame);
-    if (!(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
+    const isRecorded = Boolean(this.scene.recorded);
+    if (!isRecorded && !(frame.states & (FLAG.scrubbed | FLAG.posesOnly))) this.numbers.record(frame);
     this.timebar.show(frame, this.scene);
     this.driving.isRunning = Boolean(frame.states & FLAG.running);
-    this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
+    if (!isRecorded) this.driving.setByHand(Boolean(frame.flags[frame.selected] & ROBOT.byHand));
     this.unacknowledged = frame.number;
     if (frame.events > this.events.next && !this.readingEvents) this.readEvents();
     if (frame.states !== this.states) {
       this.askState();
-      if (frame.states & FLAG.ended) this.hint("The scenario's duration is over. To run goes on all the same.");
+      if (frame.states & FLAG.ended) this.hint(isRecorded ? "This is the end of the recording." : "The scenario's duration is over. To run goes on all the same.");
       if (frame.states & FLAG.running) this.hint(""); // whoever runs it knows how
       if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
     }
@@ -127,6 +145,7 @@ export class Simulator {
     const isOther = frame.selected !== this.selected;
     if (frame.epoch !== this.epoch) {
       this.events.clear();
+      this.replay.clear();
       this.stage.mark = null; // in this course of events it has not happened
     }
     this.epoch = frame.epoch;
@@ -137,7 +156,7 @@ export class Simulator {
     if (isOther && this.robot) this.showRobot();
     this.numbers.clear();
     this.readHistory();
-    this.readParameters();
+    if (!this.scene.recorded) this.readParameters();
     this.readEvents();
   }
 
@@ -200,6 +219,7 @@ export class Simulator {
     const said = await this.connection.ask({ do: "events", after: this.events.next });
     this.readingEvents = false;
     if (!said.ok || (said.epoch !== undefined && said.epoch !== this.epoch)) return;
+    if (this.scene.recorded) this.replay.mark(said.events.filter((event) => event.number > this.events.next), Number(this.timebar.line.max));
     this.events.add(said.events);
     if (said.events.some((event) => /parameter|restore/.test(event.kind))) this.readParameters();
   }
@@ -346,7 +366,7 @@ export class Simulator {
     parts.zoom.fit.addEventListener("click", () => stage.fit());
     parts.robot.addEventListener("change", () => this.ask({ do: "select", robot: Number(parts.robot.value) }));
     parts.theme.addEventListener("click", () => this.toggleTheme());
-    parts.keys.addEventListener("click", showKeys);
+    parts.keys.addEventListener("click", () => showKeys(this.timebar.isRecorded));
     parts.asInFile.addEventListener("click", () => this.restoreAll());
     parts.controls.addEventListener("click", () => this.askControls());
     leadBack(parts.editor);

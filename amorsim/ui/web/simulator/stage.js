@@ -123,7 +123,10 @@ export class Stage {
     this.mapped.setFrame(frame);
     this.intended.setFrame(frame);
     const i = frame.selected;
-    if (this.scene?.robots[i] && !(frame.states & 4)) {
+    if (this.scene?.recorded) {
+      this.trueTrail.showUntil(frame.tick, frame.truePoses[3 * i], frame.truePoses[3 * i + 1]);
+      this.estimatedTrail.showUntil(frame.tick, frame.estimatedPoses[3 * i], frame.estimatedPoses[3 * i + 1]);
+    } else if (this.scene?.robots[i] && !(frame.states & 4)) {
       this.trueTrail.add(frame.tick, frame.truePoses[3 * i], frame.truePoses[3 * i + 1]);
       this.estimatedTrail.add(frame.tick, frame.estimatedPoses[3 * i], frame.estimatedPoses[3 * i + 1]);
     }

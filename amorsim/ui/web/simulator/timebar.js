@@ -28,6 +28,7 @@ export class TimeBar {
   constructor(ask) {
     this.ask = ask;
     this.state = {};
+    this.isRecorded = false;
     const button = (name, label, does, extra = {}) =>
       h("button", { class: "icon", "aria-label": label, title: label, id: name, onclick: does, ...extra }, icon(name));
     this.reset = button("reset", "reset to the start", () => this.doReset());
@@ -67,7 +68,7 @@ export class TimeBar {
       h("label", { class: "speed" }, h("span", { class: "caption" }, "speed"), this.speed),
       this.factor,
       this.achieved,
-      h("div", { class: "timeline" }, this.line),
+      (this.timeline = h("div", { class: "timeline" }, this.line)),
       this.now,
     );
     this.past = h(
@@ -83,12 +84,24 @@ export class TimeBar {
     return this.ask({ do: this.isRunning ? "pause" : "run" });
   }
 
+  /** Play a recorded run, whose events are marked: there is nothing to reset or to continue. */
+  setRecorded(marks) {
+    this.isRecorded = true;
+    this.timeline.append(marks);
+    this.reset.setAttribute("aria-label", "to the start");
+    this.reset.title = "to the start";
+  }
+
   doStep() {
     return this.ask({ do: "step" });
   }
 
+  doStepBack() {
+    return this.isRecorded && this.frame ? this.ask({ do: "scrub", tick: Math.max(0, this.frame.tick - 1) }) : null;
+  }
+
   doReset() {
-    return this.ask({ do: "reset" });
+    return this.ask(this.isRecorded ? { do: "scrub", tick: 0 } : { do: "reset" });
   }
 
   async doContinue() {

@@ -11,6 +11,8 @@ export class Trail {
     this.points = [];
     this.count = 0;
     this.last = -Infinity;
+    /** @type {number[] | null} */
+    this.end = null;
   }
 
   /** Add a point of a tick; what does not move is not added, and going back in time cuts the trail there. */
@@ -39,7 +41,14 @@ export class Trail {
     this.last = this.count ? ticks[ticks.length - 1] : -Infinity;
   }
 
+  /** End it at a point of a tick, and keep the rest: the whole path of a recorded run is known. */
+  showUntil(tick, x, y) {
+    this.end = [tick, x, y];
+  }
+
   each(visit) {
-    for (const [, x, y] of this.points) visit(x, y);
+    const until = this.end ? this.end[0] : Infinity;
+    for (const [tick, x, y] of this.points) if (tick < until) visit(x, y);
+    if (this.end) visit(this.end[1], this.end[2]);
   }
 }

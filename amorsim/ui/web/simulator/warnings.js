@@ -23,11 +23,13 @@ export class Warnings {
     const trouble = WORDS[state.status] !== undefined || state.status === "fault";
     let signature = trouble ? `${state.status} ${fault?.number ?? ""}` : "";
     if (!trouble && state.changed) signature = "changed";
+    if (!trouble && state.damage) signature = `damage ${state.damage}`;
     if (signature === this.shown) return;
     this.shown = signature;
     this.banner.hidden = !signature;
-    this.banner.className = `banner ${trouble ? state.status : signature}`;
+    this.banner.className = `banner ${trouble ? state.status : signature.split(" ")[0]}`;
     if (signature === "changed") this.offerReload();
+    if (signature.startsWith("damage")) this.banner.replaceChildren(h("span", {}, state.damage));
     if (!trouble) return;
     const parts = [h("span", {}, fault && state.status !== "lost" ? fault.text : WORDS[state.status])];
     if (fault?.stack) parts.push(h("button", { onclick: () => tell("Where it was", h("pre", { tabindex: "0" }, fault.stack)) }, "show the stack"));

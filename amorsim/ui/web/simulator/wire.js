@@ -99,7 +99,7 @@ export const BLOCKS = [
  * @property {{true: Float64Array, measured: Float64Array, age: number}[]} sensors
  */
 
-/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
+/** @typedef {"state" | "scene" | "parameters" | "history" | "events" | "image" | "mapped" | "intended" | "folder" | "select" | "controls" | "run" | "pause" | "step" | "speed" | "reset" | "scrub" | "continue" | "go_back" | "replica" | "hand_over" | "drive" | "command" | "stop" | "set" | "restore" | "noises" | "add" | "remove" | "places" | "save_scenario" | "save_run" | "restart" | "reload"} CommandName */
 
 /** @typedef {{"do": CommandName, [key: string]: unknown}} Command */
 
@@ -163,7 +163,7 @@ export const BLOCKS = [
  */
 
 /**
- * What a robot was told of the world.
+ * What a robot knows of the world.
  * @typedef {object} Knowledge
  * @property {number | null} map
  * @property {number[][]} landmarks
@@ -206,6 +206,15 @@ export const BLOCKS = [
  */
 
 /**
+ * What the page says of a recorded run.
+ * @typedef {object} Recorded
+ * @property {number} replica
+ * @property {number[]} replicas
+ * @property {string[][]} facts
+ * @property {string[]} lacks
+ */
+
+/**
  * A robot: `kind` is a place in the scene's `kinds`.
  * @typedef {object} RobotEntry
  * @property {string} name
@@ -216,7 +225,7 @@ export const BLOCKS = [
  */
 
 /**
- * All that stays as it is while a simulation runs. `map` and knowledge are places in `maps`.
+ * Everything that does not change while a simulation runs. `map` and knowledge are places in `maps`.
  * @typedef {object} Scene
  * @property {number} version
  * @property {string} scenario
@@ -229,6 +238,7 @@ export const BLOCKS = [
  * @property {RobotEntry[]} robots
  * @property {ObstacleShape[]} obstacles
  * @property {Floor} floor
+ * @property {Recorded} recorded
  */
 
 /**
@@ -302,7 +312,7 @@ export const BLOCKS = [
  */
 
 /**
- * Where a robot was and believed to be, and what else is known of its past, each of at most so many moments.
+ * A robot's true and estimated path, and what else is known of its past.
  * @typedef {object} History
  * @property {boolean} ok
  * @property {number} epoch
@@ -414,6 +424,7 @@ export const BLOCKS = [
  * @property {boolean} can_continue
  * @property {string} reason
  * @property {EventLine | null} fault
+ * @property {string} damage
  * @property {string} holder
  * @property {boolean} changed
  * @property {string} moved

@@ -1,0 +1,31 @@
+"""What a thread's stack says: whether kernels are being compiled, and whose controller it is in."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from types import FrameType
+
+import numba
+
+__all__ = ["is_compiling", "robot_of"]
+
+_COMPILER = Path(numba.__file__).parent
+
+
+def is_compiling(stack: traceback.StackSummary, *, anew: bool = False) -> bool:
+    """Whether a stack is in the compiler of kernels; with `anew` not if a kernel is being read from its cache."""
+    files = (Path(frame.filename) for frame in stack)
+    return any(file.is_relative_to(_COMPILER) and (not anew or file.stem.startswith("compiler")) for file in files)
+
+
+def robot_of(frame: FrameType | None) -> str:
+    """The robot whose controller a stack is in, as far as `UserController` is in it."""
+    from amorsim.controllers.user import UserController
+
+    while frame is not None:
+        if frame.f_code is UserController.command.__code__:
+            row, names = frame.f_locals.get("row"), frame.f_locals["robot"].names
+            return str(names[row]) if names and row is not None else ""
+        frame = frame.f_back
+    return ""

@@ -1,0 +1,196 @@
+"""A recorded run in the browser: played, dragged, looked at, and nothing else."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.analysis.files import RunFiles
+from amorsim.recorders.arrays import Arrays
+from amorsim.scenario.spec import Recording
+from tests import building
+from tests.ui.windows import SIMULATOR, Server, Window
+
+pytestmark = pytest.mark.long  # seconds each, in a browser and processes of its own
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two replicas of a robot that drives into a wall, with particles, next to one that stands."""
+    cloud = am.estimators.MonteCarlo(wheel_variance=1e-3, particles_min=100, particles_max=200)
+    walls = building.room()
+    rover = building.robot(
+        name="rover",
+        pose=am.Pose(x=4.0, y=2.5),
+        sensors=building.all_sensors(),
+        estimators={"cloud": cloud},
+        knowledge=am.Knowledge(map=walls),
+        controller=am.controllers.Wander(speed=0.4),
+    )
+    standing = building.robot(name="other", pose=am.Pose(x=1.0, y=1.0))
+    what = Recording(picture=False, also=[Arrays(every=0.5)])
+    scenario = building.scenario(rover, standing, map=walls, recording=what)
+    simulation = am.Simulation(scenario, seed=3, replicas=[0, 5])
+    path = tmp_path_factory.mktemp("replay") / "monday"
+    with am.record(simulation, path, duration=8.0) as session:
+        for step in range(60):
+            if step == 20:
+                for replica in (0, 5):
+                    simulation.hand_over("rover", "hand", replica=replica)
+            if step >= 20:
+                for replica in (0, 5):
+                    simulation.robot("rover", replica).drive(forward=0.8, turn=0.02 * replica)
+            simulation.step()
+            session.keep()
+    return path
+
+
+@pytest.fixture(scope="module")
+def replayed(browser: Any, folder: Path) -> Iterator[Server]:
+    server = Server(folder, words=["replay", folder.name])
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def page(replayed: Server, open_window: Callable[[Server], Window]) -> Window:
+    window = open_window(replayed)
+    window.do(do="replica", number=0)
+    window.do(do="select", robot="rover")
+    window.do(do="speed", factor=1.0)
+    window.do(do="scrub", tick=0)
+    window.until("newest.tick === 0 && !(newest.states & 1) && robot.name === 'rover'")
+    return window
+
+
+def poses_of(folder: Path, replica: int) -> Any:
+    return RunFiles(folder).table("poses", robot="rover", replica=replica)
+
+
+def test_it_plays_and_what_is_drawn_is_what_was_recorded(page: Window, folder: Path) -> None:
+    poses = poses_of(folder, 0)
+    page.page.keyboard.press(" ")
+    page.until("newest.tick > 3")
+    page.page.keyboard.press(" ")
+    page.until("!(newest.states & 1)")
+    for tick in (17, 60, 3):
+        page.do(do="scrub", tick=tick)
+        page.until(f"newest.tick === {tick}")
+        index = page.see("newest.selected")
+        shown = page.see(f"newest.truePoses.slice({3 * index}, {3 * index + 3})")
+        wanted = [poses[f"true_{key}"][tick] for key in ("x", "y", "heading")]
+        assert [shown[str(i)] if isinstance(shown, dict) else shown[i] for i in range(3)] == [
+            float(np.float32(value)) for value in wanted
+        ]
+    assert page.see("stage.trueTrail.end[0]") == 3
+    page.page.keyboard.press(".")
+    page.until("newest.tick === 4")
+    page.page.keyboard.press(",")
+    page.until("newest.tick === 3")
+    page.page.keyboard.press("Shift+R")
+    page.until("newest.tick === 0")
+
+
+def test_it_ends_and_begins_again(page: Window) -> None:
+    page.do(do="speed", factor=None)
+    page.page.keyboard.press(" ")
+    page.until("newest.tick === 60 && !(newest.states & 1)")
+    page.page.wait_for_function("document.querySelector('.hint').textContent.includes('end of the recording')")
+    page.do(do="speed", factor=1.0)
+    page.page.keyboard.press(" ")
+    page.until("newest.tick < 30 && newest.tick > 0")
+    page.page.keyboard.press(" ")
+
+
+def test_events_are_marked_and_lead_to_their_moment(page: Window) -> None:
+    page.until("events.list.querySelectorAll('.event').length > 1")
+    marks = page.page.locator(".marks .mark")
+    assert marks.count() >= 2
+    assert "handed over" in marks.first.get_attribute("title")
+    serious = page.page.locator(".marks .mark.serious").first
+    assert "met wall" in serious.get_attribute("title")
+    serious.click()
+    page.until("newest.tick > 20")
+    at = page.see("newest.tick")
+    page.do(do="scrub", tick=0)
+    page.until("newest.tick === 0")
+    page.page.locator(".events-list .event", has_text="met wall").last.click()
+    page.until(f"newest.tick === {at}")
+
+
+def test_nothing_that_changes_something_is_shown(page: Window) -> None:
+    for name in (".driving", ".panel.errors", "#continue", "#newest", "text=save run", "text=save as…"):
+        assert not page.page.locator(name).first.is_visible(), name
+    page.page.keyboard.press("m")
+    page.page.keyboard.press("w")
+    page.drawn()
+    assert page.page.locator(".hint").inner_text() in ("", "Press Space to run, ? for all keys.")
+    assert "cannot be changed" in page.ask(do="reset")["error"]
+    assert "cannot be changed" in page.ask(do="save_run", name="mine")["error"]
+    page.page.keyboard.press("?")
+    page.page.wait_for_selector("dialog")
+    assert "drive" not in page.page.locator("dialog").inner_text()
+
+
+def test_another_replica_keeps_the_moment(page: Window, folder: Path) -> None:
+    page.do(do="scrub", tick=40)
+    page.until("newest.tick === 40")
+    page.page.select_option("#replica", "5")
+    page.until("scene && scene.recorded.replica === 5 && newest.version === scene.version && robot.name === 'rover'")
+    index = page.see("newest.selected")
+    assert page.see("newest.tick") == 40
+    wanted = poses_of(folder, 5)["true_x"][40]
+    assert page.see(f"newest.truePoses[{3 * index}]") == float(np.float32(wanted))
+    page.page.select_option("#replica", "0")
+    page.until("scene && scene.recorded.replica === 0")
+
+
+def test_particles_are_shown(page: Window) -> None:
+    page.do(do="scrub", tick=30)
+    page.until("newest.particleCount > 50")
+    assert page.page.locator('.panel.control button[data-tool="particles"]').is_visible()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_and_all_is_in_sight(page: Window, theme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    if page.page.evaluate("document.documentElement.dataset.theme") != theme:
+        page.page.keyboard.press("l")
+    page.do(do="scrub", tick=30)
+    page.until("newest.tick === 30")
+    found = axe.run(page.page).response["violations"]
+    assert [f"{one['id']}: {one['nodes'][0]['html']}" for one in found] == []
+    outside = page.page.evaluate(
+        """() => [...document.querySelectorAll(".bar *, .head *, .about > *, .panel")].filter(one => {
+            const box = one.getBoundingClientRect();
+            return box.width && (box.left < 0 || box.right > innerWidth + 1 || box.bottom > innerHeight + 1);
+        }).map(one => one.outerHTML.slice(0, 80))"""
+    )
+    assert outside == []
+
+
+def test_damage_and_what_is_missing_are_said(
+    browser: Any, folder: Path, tmp_path: Path, open_window: Callable[[Server], Window]
+) -> None:
+    broken = Path(shutil.copytree(folder, tmp_path / "broken"))
+    shutil.rmtree(broken / "sensors")
+    text = (broken / "poses.csv").read_text().replace("\n0,3.000000,rover,", "\n0,3.000000,rover,abc")
+    (broken / "poses.csv").write_text(text)
+    server = Server(broken, words=["replay", "broken"])
+    try:
+        window = open_window(server)
+        assert "No readings were recorded" in window.page.locator(".panel.run .lacks").inner_text()
+        window.do(do="select", robot="rover")
+        window.do(do="scrub", tick=30)
+        window.page.wait_for_selector(".banner.damage:visible")
+        assert "poses.csv, at 3.000000 s, true_x" in window.page.locator(".banner").inner_text()
+        assert window.see("newest.tick") == 30
+        assert window.page.evaluate(f"Number.isNaN({SIMULATOR}.newest.truePoses[3 * {SIMULATOR}.newest.selected])")
+    finally:
+        server.close()
