@@ -42,13 +42,17 @@ def command(
     """Write a map in another format, read it back, and say in numbers what is lost.
 
     Options of IN's loader are set as those of a world: --set world.threshold=0.5. A .toml is a scenario on IN's map:
-    with the robots that IN has, or else with a Pioneer that wanders.
+    with the robots that IN has, or else with a Pioneer that wanders. A .world of a scenario has its robots, obstacles
+    and landmarks too, as far as Stage can hold them.
     """
-    from amorsim.runs.asked import look_up, read_world
+    from amorsim.runs.asked import is_map_alone, look_up, read_world
 
     compile_once(lambda: look_up(source, resolution=resolution, changes=changes or ()))
     if target.suffix.lower() == ".toml":
         _write_scenario(source, target, resolution=resolution, changes=changes or [], force=force)
+        return
+    if target.suffix.lower() == ".world" and use in (None, "stage") and not is_map_alone(source):
+        _write_stage(source, target, resolution=resolution, changes=changes or [], force=force)
         return
     world = read_world(source, resolution=resolution, changes=changes or [])
     for warning in world.warnings:
@@ -76,6 +80,35 @@ def _write_scenario(
     bodies = f"{_counted(len(again.robots), 'robot')}, {_counted(len(again.obstacles), 'obstacle')}"
     lost = lost_in_words(lost_cells(before.map, again.map))
     say(f"{target}: {columns} x {rows} cells of {again.map.resolution:g} m, {bodies}; {lost}")
+
+
+def _write_stage(source: str, target: Path, *, resolution: float | None, changes: Sequence[str], force: bool) -> None:
+    """Write a scenario as a Stage world, say before what is lost, and read it back."""
+    import attrs
+
+    from amorsim.core.lost_cells import lost_cells
+    from amorsim.core.whole_files import write_text
+    from amorsim.foreign.stage.write import stage_models
+    from amorsim.runs.asked import placed, read_scenario
+    from amorsim.scenario.map_words import lost_in_words
+    from amorsim.scenario.read import load
+    from amorsim.scenario.resolved import resolved_table
+
+    before = read_scenario(source, resolution=resolution, changes=changes)
+    for warning in (*before.remarks, *before.map.warnings):
+        complain(f"{before.map.name}: {warning}")
+    if target.exists() and not force:
+        raise AmorsimError(f"{target.name} is there already; --force replaces it")
+    models, lost = stage_models(resolved_table(placed(before)))
+    for line in lost:
+        complain(f"{target.name}: {line}")
+    write_world(before.map, target, force=force, use="stage")
+    write_text(target, f"{target.read_text(encoding='utf-8')}\n{models}")
+    again = load(target)
+    bodies = f"{_counted(len(again.robots), 'robot')}, {_counted(len(again.obstacles), 'obstacle')}"
+    # Robots have places of their own: the map's start is no loss.
+    cells = lost_in_words(attrs.evolve(lost_cells(before.map, again.map), has_start=False))
+    say(f"{target}: {bodies}, {_counted(len(again.landmarks), 'landmark')}; with these {cells}")
 
 
 def _counted(count: int, what: str) -> str:

@@ -20,15 +20,22 @@ if TYPE_CHECKING:
     from amorsim.simulation.simulation import Simulation
 
 __all__ = [
+    "is_map_alone",
     "look_up",
     "look_up_world",
     "make_simulation",
+    "placed",
     "read_any_world",
     "read_scenario",
     "read_world",
     "scenario_document",
     "with_options",
 ]
+
+
+def is_map_alone(name: str) -> bool:
+    """Whether a user means a map by `name`, and no scenario."""
+    return _is_map(name)
 
 
 def look_up(
@@ -201,3 +208,26 @@ def make_simulation(scenario: Scenario, replicas: int | Sequence[int] = 1, threa
     return simulation, (
         f"the map's start ({x:.3f}, {y:.3f}) m leaves the robot no room; it starts at ({pose.x:.3f}, {pose.y:.3f}) m"
     )
+
+
+def placed(scenario: Scenario) -> Scenario:
+    """A scenario whose bodies have the poses at which replica 0 begins, in place of starts that are drawn."""
+    import attrs
+
+    from amorsim.contracts import Frame, ObstacleFrame
+    from amorsim.scenario.programs import without_programs
+    from amorsim.scenario.spec import Obstacle, Pose, Robot
+    from amorsim.simulation.simulation import Simulation
+
+    bodies: list[Robot | Obstacle] = [*scenario.robots, *scenario.obstacles]
+    if all(body.start is None and body.pose is not None for body in bodies):
+        return scenario
+    simulation = Simulation(without_programs(scenario))
+    poses: dict[str, Pose] = {}
+    frames: list[Frame | ObstacleFrame] = [*simulation.frames(), *simulation.obstacle_frames()]
+    for frame in frames:
+        for name, (x, y, heading) in zip(frame.names, frame.true_pose.tolist(), strict=True):
+            poses[name] = Pose(x=x, y=y, heading=heading)
+    robots = [attrs.evolve(robot, pose=poses[robot.name], start=None) for robot in scenario.robots]
+    obstacles = [attrs.evolve(one, pose=poses[one.name], start=None) for one in scenario.obstacles]
+    return attrs.evolve(scenario, robots=robots, obstacles=obstacles)

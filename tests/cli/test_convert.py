@@ -137,3 +137,15 @@ def test_a_format_that_is_not_known_is_refused(amorsim: Command, room: Path) -> 
     result = amorsim("convert", room, "out.map", "--use", "mobilesin")
     assert result.status == 2
     assert "Did you mean 'mobilesim'?" in result.err
+
+
+def test_a_scenario_becomes_a_world_of_stage_with_its_bodies(amorsim: Command, tmp_path: Path) -> None:
+    result = amorsim("convert", "landmarks", "marks.world", "--set", "world.resolution=0.05")
+    assert result.status == 0, result.err
+    assert "robot 'rover': the estimator 'ekf' (ekf) is left out" in result.err
+    assert "1 robot, 0 obstacles, 12 landmarks; with these read back, the cells are the same" in result.out
+    before, after = am.load("landmarks"), am.load(tmp_path / "marks.world")
+    assert [(mark.id, mark.x, mark.y) for mark in after.landmarks] == [(m.id, m.x, m.y) for m in before.landmarks]
+    assert after.robots[0].pose == before.robots[0].pose
+    again = amorsim("convert", "landmarks", "marks.world", "--set", "world.resolution=0.05")
+    assert (again.status, "marks.world is there already; --force" in again.err) == (2, True)

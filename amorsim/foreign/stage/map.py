@@ -98,7 +98,7 @@ class StageMap(MapLoader):
         """Write a map's cells as a bitmap, and a world with it as its floor plan; see `amorsim.save_map`."""
         rows, cols = world.shape
         if rows * cols > MOST_CELLS:
-            raise MapError(f"it has {rows * cols:.3g} cells; expected {MOST_CELLS:g} at most")
+            raise MapError(f"it has {rows * cols:.3g} cells; expected {MOST_CELLS:g} at most, so a coarser resolution")
         left, bottom, yaw = world.origin
         if yaw:
             raise MapError("the cells of a Stage world lie along x and y, and this map is turned")

@@ -23,16 +23,16 @@ from amorsim.foreign.stage.geometry import (
 from amorsim.foreign.stage.notes import Notes
 from amorsim.foreign.stage.sensors import SensorOptions, read_sensors
 
-__all__ = ["RobotOptions", "read_robot"]
+__all__ = ["RADIUS", "STEERING", "TRACK", "RobotOptions", "read_robot"]
 
 Table = dict[str, Any]
 
 # Stage's robots have no wheels. These shares of the body are those of its Pioneer 2DX (0.44 m x 0.38 m), whose wheels
 # have a radius of 0.0825 m and a track of 0.33 m.
-_RADIUS, _TRACK = 0.1875, 0.33 / 0.38
+RADIUS, TRACK = 0.1875, 0.33 / 0.38
 _LEAST = 0.01  # [m] of wheels and tracks
 _COUNTS = 4096.0
-_STEERING = 45.0  # [deg] at most
+STEERING = 45.0  # [deg] at most
 _WANDER = 0.4  # [m/s]
 
 _OF_ROBOT = frozenset(
@@ -128,11 +128,11 @@ def _drive(model: Model, notes: Notes) -> tuple[Table, float, float]:
         notes.fault(model.values["drive"].place, f"drive: expected diff, omni or car, got {kind!r}")
         kind = "diff"
     length, width, _ = size_of(model, notes)
-    radius = neat(max(_RADIUS * length, _LEAST))
-    track = neat(max(_TRACK * width, _LEAST))
+    radius = neat(max(RADIUS * length, _LEAST))
+    track = neat(max(TRACK * width, _LEAST))
     speed, aside, turn = _bounds(model, "velocity_bounds", notes)
     change, change_aside, change_turn = _bounds(model, "acceleration_bounds", notes)
-    base = neat(max(_TRACK * length, _LEAST))
+    base = neat(max(TRACK * length, _LEAST))
     arm = {"diff": track / 2, "omni": (track + base) / 2, "car": 0.0}[kind]
     if kind != "omni":
         aside = change_aside = 0.0
@@ -157,7 +157,7 @@ def _drive(model: Model, notes: Notes) -> tuple[Table, float, float]:
         if not wheelbase > 0.0:
             notes.fault(model.values["wheelbase"].place, f"wheelbase: expected a number > 0, got {wheelbase:g}")
             wheelbase = 1.0
-        most = neat(min(max(turn, 1.0), _STEERING))
+        most = neat(min(max(turn, 1.0), STEERING))
         table = {"use": "ackermann", "wheel_radius": radius, "wheelbase": neat(wheelbase), "track": track}
         table |= {"steering_max_deg": most, "steering_rate_deg": neat(2 * most)}
     return table | limits, speed, turn
