@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import amorsim as am
 from amorsim.plugins.manager import default_registry
@@ -291,6 +293,46 @@ def test_what_stands_still_is_drawn_once_while_the_view_is_panned_or_things_are_
     assert dragged[2] < 40
     assert dragged[3:] == [1, 40]
     editor.until("!state.is_behind && stage.things.some(({pose}) => pose && Math.abs(pose[0] - 7.58) < 1e-9)")
+
+
+def test_a_stroke_and_the_map_stay_in_sight_while_the_new_picture_is_made(open_editor: Any, tmp_path: Path) -> None:
+    levels = np.full((60, 80), 255, dtype=np.uint8)
+    levels[20] = 0
+    Image.fromarray(levels).save(tmp_path / "room.png")
+    (tmp_path / "mine.toml").write_text('format = 1\n[world]\nmap = "room.png"\nresolution = 0.1\n')
+    editor = open_editor("mine.toml")
+    editor.until("stage.pictures.of(stage.scene.map, stage.theme.wall)")
+    seen = editor.page.evaluate(
+        f"""async () => {{
+            const editor = {PAGE}; {LOOK}
+            const {{ stage }} = editor;
+            const dark = (x, y) => {{
+                const [left, top] = stage.camera.toScreen(x, y);
+                const [r, g, b] = pane.context.getImageData(left * pane.ratio, top * pane.ratio, 1, 1).data;
+                return r + g + b < 300;
+            }};
+            editor.brush = 0.5;
+            editor.take("brush");
+            const brush = editor.tools.brush;
+            await frame();
+            const number = editor.state.number;
+            const began = stage.pictures.version;
+            brush.down({{ x: 2, y: 1 }}, {{ button: 0 }});
+            brush.move({{ x: 5, y: 1 }});
+            brush.up();
+            const found = [];
+            for (let n = 0; n < 2000 && !(stage.pictures.version > began + 1 && !editor.state.is_behind); n++) {{
+                brush.move({{ x: 7, y: 2.5 }}); // the pointer goes on
+                await frame();
+                found.push([dark(3.5, 1), dark(4, 3.95), dark(7, 5)]);
+            }}
+            await frame();
+            found.push([dark(3.5, 1), dark(4, 3.95), dark(7, 5)], stage.strokes.length);
+            return found;
+        }}"""
+    )
+    assert seen.pop() == 0
+    assert all(one == [True, True, False] for one in seen), seen
 
 
 def test_nobody_gets_in_without_the_cookie_or_from_elsewhere(tmp_path: Path) -> None:

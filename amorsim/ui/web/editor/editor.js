@@ -131,6 +131,7 @@ export class EditorPage {
     const { parts, stage } = this;
     this.faults = faults;
     if (this.toolName === "select") stage.preview = null;
+    for (const stroke of stage.strokes) stroke.isRead ||= stroke.isKept && !this.state.is_behind;
     stage.update({ still, things }, (name) => this.image(name));
     const { walls } = stage.walls;
     this.objects.show(things, walls);

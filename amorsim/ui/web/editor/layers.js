@@ -70,6 +70,7 @@ export class PreviewLayer extends SceneLayer {
     const { stage } = this;
     const px = 1 / camera.scale;
     context.strokeStyle = theme.estimated;
+    for (const { cells } of stage.strokes) drawCells(context, cells, theme);
     const preview = stage.preview;
     if (preview) {
       context.beginPath();

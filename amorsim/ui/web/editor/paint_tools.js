@@ -119,12 +119,19 @@ export class BrushTool extends Tool {
     this.stage.redraw();
   }
 
-  up() {
+  async up() {
     if (!this.from) return;
+    const { page, stage, isOccupied } = this;
+    const spans = joined(this.spans);
     this.from = null;
-    const label = this.isLine ? "draw a line of cells" : this.isOccupied ? "paint" : "erase";
-    this.page.edit(label, [{ op: "paint", spans: joined(this.spans), occupied: this.isOccupied }]);
     this.spans = [];
+    stage.preview = null;
+    const stroke = { cells: { ...cellsOf(page), spans, isOccupied }, isKept: false, isRead: false };
+    stage.strokes.push(stroke);
+    const said = await page.edit(this.isLine ? "draw a line of cells" : isOccupied ? "paint" : "erase", [{ op: "paint", spans, occupied: isOccupied }]);
+    stroke.isKept = said.ok;
+    if (!said.ok) stage.strokes = stage.strokes.filter((one) => one !== stroke);
+    stage.redraw();
   }
 
   cancel() {

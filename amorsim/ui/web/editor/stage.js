@@ -51,6 +51,8 @@ export class EditStage extends StillStage {
     this.mounted = new Map();
     /** Where bodies are that are dragged, or play; all others are nowhere. @type {ReturnType<typeof stillFrame> | null} */
     this.carried = null;
+    /** What was painted and is no part of the map's picture yet. @type {{cells: any, isKept: boolean, isRead: boolean}[]} */
+    this.strokes = [];
     this.sensor = ""; // whose mount can be dragged
     this.hidden = new Set(); // kinds of things that are hidden
     this.locked = new Set(); // and those that cannot be picked
@@ -83,6 +85,11 @@ export class EditStage extends StillStage {
     if (this.hidden.size) this.hide();
     this.walls = new Walls(still?.scene.maps[still.scene.map]?.segments ?? [], still?.extent ?? [0, 0, 1, 1]);
     this.selection.set(chosen.flatMap((one) => this.again(/** @type {Chosen} */ (one))));
+  }
+
+  pictureCame() {
+    this.strokes = this.strokes.filter(({ isRead }) => !isRead);
+    super.pictureCame();
   }
 
   /** @param {Chosen} one

@@ -4,6 +4,10 @@ import { tinted, wallPath } from "./marks.js";
 
 /** @typedef {import("../simulator/wire.js").MapShape} MapShape */
 
+/** Where the picture of a map lies: another version of it lies there, too.
+ * @param {MapShape} map */
+const placeOf = ({ origin, image }) => [...origin, ...(image?.extent ?? [])].join();
+
 export class Pictures {
   /** @param {() => void} changed called when a picture has come */
   constructor(changed) {
@@ -13,12 +17,15 @@ export class Pictures {
     this.paths = new Map();
     /** @type {Map<MapShape, {image: HTMLImageElement, shades: Map<string, CanvasImageSource[]>}>} */
     this.images = new Map();
+    /** Pictures of before, which are shown until the new ones have come. @type {Map<string, Map<string, CanvasImageSource[]>>} */
+    this.former = new Map();
   }
 
   /** Forget all: another scene, whose pictures are asked for by name.
    * @param {(name: string) => Promise<string | null>} pictureOf */
   reset(pictureOf) {
     this.paths.clear();
+    for (const [map, { shades }] of this.images) if (shades.size) this.former.set(placeOf(map), shades);
     this.images.clear();
     this.pictureOf = pictureOf;
     this.version += 1;
@@ -39,6 +46,8 @@ export class Pictures {
     if (!this.images.has(map)) {
       const image = new Image();
       image.onload = () => {
+        if (this.images.get(map)?.image !== image) return; // of a scene that is shown no more
+        this.former.delete(placeOf(map));
         this.version += 1;
         this.changed();
       };
@@ -46,7 +55,7 @@ export class Pictures {
       this.pictureOf?.(map.image.name).then((url) => url && (image.src = url));
     }
     const { image, shades } = this.images.get(map);
-    if (!image.complete || !image.naturalWidth) return null;
+    if (!image.complete || !image.naturalWidth) return this.former.get(placeOf(map))?.get(colour) ?? null;
     if (!shades.has(colour)) shades.set(colour, tinted(image, colour));
     return shades.get(colour);
   }

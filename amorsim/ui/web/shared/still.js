@@ -103,7 +103,7 @@ export class StillStage {
     this.theme = readTheme(root);
     this.picked = picked;
     this.options = { grid: true };
-    this.pictures = new Pictures(() => this.redraw());
+    this.pictures = new Pictures(() => this.pictureCame());
     this.picker = new StillPicker();
     /** @type {Selection<Found>} */
     this.selection = new Selection();
@@ -150,6 +150,11 @@ export class StillStage {
   /** Draw what stands still again. */
   touch() {
     this.looks += 1;
+    this.redraw();
+  }
+
+  /** A map's picture is there. */
+  pictureCame() {
     this.redraw();
   }
 
