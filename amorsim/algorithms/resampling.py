@@ -63,7 +63,7 @@ def bootstrap_interval(
 
 
 def _resampled(samples: Array, statistic: Statistic, resamples: int) -> Array:
-    """The statistic of so many samples drawn with replacement."""
+    """The statistic of a number of samples drawn with replacement."""
     random = np.random.default_rng(_SEED)
     found = []
     for count in _blocks(resamples, len(samples)):

@@ -7,7 +7,7 @@ first side; clockwise squares lie to its right.
 
 Two figures come of it: Ed, the ratio of the right wheel's diameter to the left one's, and Eb, the ratio of the actual
 track to the nominal one. A common scale of both wheels does not show in squares, for these close whatever their size:
-the mean diameter is taken as it is told.
+the mean diameter is taken as given.
 """
 
 from __future__ import annotations

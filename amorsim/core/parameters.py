@@ -27,6 +27,7 @@ __all__ = [
     "ParameterError",
     "check_value",
     "describe",
+    "own_first",
     "parameter",
 ]
 
@@ -174,6 +175,11 @@ def parameter(
 
 
 _described: dict[type, Mapping[str, Parameter]] = {}
+
+
+def own_first(_: type, fields: list[Any]) -> list[Any]:
+    """A class's own fields before those it inherits, for forms and pages: attrs' hook `field_transformer`."""
+    return sorted(fields, key=lambda field: field.inherited)
 
 
 def describe(cls: type) -> Mapping[str, Parameter]:

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
-from amorsim.drives.motors import Steered, own_first
+from amorsim.core.parameters import own_first
+from amorsim.drives.motors import Steered
 from amorsim.kernels.kinematics import steering
 
 __all__ = ["Ackermann"]

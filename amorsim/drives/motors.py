@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Drive, parameter
+from amorsim.core.parameters import own_first
 from amorsim.core.poses import logarithm
 from amorsim.kernels.kinematics import poses
 
-__all__ = ["Motors", "Steered", "Winding", "over_rows", "own_first"]
+__all__ = ["Motors", "Steered", "Winding", "over_rows"]
 
 Array = npt.NDArray[np.float64]
 
@@ -28,11 +29,6 @@ def _no_limit(rows: int) -> Array:
 def over_rows(limit: Any, rows: int) -> Array:
     """A limit over rows `(N, 1)`: inf where a component has none."""
     return _no_limit(rows) if limit is None else limit
-
-
-def own_first(_: type, fields: list[Any]) -> list[Any]:
-    """A class's own fields before those it inherits, for forms and pages: attrs' hook `field_transformer`."""
-    return sorted(fields, key=lambda field: field.inherited)
 
 
 @attrs.frozen(kw_only=True)

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, State, parameter
-from amorsim.drives.motors import Winding, over_rows, own_first
+from amorsim.core.parameters import own_first
+from amorsim.drives.motors import Winding, over_rows
 from amorsim.kernels.kinematics import synchro
 
 __all__ = ["Synchro"]

@@ -11,11 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Joint, Part, State, parameter
-from amorsim.core.parameters import ParameterError
+from amorsim.core.parameters import ParameterError, own_first
 from amorsim.core.poses import compose, logarithm
 from amorsim.core.shapes import Shape
 from amorsim.drives.differential import Differential
-from amorsim.drives.motors import own_first
 from amorsim.kernels.kinematics import trailer
 
 __all__ = ["Tractor"]

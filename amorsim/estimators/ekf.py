@@ -5,11 +5,11 @@ from __future__ import annotations
 import attrs
 
 from amorsim.estimators.kalman import KalmanFilter
-from amorsim.kernels.filters import ekf
+from amorsim.kernels.filters.points import Transform
 
 __all__ = ["Ekf"]
 
-_SLOPES = ekf.Transform(by_points=False, reach=1.0, middle=0.0, each=0.0)
+_SLOPES = Transform(by_points=False, reach=1.0, middle=0.0, each=0.0)
 
 
 @attrs.frozen(kw_only=True)
@@ -62,6 +62,6 @@ class Ekf(KalmanFilter):
         ``"end"``, by which it stays there and the robot's controller ends.
     """
 
-    def transform(self) -> ekf.Transform:
+    def transform(self) -> Transform:
         """By slopes at the mean."""
         return _SLOPES

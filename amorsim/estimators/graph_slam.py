@@ -58,7 +58,7 @@ class GraphSlam(MapArea, ScanTracker):
     loop_fit, loop_share
         How well both stages must fit for a loop to be believed, from 0 to 1.
     nodes
-        The most nodes; with so many, the graph grows no more, and the robot is followed from the last key on.
+        The most nodes. When the graph has that many it stops growing, and the robot is followed from the last key.
     """
 
     loop_distance: float = parameter(3.0, unit="m", gt=0, static=True, help="how far a loop's other end is looked for")

@@ -23,6 +23,7 @@ from amorsim.contracts import (
 )
 from amorsim.contracts.estimator import ESTIMATES
 from amorsim.core.errors import ComponentError
+from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, relative
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
@@ -37,7 +38,7 @@ Array = npt.NDArray[np.float64]
 _POSE = ("x", "y", "heading")
 
 
-@attrs.frozen(kw_only=True)
+@attrs.frozen(kw_only=True, field_transformer=own_first)
 class GridMapping(MapArea, Estimator):
     """Draws an occupancy grid from the scans of a laser, at poses that it takes as exact.
 

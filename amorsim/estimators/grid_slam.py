@@ -22,6 +22,7 @@ from amorsim.contracts import (
     State,
     parameter,
 )
+from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, wrap_angle
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scan_tracking import empty_outlines, placed
@@ -48,14 +49,14 @@ _STEPS = 30
 _FLOOR = np.diag((1e-6, 1e-6, 1e-7))  # of the covariance: particles may all be one
 
 
-@attrs.frozen(kw_only=True)
+@attrs.frozen(kw_only=True, field_transformer=own_first)
 class GridSlam(MapArea, Estimator):
     """Maps and localizes at once by particles: each follows a path of its own, which makes a map of its own.
 
     When the robot has moved far enough, every particle moves by the wheels and a draw of their noise, lays the scan
-    onto its map, and is weighed by how well it fits. Where few particles carry most of the weight, they are drawn anew.
-    After a loop, those remain whose maps fit. The pose and the map are those of the particle with the most weight. The
-    draws are amorsim's, so a run gives the same bits each time.
+    onto its map, and is weighed by how well it fits. Where few particles carry most of the weight, all are drawn again
+    by weight. After a loop, those remain whose maps fit. The pose and the map are those of the particle with the most
+    weight. The draws are amorsim's, so a run gives the same bits each time.
 
     Parameters
     ----------
@@ -68,17 +69,17 @@ class GridSlam(MapArea, Estimator):
     particles
         How many.
     match_distance, match_angle
-        A scan is used once the robot has moved or turned by so much since the last one that was [m, rad].
+        A scan is used when the robot has moved or turned this far since the last one used [m, rad].
     node_distance, node_angle
-        A scan becomes part of the maps once the robot has moved or turned by so much since the last that did [m, rad].
+        A scan becomes part of the maps when the robot has moved or turned this far since the last that did [m, rad].
     weighing_std
         Standard deviation of a point's distance from its map, for the weights [m].
     weighing_points
         How many independent points a scan counts as; beams next to each other share errors.
     resampling
-        Particles are drawn anew when their effective number is below this part of them.
+        Particles are drawn again when their effective number falls below this share of them.
     nodes
-        The most scans in a map; with so many, the maps grow no more.
+        The most scans in a map. Maps that have that many stop growing.
     age_max
         The oldest scan [s] that is used as if it were taken now. An older one is an error.
     """

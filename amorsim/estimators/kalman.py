@@ -32,14 +32,15 @@ from amorsim.estimators.ages import refuse_late
 from amorsim.estimators.kalman_sources import SOURCES, check_sources, noise_in_words
 from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon
-from amorsim.kernels.filters import compatible, ekf
+from amorsim.kernels.filters import compatible, ekf, landmarks, points
+from amorsim.kernels.filters.updates import MATCH, NIS, RECORD, USED, Gaussians
 
 __all__ = ["KalmanFilter"]
 
 Array = npt.NDArray[np.float64]
 
 _FAR = 1e12  # [m, rad, rad/s]: no robot gets so far; larger numbers are exploding
-_WAYS = {"identity": ekf.BY_IDENTITY, "nearest": ekf.NEAREST_FIRST, "joint": ekf.JOINTLY}
+_WAYS = {"identity": landmarks.BY_IDENTITY, "nearest": landmarks.NEAREST_FIRST, "joint": landmarks.JOINTLY}
 
 
 @functools.cache
@@ -53,7 +54,7 @@ def _thresholds(probability: float) -> tuple[float, float]:
 
 @functools.cache
 def _joint_thresholds(probability: float, pairs: int) -> tuple[float, ...]:
-    """Quantiles of the chi-squared distributions with 0, 2, 4 ... degrees of freedom, for up to so many pairs."""
+    """Quantiles of the chi-squared distributions with 0, 2, 4 ... degrees of freedom, for up to that many pairs."""
     return (np.inf, *(_even_quantile(probability, count) for count in range(1, pairs + 1)))
 
 
@@ -116,22 +117,22 @@ class KalmanFilter(Estimator):
         return type(self).__name__.lower()
 
     @abc.abstractmethod
-    def transform(self) -> ekf.Transform:
+    def transform(self) -> points.Transform:
         """How what is expected depends on the state."""
 
     def sources(self) -> Sequence[tuple[str, str, str]]:
         """What predicts and what corrects which part of the state, with the noise that is assumed."""
         by = "commands" if self.prediction == "command" else f"sensor {self.encoder!r}"
-        told = [(by, "predicts x, y, heading", f"{self.wheel_variance:g} m² of travel per m")]
+        found = [(by, "predicts x, y, heading", f"{self.wheel_variance:g} m² of travel per m")]
         for source in SOURCES:
             if name := getattr(self, source.field):
-                told.append((f"sensor {name!r}", f"corrects {source.corrects}", noise_in_words(self, source)))
-        if len(told) == 1:
-            told.append(("no sensor", "corrects", "name one: " + ", ".join(source.field for source in SOURCES)))
+                found.append((f"sensor {name!r}", f"corrects {source.corrects}", noise_in_words(self, source)))
+        if len(found) == 1:
+            found.append(("no sensor", "corrects", "name one: " + ", ".join(source.field for source in SOURCES)))
         else:
             passes = f"{100.0 * self.gate:g} % of good readings" if self.gate < 1.0 else "everything"
-            told.append(("gates", "pass", passes))
-        return told
+            found.append(("gates", "pass", passes))
+        return found
 
     def start(self, context: Context) -> State:
         """Mean and covariance of x, y, heading and bias, the joints, and room for what the updates compare.
@@ -165,7 +166,7 @@ class KalmanFilter(Estimator):
             "joints": np.full((rows, joints), np.nan),
             "failed": np.zeros(rows, dtype=bool),
         }
-        state |= {f"{field}_updates": np.full((rows, size, ekf.RECORD), np.nan) for field, size in slots.items()}
+        state |= {f"{field}_updates": np.full((rows, size, RECORD), np.nan) for field, size in slots.items()}
         if self.prediction == "command":
             state["joints"] = np.zeros((rows, joints))
             state["rates"] = np.zeros((rows, joints))
@@ -182,7 +183,7 @@ class KalmanFilter(Estimator):
         draws: Draws,
     ) -> Estimate:
         """The estimate after predicting this step's motion and correcting by all readings that arrived in it."""
-        belief = ekf.Gaussians(state["mean"], state["covariance"])
+        belief = Gaussians(state["mean"], state["covariance"])
         before, after = self._joints(robot, readings, command, elapsed, state, draws)
         none = np.zeros((robot.rows, 3, 3))
         pose = np.ascontiguousarray(state["mean"][:, :3])
@@ -192,7 +193,7 @@ class KalmanFilter(Estimator):
         state["joints"] = after
         kept = state["mean"].copy(), state["covariance"].copy()
         growth = np.ascontiguousarray(self.gyro_bias_walk**2 * elapsed)
-        ekf.predict(belief, moved.pose, moved.covariance, growth, self.transform(), ekf.work())
+        ekf.predict(belief, moved.pose, moved.covariance, growth, self.transform(), points.work())
         self._correct(belief, robot, readings, np.ascontiguousarray(moved.turn), moved.covariance, elapsed, state)
         self._keep_valid(state, *kept)
         return Estimate(state["mean"][:, :3].copy(), state["covariance"][:, :3, :3].copy())
@@ -237,7 +238,7 @@ class KalmanFilter(Estimator):
 
     def _correct(
         self,
-        belief: ekf.Gaussians,
+        belief: Gaussians,
         robot: RobotModel,
         readings: Mapping[str, Measurement],
         turn: Array,
@@ -247,7 +248,7 @@ class KalmanFilter(Estimator):
     ) -> None:
         """Correct by each sensor; the gyro first, because its error is correlated with that of the prediction."""
         one, two = _thresholds(self.gate)
-        room, transform = ekf.work(), self.transform()
+        room, transform = points.work(), self.transform()
         if self.gyro:
             values, fresh, _, records = self._reading("gyro", robot, readings, state)
             variance = _squared(self.gyro_std)
@@ -270,8 +271,10 @@ class KalmanFilter(Estimator):
                 np.array(_joint_thresholds(self.gate, slots)) if self.association == "joint" else np.zeros(slots + 1)
             )
             search = compatible.search(slots, len(places), gates)
-            marks, way = ekf.Marks(places, ids), _WAYS[self.association]
-            ekf.fuse_landmarks(belief, values, fresh, mounts, marks, both, two, way, transform, room, search, records)
+            marks, way = landmarks.Marks(places, ids), _WAYS[self.association]
+            landmarks.fuse_landmarks(
+                belief, values, fresh, mounts, marks, both, two, way, transform, room, search, records
+            )
 
     def _reading(
         self, field: str, robot: RobotModel, readings: Mapping[str, Measurement], state: State
@@ -305,11 +308,11 @@ class KalmanFilter(Estimator):
             parts = {
                 "innovation": innovation,
                 "innovation_covariance": covariance,
-                "nis": records[..., ekf.NIS],
-                "used": records[..., ekf.USED],
+                "nis": records[..., NIS],
+                "used": records[..., USED],
             }
             if field == "landmarks":
-                parts["match"] = records[..., ekf.MATCH]
+                parts["match"] = records[..., MATCH]
             else:
                 parts = {name: array[:, 0] for name, array in parts.items()}
             found |= {f"{field}_{name}": array.copy() for name, array in parts.items()}

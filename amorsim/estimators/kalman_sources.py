@@ -61,11 +61,11 @@ SOURCES = (
 
 def noise_in_words(estimator: Any, source: Source) -> str:
     """The standard deviations that an estimator assumes of a source."""
-    told = []
+    found = []
     for field, words, unit in source.noise:
         std = getattr(estimator, field)
-        told.append(f"{words} {'not stated' if std is None else _in_words(std, unit)}")
-    return ", ".join(told)
+        found.append(f"{words} {'not stated' if std is None else _in_words(std, unit)}")
+    return ", ".join(found)
 
 
 def _in_words(std: float, unit: str) -> str:

@@ -18,7 +18,7 @@ _STD = np.array([0.005, 0.005, 0.002])  # [m, m, rad] added to each edge: matche
 
 
 def empty_nodes(rows: int, most: int, beams: int) -> State:
-    """Graphs without a node, with room for so many, and for twice as many edges."""
+    """Graphs without a node, with room for a number of them and for twice as many edges."""
     return {
         "node_count": np.zeros(rows, np.int64),
         "node_pose": np.full((rows, most, 3), np.nan),

@@ -58,9 +58,9 @@ class ScanTracker(Estimator):
     range_std
         Standard deviation of a range, as the robot assumes it [m].
     match_distance, match_angle
-        A scan is matched once the robot has moved or turned by so much since the last one that was [m, rad].
+        A scan is matched when the robot has moved or turned this far since the last match [m, rad].
     key_distance, key_angle
-        A matched scan is the next key once the robot has moved or turned by so much since the last key [m, rad].
+        A matched scan becomes the next key when the robot has moved or turned this far since the last key [m, rad].
     window, window_angle
         How far around the pose that the wheels say the correlative stage looks [m, rad]; 0 leaves that stage out.
     least_share
@@ -221,7 +221,7 @@ class ScanTracker(Estimator):
 
 
 def empty_outlines(rows: int, beams: int) -> tracking.Outlines:
-    """Room for outlines of scans of so many beams, nan."""
+    """Room for outlines of scans with that many beams, nan."""
     return tracking.Outlines(
         np.full((rows, beams, 2), np.nan), np.full((rows, beams, 4), np.nan), np.full((rows, beams, 2), np.nan)
     )

@@ -8,7 +8,7 @@ import attrs
 
 from amorsim.contracts import parameter
 from amorsim.estimators.kalman import KalmanFilter
-from amorsim.kernels.filters import ekf
+from amorsim.kernels.filters.points import Transform
 
 __all__ = ["Ukf"]
 
@@ -35,8 +35,8 @@ class Ukf(KalmanFilter):
     beta: float = parameter(2.0, ge=0, static=True, help="what is known of the distribution; 2: Gaussian")
     kappa: float = parameter(0.0, ge=0, static=True, help="further spread of the points")
 
-    def transform(self) -> ekf.Transform:
+    def transform(self) -> Transform:
         """By points: two for each number of the state, and the mean."""
         scale = self.alpha**2 * (_SIZE + self.kappa)
         middle = 1.0 - _SIZE / scale + (1.0 - self.alpha**2 + self.beta)
-        return ekf.Transform(by_points=True, reach=math.sqrt(scale), middle=middle, each=0.5 / scale)
+        return Transform(by_points=True, reach=math.sqrt(scale), middle=middle, each=0.5 / scale)

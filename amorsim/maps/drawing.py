@@ -107,7 +107,7 @@ class Drawing:
         self._parts.append(lines)
 
     def refuse_too_many(self, more: float) -> None:
-        """Raise an error if there is no room for so many more lines."""
+        """Raise an error if that many more lines would be too many."""
         # Also true of a number that overflowed to nan.
         if not self._count + more <= _MOST_LINES:
             raise MapError(

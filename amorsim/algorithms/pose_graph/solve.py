@@ -64,7 +64,7 @@ def optimize(
         Where Gauss-Newton begins: ``"linear"``, at the solution of a linear problem, which needs no guess; or
         ``"poses"``, at the poses of the graph.
     most_iterations
-        It ends after so many steps at the latest.
+        The largest number of steps.
     tolerance
         It ends when a step makes chi2 smaller by no more than this part of it.
 
