@@ -209,8 +209,10 @@ def test_each_row_plans_on_the_map_that_it_knows():
     maps = tuple(am.Map.from_segments([*ROOM, *walls], resolution=0.05) for walls in ([WALL], []))
     robot = simulate([make(navigate((6.0, -1.0)))], duration=0.0).frames()[0].robot
     ways = Ways.of(attrs.evolve(robot, rows=2, map=None, maps=maps), am.planners.ThetaStar(), "", None)
-    nothing_seen = Window(np.full((2, 2, 2), -1e30, np.float32), np.zeros((2, 2), np.int64), 0.05)
+    never = {"seen": np.full((2, 2, 2), -1e30, np.float32), "corner": np.zeros((2, 2), np.int64), "side": 0.05}
+    never["place"] = np.zeros((2, 2, 2, 2), np.int8)
+    nothing_seen = Window(*(never[field] for field in Window._fields))
     plans = [ways.plan(np.zeros(3), np.array([6.0, -1.0]), nothing_seen, row, 0.0) for row in (0, 1)]
-    assert [(status, len(points)) for status, points in plans[1:]] == [("found", 2)]
+    assert (plans[1][0], len(plans[1][1])) == ("found", 2)
     assert plans[0][0] == "found"
     assert plans[0][1][:, 1].max() > 1.5
