@@ -108,12 +108,15 @@ class RecordedFiles:
     def _of_replica(self, file: TimedLines, cells: Cells) -> bool:
         return not self._with_replicas or cells[file.columns["replica"]] == str(self.replica).encode()
 
-    def _bodies(self, name: str, tick: int, key: str, columns: Sequence[str]) -> dict[str, Array]:
-        """Numbers of a file's columns at a tick, by what stands in the column `key`."""
+    def _bodies(
+        self, name: str, tick: int, key: str, columns: Sequence[str], only: str | None = None
+    ) -> dict[str, Array]:
+        """Numbers of a file's columns at a tick, by what stands in the column `key`: all, or those of `only`."""
         file = self._file(name)
         if file is None or not {key, *columns} <= set(file.columns):
             return {}
         places = [file.columns[column] for column in columns]
+        wanted = None if only is None else only.encode()
         try:
             lines = file.at(tick * self._dt, 0.5 * self._dt)
         except RunError as error:
@@ -122,17 +125,17 @@ class RecordedFiles:
         return {
             cells[file.columns[key]].decode(errors="replace"): np.array(file.numbers(cells, places))
             for cells in lines
-            if self._of_replica(file, cells)
+            if self._of_replica(file, cells) and (wanted is None or cells[file.columns[key]] == wanted)
         }
 
-    def poses(self, tick: int) -> dict[str, Array]:
-        """True and estimated poses `(6,)` by robot."""
+    def poses(self, tick: int, only: str | None = None) -> dict[str, Array]:
+        """True and estimated poses `(6,)` by robot, of all or of one."""
         columns = [f"{kind}_{part}" for kind in ("true", "estimated") for part in _POSE]
-        return self._bodies("poses", tick, "robot", columns)
+        return self._bodies("poses", tick, "robot", columns, only)
 
-    def covariances(self, estimator: str, tick: int) -> dict[str, Array]:
-        """xx, xy, xh, yy, yh, hh `(6,)` of an estimator's poses, by robot."""
-        return self._bodies(f"estimates/{estimator}", tick, "robot", _COVARIANCE)
+    def covariances(self, estimator: str, tick: int, only: str | None = None) -> dict[str, Array]:
+        """xx, xy, xh, yy, yh, hh `(6,)` of an estimator's poses, by robot, of all or of one."""
+        return self._bodies(f"estimates/{estimator}", tick, "robot", _COVARIANCE, only)
 
     def obstacles(self, tick: int) -> dict[str, Array]:
         """True poses `(3,)` by obstacle; those that do not move have lines at the start alone."""
@@ -145,7 +148,7 @@ class RecordedFiles:
     def values(self, name: str, tick: int, robot: str, columns: Sequence[str]) -> Array:
         """Numbers of a robot in ``velocities`` or ``commands``, as many as columns; nan for those that are missing."""
         there = [column for column in columns if column in self.columns(name)]
-        found = dict(zip(there, self._bodies(name, tick, "robot", there).get(robot, ()), strict=False))
+        found = dict(zip(there, self._bodies(name, tick, "robot", there, robot).get(robot, ()), strict=False))
         return np.array([found.get(column, math.nan) for column in columns])
 
     # --------------------------------------------------------------------------------------------------------- sensors
@@ -210,7 +213,7 @@ class RecordedFiles:
     def _small_beliefs(self, name: str, tick: int, robot: str) -> dict[str, npt.NDArray[Any]]:
         """Beliefs `(1, ...)` of a robot from a text file; none if it has no line of the tick."""
         columns = [column for column in self.columns(f"beliefs/{name}") if column not in ("replica", "time", "robot")]
-        numbers = self._bodies(f"beliefs/{name}", tick, "robot", columns).get(robot)
+        numbers = self._bodies(f"beliefs/{name}", tick, "robot", columns, robot).get(robot)
         if numbers is None:
             return {}
         table = {column: numbers[i : i + 1] for i, column in enumerate(columns)}

@@ -33,6 +33,7 @@ Array = npt.NDArray[np.float64]
 MOST_EVENTS = 20_000  # of a replica
 MOST_OF_PAST = 500  # moments that plots have
 MOST_OF_PATH = 2000
+MOST_LINES = 400_000  # that are read for a path: runs with many robots or replicas have fewer moments, but 50
 
 _TWIST = ("forward", "left", "turn")
 
@@ -311,24 +312,25 @@ class Recording(Source):
         """The path of a robot through the whole run, and fewer moments of all else."""
         key = robot, most
         if key not in self._tracks:
-            self._tracks[key] = self._read_track(self.names[robot], min(most, MOST_OF_PATH))
+            rows = len(self.names) * len(self.replicas)
+            self._tracks[key] = self._read_track(self.names[robot], min(most, max(50, MOST_LINES // rows)))
         return self._tracks[key]
 
     def _read_track(self, robot: str, most: int) -> Track:
         nothing = np.full(6, np.nan)
-        ticks = _spread(self._newest, most)
-        poses = np.array([self._files.poses(tick).get(robot, nothing) for tick in ticks])
+        ticks = _spread(self._newest, min(most, MOST_OF_PATH))
+        poses = np.array([self._files.poses(tick, robot).get(robot, nothing) for tick in ticks])
         known = np.isfinite(poses).all(axis=1)
         kind = self._kind(robot)
         places = Places((one["size"], len(one["columns"])) for one in kind["sensors"])
         estimator = next(iter(kind["estimators"]), "none")
-        few = _spread(self._newest, min(most, MOST_OF_PAST))
+        few = _spread(self._newest, min(max(50, most // 4), MOST_OF_PAST))
         lines = [
             places.line(
                 np.concatenate(
                     (
-                        self._files.poses(tick).get(robot, nothing),
-                        self._files.covariances(estimator, tick).get(robot, nothing),
+                        self._files.poses(tick, robot).get(robot, nothing),
+                        self._files.covariances(estimator, tick, robot).get(robot, nothing),
                     )
                 ),
                 self._selected(robot, tick),
