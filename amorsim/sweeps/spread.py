@@ -143,7 +143,8 @@ def _through(client: Any, distributed: Any, plan: Plan, todo: Iterator[Work]) ->
         if not under_way:
             return
         try:
-            done = distributed.wait(list(under_way), timeout=_LOOK, return_when="FIRST_COMPLETED").done
+            with client.as_current():  # wait() looks for it there
+                done = distributed.wait(list(under_way), timeout=_LOOK, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             continue
         except Exception:

@@ -89,6 +89,49 @@ def test_two_hundred_points_give_one_table_however_they_are_computed(tmp_path: P
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_may_be_given_by_its_address(tmp_path: Path) -> None:
+    from distributed import LocalCluster
+
+    given = small(tmp_path / "s", 5)
+    am.sweep(given, tmp_path / "one")
+    local = {"processes": False, "protocol": "tcp://", "dashboard_address": None}
+    with LocalCluster(n_workers=1, threads_per_worker=1, **local) as cluster:
+        assert am.sweep(given, tmp_path / "dask", dask=cluster.scheduler_address).is_complete
+    assert table_of(tmp_path / "one") == table_of(tmp_path / "dask")
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_that_goes_away_leaves_what_was_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spread, "_PATIENCE", 6.0)
+    given = small(tmp_path / "s", 60)
+    code = (
+        "import time\nfrom distributed import LocalCluster\n"
+        "with LocalCluster(n_workers=1, processes=False, protocol='tcp://', dashboard_address=None) as cluster:\n"
+        "    print(cluster.scheduler_address, flush=True)\n    time.sleep(120.0)\n"
+    )
+    with subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        address = process.stdout.readline().strip()
+
+        def kill(progress: Any) -> None:
+            if progress.done == 8:
+                process.kill()
+
+        try:
+            with pytest.raises(am.StudyError, match=r"the Dask cluster .*has gone away, or has no workers any more"):
+                am.sweep(given, tmp_path / "out", dask=address, progress=kill)
+        finally:
+            process.kill()
+    part = am.read_study(tmp_path / "out")
+    assert 8 <= len(set(part["point"])) < 60
+    whole = am.sweep(given, tmp_path / "out")
+    assert whole.is_complete
+    assert len(set(whole["point"])) == 60
+
+
+@pytest.mark.long
 def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
     given = small(tmp_path / "s", 40)
     path = study_file(tmp_path / "s" / "study.toml", given)
