@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks import (
+    avoiders,
     compositions,
     crowd,
     filters,
@@ -46,6 +47,7 @@ SECTIONS = (
     "mapping",
     "graphs",
     "planners",
+    "avoiders",
     "studies",
 )
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
@@ -92,6 +94,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows += graphs.measure(given.rounds, given.quick, clock, say)
     if "planners" in given.only:
         rows += planners.measure(given.rounds, given.quick, clock, say)
+    if "avoiders" in given.only:
+        rows += avoiders.measure(given.rounds, given.quick, clock, say)
     if "studies" in given.only:
         rows += studies.measure(given.rounds, given.quick, say)
     command = "python -m benchmarks " + " ".join(arguments if arguments is not None else sys.argv[1:])

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from benchmarks.published import PLAIN_FLOOR, PLAIN_THERE
 from benchmarks.results import Conduct, Row, spread_of
 
-__all__ = ["as_text", "figure", "plain_says"]
+__all__ = ["TITLES", "as_text", "figure", "plain_says"]
 
-_TITLES = {
+TITLES: Mapping[str, str] = {
     "rays": "Ray casting",
     "fleet": "Robot-steps",
     "compositions": "What a robot costs that differs from the shipped Pioneer in one thing",
@@ -19,7 +19,10 @@ _TITLES = {
     "maps": "Maps and worlds",
     "start": "Start-up and files",
     "filters": "Filters",
+    "mapping": "Mapping",
+    "graphs": "Pose graphs",
     "planners": "Planners",
+    "avoiders": "Avoiders",
     "studies": "Studies",
 }
 _HEAD = ("setting", "side", "median", "least to most", "unit", "amorsim is", "counts", "what it did")
@@ -40,7 +43,7 @@ def as_text(
     if plain_rates:
         lines += ["", plain_says(plain_rates)]
     lines += ["", *remarks] if remarks else []
-    for section, title in _TITLES.items():
+    for section, title in TITLES.items():
         found = [row for row in rows if row.section == section]
         if found:
             lines += ["", title, "=" * len(title), "", *_grid([_HEAD, *(_cells(row) for row in found)])]

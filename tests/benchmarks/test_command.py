@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from benchmarks import command, memory, rays
+from benchmarks import command, memory, rays, table
 from benchmarks.results import Row
 from benchmarks.worlds import line_room
 
@@ -29,6 +29,10 @@ def test_mistakes_are_refused(arguments: list[str], why: str, capsys: pytest.Cap
         command.main(arguments)
     assert stopped.value.code == 2
     assert why in capsys.readouterr().err
+
+
+def test_every_section_is_in_the_table() -> None:
+    assert list(table.TITLES) == list(command.SECTIONS)
 
 
 def test_a_table_is_left_in_three_forms(
