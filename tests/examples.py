@@ -11,8 +11,10 @@ __all__ = ["settings"]
 LEAST = 8
 
 
-def settings(*, max_examples: int = 100, **others: Any) -> hypothesis.settings:
+def settings(
+    parent: hypothesis.settings | None = None, *, max_examples: int = 100, **others: Any
+) -> hypothesis.settings:
     """Hypothesis's settings; of the examples as many hundredths as the profile has examples."""
     share = hypothesis.settings.default.max_examples  # type: ignore[union-attr]
     count = min(max_examples, max(LEAST, max_examples * share // 100))
-    return hypothesis.settings(max_examples=count, **others)
+    return hypothesis.settings(parent, max_examples=count, **others)

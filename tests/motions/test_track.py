@@ -73,7 +73,7 @@ def test_from_elsewhere_it_makes_for_its_place(file: str) -> None:
     [
         ("", "expected a first line such as time,x,y"),
         ("t,x,y\n0,1,1\n", "expected a first line such as time,x,y,heading_deg, got 't,x,y'"),
-        ("time,x,y,heading\n0,1,1,0\n1,1,1,0\n", "got also 'heading'. An angle is told in degrees, as heading_deg."),
+        ("time,x,y,heading\n0,1,1,0\n1,1,1,0\n", "got also 'heading'. An angle is given in degrees, as heading_deg."),
         ("time,x,y,haeding_deg\n0,1,1,0\n1,1,1,0\n", "got also 'haeding_deg'. Did you mean 'heading_deg'?"),
         ("time,x,y,who\n0,1,1,a\n1,1,1,a\n", "no columns but time, x, y, heading_deg, each once, got also 'who'."),
         ("time,x,y,x\n0,1,1,1\n1,1,1,1\n", "each once, got also 'x'."),
