@@ -188,6 +188,11 @@ def _pioneer(name: str, x: float, y: float, controller: Table, sensors: Table) -
     }
 
 
+def _typical(name: str, x: float) -> Table:
+    """A Pioneer with its usual errors, whose sonars hear one another."""
+    return {"name": name, "model": "pioneer2dx-typical", "pose": {"x": x, "y": 3.0}}
+
+
 def _in_hall(robots: Sequence[Table]) -> Scenario:
     registry = default_registry()
     place = registry.file("scenario", "convoy").parent
@@ -203,6 +208,7 @@ _TRIALS: Mapping[str, Callable[[], tuple[Scenario, int]]] = {
     "collide": lambda: (_pioneers((5.0, 0.6), (5.0, 1.3), controller="square"), 40),
     "meet": lambda: (_pioneers((5.0, 3.0), (5.0, 4.0), laser={}, sonar={}), 1),
     "avoid": lambda: (_avoiders(), 2),
+    "typical": lambda: (_in_hall([_typical("one", 4.0), _typical("other", 6.0)]), 2),
 }
 # Steps of bundled scenarios that need more than two until all their kernels were called.
 _STEPS: Mapping[str, int] = {"loop": 40, "map-the-office": 40}
@@ -227,7 +233,7 @@ _OTHERS: Mapping[str, Callable[[], None]] = {"worlds": _make_worlds, "plan": _pl
 # `_BESIDE`, both processes take about the same time.
 _FIRST: tuple[str, ...] = ("look", "demo")
 _SECOND: tuple[str, ...] = ("wander",)
-_MORE: tuple[str, ...] = ("collide", "meet", "landmarks", "find-yourself", "loop")
+_MORE: tuple[str, ...] = ("collide", "meet", "typical", "landmarks", "find-yourself", "loop")
 _BESIDE: tuple[str, ...] = ("worlds", "plan", "avoid", "map-the-office", "find-the-way")
 
 
