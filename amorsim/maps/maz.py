@@ -82,7 +82,7 @@ class Maz(MapLoader):
         lines = [line.rstrip() for line in _LINE_END.split(text.rstrip("\x1a").rstrip())]
         side = _CELL
         if lines and _NUMBER.fullmatch(lines[-1].strip()):
-            side = float(lines.pop())
+            side = float(lines.pop().strip())  # float() takes fewer characters for white space
             if not 0.0 < side <= _LARGEST:
                 raise MapError(
                     f"line {len(lines) + 1}: a cell is {side:g} mm; expected above 0, and {_LARGEST:g} at most"

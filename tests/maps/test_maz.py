@@ -44,6 +44,7 @@ def test_starts(tmp_path: Path, letter: str, degrees: float) -> None:
 
 
 def test_the_size_of_a_cell(tmp_path: Path) -> None:
+    assert Maz().load(written(tmp_path, " _\n|_|\n\x1d180\n")).size[0] == pytest.approx(0.18, abs=0.002)
     assert Maz().load(written(tmp_path, " _\n|_|\n")).size[0] == pytest.approx(0.36, abs=0.002)
     assert Maz().load(written(tmp_path, " _\r\n|_|\r\n180\r\n\r\n")).size[0] == pytest.approx(0.18, abs=0.002)
     assert Maz(cell=0.5).load(written(tmp_path, " _\n|_|\n180")).size[0] == pytest.approx(0.5, abs=0.002)

@@ -115,7 +115,8 @@ def colour_at(page: Page, x: float, y: float) -> list[int]:
                 const {{ stage }} = {PAGE};
                 await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
                 const {{ pane, camera }} = stage;
-                const [left, top] = camera.toScreen(x, y).map(part => Math.round(part * pane.ratio));
+                const drawn = camera.onPixels(pane.ratio);
+                const [left, top] = drawn.toScreen(x, y).map(part => Math.round(part * pane.ratio));
                 return Array.from(pane.context.getImageData(left, top, 1, 1).data.slice(0, 3));
             }}""",
             [x, y],
@@ -135,7 +136,7 @@ def test_walls_bodies_and_outlines_are_drawn_where_they_are(page: Page) -> None:
         f"""async ([x, y]) => {{
             const {{ pane, camera, theme }} = {PAGE}.stage;
             await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
-            const [left, top] = camera.toScreen(x, y).map(part => Math.round(part * pane.ratio));
+            const [left, top] = camera.onPixels(pane.ratio).toScreen(x, y).map(part => Math.round(part * pane.ratio));
             const {{ data }} = pane.context.getImageData(left - 12, top - 12, 25, 25);
             let red = 0;
             for (let i = 0; i < data.length; i += 4) red += data[i] > data[i + 1] + 60;

@@ -264,7 +264,7 @@ def test_a_program_is_tried_in_a_process_of_its_own_and_its_fault_has_a_line(tmp
         assert "line 6" in fault["message"]
         assert fault["at"].startswith("robots.0.controller")
         # What is typed and not saved is not run.
-        await do(session, do="write_code", file="mine.py", text=f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+        await do(session, do="write_code", file="mine.py", text=DRIVE + f"open({str(tmp_path / 'ran')!r}, 'w')\n")
         assert (await drawn(session))["faults"] == []
         assert not (tmp_path / "ran").exists()
         # One that never ends does not hold anybody up: the next change is read at once.
