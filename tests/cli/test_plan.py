@@ -55,6 +55,7 @@ def test_no_path_has_a_status_and_a_picture(amorsim: Command, rooms: str, tmp_pa
     assert "the budget of 0 cells was used up" in result.err
 
 
+@pytest.mark.long
 def test_generated_worlds_and_scenarios_are_maps(amorsim: Command) -> None:
     ends = ("--from", "2,2", "--to", "4,3")
     result = amorsim("plan", "maze", "--seed", 3, "--set", "world.size=[6.0, 5.0]", *ends, "-o", "maze.png")
@@ -67,6 +68,7 @@ def test_generated_worlds_and_scenarios_are_maps(amorsim: Command) -> None:
     assert (result.status, result.err) == (0, "")
 
 
+@pytest.mark.long
 def test_on_a_map_of_very_many_cells_it_plans_on_coarse_ones_and_says_so(amorsim: Command, tmp_path: Path) -> None:
     (tmp_path / "hall.wld").write_text("width 5000\nheight 4000\n2500 0 2500 3000\n")
     ends = ("--from", "1,1", "--to", "4,1")

@@ -19,6 +19,7 @@ LEFT_WHEEL = "errors.drive.wheel_radius_left.scale"
 # ------------------------------------------------------------------------------------------------------------ driving
 
 
+@pytest.mark.long
 def test_keys_drive_the_robot_and_letting_go_stops_it(window: Window) -> None:
     start = window.true_pose()
     window.page.keyboard.press("m")
