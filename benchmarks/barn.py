@@ -1,4 +1,4 @@
-"""The BARN challenge: a Jackal crosses 50 fields of cylinders, 10 times each, in one batch.
+"""The BARN challenge: a Jackal crosses 50 fields of cylinders, 10 times each, one batch a field.
 
 ``python -m benchmarks.barn --way best --runs 10`` prints what became of the runs, and the challenge's score. The fields
 are D. Perille, A. Truong, X. Xiao and P. Stone, "Benchmarking metric ground navigation", 2020; those of
