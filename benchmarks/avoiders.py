@@ -25,7 +25,7 @@ ROBOTS = 1000
 RADIUS, AXIS, WHEEL = 0.15, 0.25, 0.05  # m
 SPEED = 0.5  # m/s
 SPACE = 4.0  # m2 for each
-REACH, NEIGHBOURS = 5.0, 10  # m, robots that one heeds
+REACH, NEIGHBOURS = 5.0, 10  # m, robots that one takes into account
 DT = 0.1
 _STEPS = 20
 

@@ -21,7 +21,7 @@ Clock = Callable[[], float]
 
 
 class Side(Protocol):
-    """Whoever can be put to a start and make steps."""
+    """What can be put at a start and makes steps."""
 
     def reset(self) -> None:
         """Back to the start."""

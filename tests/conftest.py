@@ -7,7 +7,7 @@ import pytest
 from hypothesis import settings
 from PIL import Image
 
-# Some hundred processes are started anew, each of which would read amorsim's sources where none may keep what it read.
+# Some hundred processes are started. Each would compile amorsim's sources if none might write bytecode.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 # Timing is never what decides: a kernel compiles in its first example, and machines are shared. A fifth of the examples

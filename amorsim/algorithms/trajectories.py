@@ -82,7 +82,7 @@ def umeyama(points: Array, onto: Array, *, with_scale: bool = False) -> Transfor
 
 
 def first_pose_transform(poses: Array, onto: Array) -> Transform:
-    """The transform that puts the first of `poses` upon the first of `onto`.
+    """The transform that moves the first of `poses` onto the first of `onto`.
 
     Raises
     ------

@@ -28,7 +28,7 @@ def command(
         Path,
         typer.Argument(
             metavar="OUT",
-            help="The file to write; its ending tells the format. A .yaml has a .pgm beside it; a .toml is a scenario.",
+            help="The file to write; its ending gives the format. A .yaml has a .pgm with it, a .toml is a scenario.",
         ),
     ],
     use: Annotated[

@@ -176,13 +176,13 @@ class _PlainProgress:
     """Lines in place of a bar, one every quarter, where there is no terminal."""
 
     def __init__(self) -> None:
-        self._told = 0
+        self._said = 0
 
     def __call__(self, share: float) -> None:
         quarter = int(4.0 * share)
-        if self._told < quarter < 4:
+        if self._said < quarter < 4:
             say(f"{25 * quarter} % simulated")
-            self._told = quarter
+            self._said = quarter
 
 
 def _all_together(summary: RunSummary, ended: int) -> str:

@@ -27,7 +27,7 @@ def command(
     resolution: Resolution = None,
     changes: Changes = None,
 ) -> None:
-    """Open the Simulator in the browser: what is true beside what the robot knows.
+    """Open the Simulator in the browser: what is true next to what the robot knows.
 
     Its address is printed on a line of its own. It works once, for anyone who has it, token included; then another one
     is printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes

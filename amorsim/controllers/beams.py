@@ -27,7 +27,7 @@ def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
     known = ", ".join(repr(other) for other in seeing) or "none"
     if name not in robot.sensors:
         raise ComponentError(
-            f"{who} goes by the sensor {name!r}, which the robot does not have; its range sensors: {known}."
+            f"{who} uses the sensor {name!r}, which the robot does not have; its range sensors: {known}."
             f"{did_you_mean(name, seeing)} Name one of them in the field 'sensor'."
         )
     model = robot.sensors[name]
@@ -35,7 +35,7 @@ def range_sensor(robot: RobotModel, name: str, who: str) -> SensorModel:
         kind = type(model.sensor).__name__
         lacks = "has no bearings" if model.sensor.bearings() is None else f"tells {model.sensor.unit!r}, no ranges"
         raise ComponentError(
-            f"{who} goes by the sensor {name!r}, but a {kind} {lacks}; the robot's range sensors: "
+            f"{who} uses the sensor {name!r}, but a {kind} {lacks}; the robot's range sensors: "
             f"{known}. Name one of them in the field 'sensor'."
         )
     return model

@@ -75,13 +75,13 @@ class Braitenberg(Controller):
         if self.sensor not in robot.sensors:
             names = ", ".join(repr(name) for name in robot.sensors) or "none"
             raise ComponentError(
-                f"braitenberg goes by the sensor {self.sensor!r}, which {robot.who(0)} does not have; its sensors: "
+                f"braitenberg uses the sensor {self.sensor!r}, which {robot.who(0)} does not have; its sensors: "
                 f"{names}.{did_you_mean(self.sensor, robot.sensors)} Name one in the field 'sensor'."
             )
         model = robot.sensors[self.sensor]
         if model.sensor.unit not in ("m", "reflectance") and not hasattr(model.sensor, "saturation"):
             raise ComponentError(
-                f"braitenberg goes by the sensor {self.sensor!r}, but a {type(model.sensor).__name__} tells neither "
+                f"braitenberg uses the sensor {self.sensor!r}, but a {type(model.sensor).__name__} tells neither "
                 "ranges, nor reflectances, nor counts up to a saturation."
             )
         for name in ("left", "right"):

@@ -81,7 +81,7 @@ class Follow(Controller):
         if self.sensor not in robot.sensors:
             names = ", ".join(repr(name) for name in robot.sensors) or "none"
             raise ComponentError(
-                f"follow goes by the sensor {self.sensor!r}, which {robot.who(0)} does not have; its sensors: {names}."
+                f"follow uses the sensor {self.sensor!r}, which {robot.who(0)} does not have; its sensors: {names}."
                 f"{did_you_mean(self.sensor, robot.sensors)} Give it a sensor 'fiducial', and name that in the field "
                 "'sensor'."
             )
@@ -89,7 +89,7 @@ class Follow(Controller):
         columns = list(sensor.columns() or ()) if hasattr(sensor, "columns") else []
         if columns != ["range", "bearing", "id"]:
             raise ComponentError(
-                f"follow goes by the sensor {self.sensor!r}, but a {type(sensor).__name__} does not tell range, "
+                f"follow uses the sensor {self.sensor!r}, but a {type(sensor).__name__} does not tell range, "
                 "bearing and identity of marks; a 'fiducial' does."
             )
         rows = context.rows

@@ -32,7 +32,7 @@ def start_others(context: Context, sensor: str, who: str) -> State:
     known = {name: one for name, one in robot.sensors.items() if list(one.sensor.columns()) in (_SENT, _SEEN)}
     if sensor not in known:
         raise ComponentError(
-            f"{who} goes by the sensor {sensor!r}, which is no 'neighbours' or 'fiducial' of {robot.who(0)}; it has: "
+            f"{who} uses the sensor {sensor!r}, which is no 'neighbours' or 'fiducial' of {robot.who(0)}; it has: "
             f"{', '.join(map(repr, known)) or 'none'}.{did_you_mean(sensor, list(known))} Give it one, and name it in "
             "the field 'sensor'."
         )

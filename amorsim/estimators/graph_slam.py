@@ -152,7 +152,7 @@ class GraphSlam(MapArea, ScanTracker):
         room.start[:] = graph.relative(near, graph.count - 1)
         fit = tracking.align_outlines(scans, rules, room)
         found = room.result
-        is_good = fit >= self.loop_fit and found.told[0] >= self.loop_share
+        is_good = fit >= self.loop_fit and found.quality[0] >= self.loop_share
         if not is_good or found.values[0] < self.degenerate * found.values[2]:
             return False
         return graph.link(near, graph.count - 1, found.pose, found.information)

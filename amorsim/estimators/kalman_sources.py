@@ -81,7 +81,7 @@ def check_sources(estimator: Any, robot: RobotModel) -> dict[str, int]:
     ------
     ComponentError
         If the robot has no such sensor, or one of another kind; if its noise is not stated; if landmarks are to be
-        seen and the robot knows none, or none with an identity, or two that cannot be told apart.
+        seen and the robot knows none, or none with an identity, or two that cannot be distinguished.
     """
     who, found = estimator.who, {}
     for source in SOURCES:
@@ -108,7 +108,7 @@ def check_sources(estimator: Any, robot: RobotModel) -> dict[str, int]:
 
 
 def _check_landmarks(estimator: Any, robot: RobotModel) -> None:
-    """Raise unless the robot knows landmarks that can be told apart."""
+    """Raise unless the robot knows landmarks that can be distinguished."""
     who, places, ids = estimator.who, robot.landmarks, robot.landmark_ids
     if places is None or ids is None or not len(places):
         raise ComponentError(

@@ -64,7 +64,7 @@ def _loaded(path: Path, name: str, role: str) -> Answer:
     if role == "controller":
         found: Any = load_controller(path, name, {})
         command: Any = getattr(found(), "command", None) if inspect.isclass(found) else found
-        return lambda said: _told(command(*_arguments(said)))
+        return lambda said: _as_message(command(*_arguments(said)))
     made = load_controller(path, name, {"start": None})
     if not callable(getattr(made, "update", None)):
         raise ControllerError(
@@ -111,7 +111,7 @@ def _arguments(said: Mapping[str, Any]) -> tuple[dict[str, RobotReading], RobotE
     return _readings(said), RobotEstimate(pose.view(PoseVector), covariance), RobotClock(*said["clock"])
 
 
-def _told(answer: Any) -> tuple[str, Any]:
+def _as_message(answer: Any) -> tuple[str, Any]:
     if isinstance(answer, Twist):
         return "twist", [_plain(part) for part in (answer.forward, answer.turn, answer.left)]
     if isinstance(answer, WheelSpeeds):

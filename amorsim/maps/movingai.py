@@ -122,7 +122,7 @@ class Problem:
     """A problem of a scenario file: from a start to a goal on a map.
 
     Cells count columns and rows from 0, rows from the *bottom*, as the cells of an `amorsim.Map` do. `optimal` is the
-    length of the shortest path in cells, where a diagonal step counts √2 and both cells beside it must be free.
+    length of the shortest path in cells, where a diagonal step counts √2 and both cells next to it must be free.
     """
 
     bucket: int

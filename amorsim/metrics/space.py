@@ -26,7 +26,7 @@ class Clearance(Metric):
     unit: ClassVar[str] = "m"
     better: ClassVar[str] = "higher"
 
-    most: float = parameter(2.0, unit="m", gt=0, help="larger gaps are not told apart, which saves time")
+    most: float = parameter(2.0, unit="m", gt=0, help="larger gaps count as this one, which saves time")
 
     def needs(self) -> Sequence[str]:
         """See `Metric`."""

@@ -32,7 +32,7 @@ class Missed(Noise):
         Increase of the probability per metre of range [1/m].
     """
 
-    probability: float = parameter(0.0, ge=0, le=1, help="that a thing beside the sensor is missed")
+    probability: float = parameter(0.0, ge=0, le=1, help="that a thing close to the sensor is missed")
     per_metre: float = parameter(0.0, unit="1/m", ge=0, help="what each metre of its range adds to that")
 
     def corrupt(self, values: Array, side: Mapping[str, Array], elapsed: Array, state: State, draws: Draws) -> Array:

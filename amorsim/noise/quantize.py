@@ -23,7 +23,7 @@ class Quantize(Noise):
         ``"nearest"``, halfway cases to the even multiple; or ``"floor"``, downwards, as a counter does.
     """
 
-    step: float = parameter(unit="sensor", gt=0, help="between two values that can be told apart")
+    step: float = parameter(unit="sensor", gt=0, help="between two neighbouring values")
     rounding: str = parameter(
         "nearest", choices=("nearest", "floor"), static=True, help="to the nearest multiple, or down to one"
     )

@@ -101,7 +101,7 @@ class PotentialField(GridPlanner):
         is_trap = np.isfinite(values)
         for step in _steps(cells.width):
             other = np.roll(values, -step)
-            if abs(step) not in (1, cells.width):  # a diagonal step needs both cells beside it
+            if abs(step) not in (1, cells.width):  # a diagonal step needs both cells next to it free
                 across = 1 if step % cells.width == 1 else -1
                 beside = np.isfinite(np.roll(values, -across)) & np.isfinite(np.roll(values, across - step))
                 other = np.where(beside, other, math.inf)

@@ -35,7 +35,7 @@ RESERVED: dict[str, tuple[str, ...]] = {
     "recorder": ("use",),
     "metric": ("use", "robot"),
 }
-"""Keys that stand beside a component's fields in a scenario, and that no field may be called by."""
+"""Keys that stand next to a component's fields in a scenario, and that no field may be called by."""
 
 
 def check_name(name: object) -> str:

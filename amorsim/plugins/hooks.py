@@ -34,8 +34,8 @@ class Hooks:
 
     @hookspec
     def amorsim_run_started(self, simulation: Any) -> None:
-        """Told of a run before its first step; the simulation is for looking at, not for changing."""
+        """Called before the first step of a run; the simulation is for looking at, not for changing."""
 
     @hookspec
     def amorsim_run_finished(self, simulation: Any) -> None:
-        """Told of a run after its last step, also when it was broken off."""
+        """Called after the last step of a run, also when it was broken off."""

@@ -81,7 +81,7 @@ class Printer:
         if len(self._words) < columns.longest:
             self._words = np.empty(columns.longest, dtype=np.uint64)
         ends = np.empty(len(lines), dtype=np.int64)
-        is_told = not columns.needs_python and write_lines(
+        is_written = not columns.needs_python and write_lines(
             table,
             rows,
             lines,
@@ -93,7 +93,7 @@ class Printer:
             ends,
             self._out,
         )
-        return Lines(self._out.data[: ends[-1]], ends) if is_told else _slowly(table, rows, lines, columns)
+        return Lines(self._out.data[: ends[-1]], ends) if is_written else _slowly(table, rows, lines, columns)
 
 
 def _slowly(table: Array, rows: int, lines: Ints, columns: Columns) -> Lines:

@@ -216,7 +216,7 @@ class RunSession:
                 self._end("broken off", str(error))
             except RunError as second:
                 error.add_note(str(second))
-            error.add_note(self._told_files())
+            error.add_note(self._files_reach())
             raise
         self._end(status)
         if self._scenario.recording.picture:
@@ -303,10 +303,10 @@ class RunSession:
         except RunError as second:
             if str(second) != str(error):  # the first one says why
                 error.add_note(str(second))
-        if self._told_files() not in getattr(error, "__notes__", ()):
-            error.add_note(self._told_files())
+        if self._files_reach() not in getattr(error, "__notes__", ()):
+            error.add_note(self._files_reach())
 
-    def _told_files(self) -> str:
+    def _files_reach(self) -> str:
         """The time up to which the files go, in words."""
         dt = self._simulation.dt
         if self._has_lost_lines and self._summary is not None:

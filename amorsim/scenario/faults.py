@@ -134,8 +134,8 @@ class Book:
             return path
         names = [thing.get("name") if isinstance(thing, dict) else None for thing in things]
         name = names[int(path[1])] if path[1].isdigit() and int(path[1]) < len(names) else None
-        is_told = isinstance(name, str) and not check_name(name) and names.count(name) == 1
-        return (path[0], str(name), *path[2:]) if is_told else path
+        is_unique = isinstance(name, str) and not check_name(name) and names.count(name) == 1
+        return (path[0], str(name), *path[2:]) if is_unique else path
 
     def add(self, fault: Fault) -> None:
         """Note a fault, once: a model's is found for every robot that is of the model."""

@@ -35,7 +35,7 @@ class Cliff(Sensor):
     unit: ClassVar[str] = "drop"
 
     elements: tuple[Mount, ...] = parameter((Mount(),), help="where each element sits on the mount, looking down")
-    depth_min: float = parameter(0.03, unit="m", gt=0, help="drops less deep than this are not told")
+    depth_min: float = parameter(0.03, unit="m", gt=0, help="shallower drops are not reported")
 
     def __attrs_post_init__(self) -> None:
         if not self.elements:

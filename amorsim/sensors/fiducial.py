@@ -46,7 +46,7 @@ class Fiducial(Sensor):
     slots: int = parameter(8, ge=1, le=10_000, static=True, help="how many marks a reading has room for")
     fov: float = parameter(math.pi, unit="rad", gt=0, le=2.0 * math.pi, help="the field of view")
     range_max: float = parameter(8.0, unit="m", gt=0, help="how far marks are seen")
-    range_max_id: float = parameter(5.0, unit="m", ge=0, help="how far they can be told apart")
+    range_max_id: float = parameter(5.0, unit="m", ge=0, help="largest distance at which their ids can be read")
 
     def size(self, drive: Drive) -> int:
         """Three values for each slot."""

@@ -37,7 +37,7 @@ class Gps(Sensor):
 
     unit: ClassVar[str] = "m"
 
-    heading: bool = parameter(False, static=True, help="whether the heading is told as well")
+    heading: bool = parameter(False, static=True, help="whether the heading is measured as well")
 
     def size(self, drive: Drive) -> int:
         """Two values, or three."""

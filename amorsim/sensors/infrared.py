@@ -65,7 +65,7 @@ class Infrared(Sensor):
         (1023.0, 800.0, 600.0, 400.0, 60.0), unit="count", ge=0, help="what comes back from each"
     )
     spread: float = parameter(
-        math.pi / 6.0, unit="rad", ge=0, le=math.pi / 2.0, help="between the axis and the rays beside it"
+        math.pi / 6.0, unit="rad", ge=0, le=math.pi / 2.0, help="between the axis and the rays next to it"
     )
     saturation: float = parameter(1023.0, unit="count", gt=0, help="which no reading passes")
 

@@ -213,7 +213,7 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
     group = simulation._fleet.groups[0]
     nominal = group.robot.sensors[encoder]
     sensor: Any = nominal.sensor
-    true_start, told_start = simulation.true_pose, simulation.estimated_pose
+    true_start, estimated_start = simulation.true_pose, simulation.estimated_pose
     angles = [sensor.angles(group.readings[encoder].measured)]
     # Generous, so that only a run that never ends reaches it.
     most = simulation.steps_of(
@@ -240,7 +240,7 @@ def _drive(scenario: Scenario, encoder: str, controller: Square, replicas: Seque
         if is_round.all() and not (np.abs(group.joint_rates) > _STANDS).any():
             late -= 1
     true = relative(true_start, simulation.true_pose)
-    believed = relative(told_start, simulation.estimated_pose)
+    believed = relative(estimated_start, simulation.estimated_pose)
     return Squares(ends=true[:, :2] - believed[:, :2], angles=np.array(angles)[:, :, :2])  # less a hitch
 
 

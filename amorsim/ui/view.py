@@ -37,7 +37,7 @@ def view(
     port: int = 0,
     browser: bool = True,
 ) -> None:
-    """Open the Simulator in the browser: what is true beside what the robot knows. Returns after Ctrl-C.
+    """Open the Simulator in the browser: what is true next to what the robot knows. Returns after Ctrl-C.
 
     The window's simulation runs in another process, which gets the scenario as a file would give it. So components
     have to be registered, and a controller or motion of one's own is a function or class at the top of a file: of the

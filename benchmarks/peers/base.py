@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 class Peer(abc.ABC):
     """A peer that drives a task's robots.
 
-    Only `step` is timed, step upon step; `ranges` and `poses` are asked when it is watched, before.
+    Only `step` is timed, one step after another; `ranges` and `poses` are read before that, while it is watched.
     """
 
     name: ClassVar[str]

@@ -1,6 +1,6 @@
 """Is the EKF better than dead reckoning, and is it consistent?
 
-Both estimators run beside each other on the same robot, so that each replica gives a pair: the same drive, the same
+Both estimators run side by side on the same robot, so that each replica gives a pair: the same drive, the same
 readings. The filter is consistent if its errors are as large as its own covariance says.
 """
 

@@ -2,7 +2,7 @@
 
 Each wheel's travel is disturbed with a variance of k for every metre, where encoders cannot see it. With
 q = 2 k / track², headings at the end of a way S spread with variance q S, and positions to the side with
-q S³ / 3. The robot is told the same k, and its own covariance says the same.
+q S³ / 3. The robot knows the same k, and its own covariance says the same.
 """
 
 import numpy as np

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 def end_point(ed: float, eb: float, *, side: float, track: float, turns: int) -> tuple[float, float]:
     """Where a robot really ends, from its start, that believes to have come round; `turns` is 1 to the left, or -1."""
-    left, right = 2.0 / (ed + 1.0), 2.0 * ed / (ed + 1.0)  # of the wheels, as parts of what they are told to be
+    left, right = 2.0 / (ed + 1.0), 2.0 * ed / (ed + 1.0)  # of the wheels, as parts of their nominal size
     place, heading = 0j, 0.0
     for _ in range(4):
         place, heading = _roll(place, heading, side * left, side * right, track * eb)

@@ -53,7 +53,7 @@ def test_the_verdict_is_right_in_95_of_100_synthetic_filters() -> None:
 
 
 @pytest.mark.parametrize(("scale", "word"), [(2.0, "overconfident"), (0.5, "underconfident")])
-def test_a_wrong_covariance_is_told(scale: float, word: str) -> None:
+def test_a_wrong_covariance_is_reported(scale: float, word: str) -> None:
     errors, covariances = filters(50, 50, scale)
     found = [verdict(values, 3) for values in nees(errors, covariances)]
     assert all(each.verdict == word for each in found)

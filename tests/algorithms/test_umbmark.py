@@ -115,12 +115,12 @@ def test_single_runs_are_too_few() -> None:
 
 
 def test_a_corrected_geometry_keeps_its_mean_and_takes_the_ratios() -> None:
-    told = WheelGeometry(0.08, 0.084, 0.33)
-    found = told.corrected(1.01, 0.98)
+    nominal_geometry = WheelGeometry(0.08, 0.084, 0.33)
+    found = nominal_geometry.corrected(1.01, 0.98)
     assert found.radius_left + found.radius_right == pytest.approx(0.164, abs=1e-15)
     assert found.radius_right / found.radius_left == pytest.approx(1.01 * 0.084 / 0.08)
     assert found.track == pytest.approx(0.33 * 0.98)
-    assert told.corrected(1.0, 1.0) == pytest.approx(told, abs=1e-16)
+    assert nominal_geometry.corrected(1.0, 1.0) == pytest.approx(nominal_geometry, abs=1e-16)
 
 
 def test_the_systematic_error_is_the_farther_centre() -> None:

@@ -103,7 +103,7 @@ def test_studies_and_axes_are_compared(tmp_path: Path) -> None:
     assert json.loads(made[1].read_text())["labels"] == ["1.0", "1.05"]
 
 
-def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
+def test_what_cannot_be_compared_is_reported(tmp_path: Path) -> None:
     study = am.sweep(tables(tmp_path / "s", replicas=2), tmp_path / "out")
     with pytest.raises(am.AnalysisError, match=r"expected two studies at least"):
         compare(study)

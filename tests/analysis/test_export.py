@@ -74,7 +74,7 @@ def test_an_mcap_file_is_read_back(run: Path, tmp_path: Path) -> None:
     assert scans[0][3] == pytest.approx(read["measured_3"][0])
 
 
-def test_what_is_missing_is_told(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_missing_is_reported(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
         am.AnalysisError, match=r"kind: expected one of tum, kitti, csv, parquet, mcap, rosbag, got 'bag'"
     ):

@@ -138,7 +138,7 @@ def test_errors_by_time_and_distance() -> None:
         ({"most_apart": math.nan}, "most_apart"),
     ],
 )
-def test_wrong_options_are_told(options: dict[str, object], words: str) -> None:
+def test_wrong_options_are_reported(options: dict[str, object], words: str) -> None:
     with pytest.raises(am.AnalysisError, match=words):
         ape(line(), line(), **options)  # type: ignore[arg-type]
 
@@ -152,7 +152,7 @@ def test_wrong_options_are_told(options: dict[str, object], words: str) -> None:
         ({"delta": 50.0}, "there is no stretch of 50 m"),
     ],
 )
-def test_wrong_stretches_are_told(options: dict[str, object], words: str) -> None:
+def test_wrong_stretches_are_reported(options: dict[str, object], words: str) -> None:
     with pytest.raises(am.AnalysisError, match=words):
         rpe(line(), line(), **options)  # type: ignore[arg-type]
 

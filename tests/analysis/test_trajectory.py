@@ -59,13 +59,13 @@ def test_a_camera_of_kitti_looks_along_z(tmp_path: Path) -> None:
         ("1 nan 0 0 0 0 0 1\n", "line 1: expected a finite number, got 'nan'"),
     ],
 )
-def test_a_damaged_file_is_told(tmp_path: Path, text: str, words: str) -> None:
+def test_a_damaged_file_is_reported(tmp_path: Path, text: str, words: str) -> None:
     (tmp_path / "a.tum").write_text(text)
     with pytest.raises(am.AnalysisError, match=words):
         read_tum(tmp_path / "a.tum")
 
 
-def test_a_table_without_its_columns_is_told(tmp_path: Path) -> None:
+def test_a_table_without_its_columns_is_reported(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("time,x,z\n1,2,3\n")
     with pytest.raises(am.AnalysisError, match=r"line 1: there is no column 'y', but: time, x, z"):
         read_csv(tmp_path / "a.csv")

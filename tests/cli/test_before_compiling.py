@@ -1,4 +1,4 @@
-"""What whoever has just installed hears before the kernels are compiled: that he mistyped something."""
+"""After installing, a mistyped word is reported before the kernels are compiled."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.cli.conftest import Command
 
 @pytest.fixture
 def just_installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where nothing has been compiled yet; whoever begins to compile fails."""
+    """As where nothing has been compiled yet; to begin compiling fails."""
 
     def compile_kernels(*_: object, more: bool = False) -> None:
         raise AssertionError("compiled for nothing")
@@ -26,7 +26,7 @@ def just_installed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("just_installed")
 @pytest.mark.parametrize("command", ["run", "view", "umbmark", "explain-errors"])
-def test_a_mistyped_name_is_told_before_anything_is_compiled(amorsim: Command, command: str) -> None:
+def test_a_mistyped_name_is_reported_before_anything_is_compiled(amorsim: Command, command: str) -> None:
     for name, problem in (("dmo", "Did you mean 'demo'?"), ("nowhere.wld", "there is no such file")):
         result = amorsim(command, name)
         assert result.status == 2
@@ -45,7 +45,7 @@ def test_a_mistyped_name_is_told_before_anything_is_compiled(amorsim: Command, c
         ("world.map=none.wld", "there is no such file"),
     ],
 )
-def test_a_fault_of_the_words_is_told_before_anything_is_compiled(
+def test_a_fault_of_the_words_is_reported_before_anything_is_compiled(
     amorsim: Command, study: Path, command: str, change: str, message: str
 ) -> None:
     result = amorsim(command, study, "--set", change)
@@ -65,7 +65,7 @@ def test_a_fault_of_the_words_is_told_before_anything_is_compiled(
         (("--gif", "run.gif", "--gif-size", "5"), "--gif-size: expected at least 120 pixels"),
     ],
 )
-def test_a_wrong_option_is_told_before_anything_is_compiled(
+def test_a_wrong_option_is_reported_before_anything_is_compiled(
     amorsim: Command, study: Path, arguments: tuple[str, ...], message: str
 ) -> None:
     result = amorsim("run", study, *arguments)
@@ -74,7 +74,7 @@ def test_a_wrong_option_is_told_before_anything_is_compiled(
 
 
 @pytest.mark.usefixtures("just_installed")
-def test_a_fault_of_a_map_alone_is_told_before_anything_is_compiled(amorsim: Command, study: Path) -> None:
+def test_a_fault_of_a_map_alone_is_reported_before_anything_is_compiled(amorsim: Command, study: Path) -> None:
     world = next(study.parent.glob("*.wld"))
     result = amorsim("run", world, "--set", "robots.rover.controller.sped=1")
     assert result.status == 2

@@ -20,10 +20,10 @@ def test_help_names_every_command_and_option(amorsim: Command) -> None:
     assert result.status == 0
     for command in COMMANDS:
         assert f"\n  {command} " in result.out
-        told = amorsim(command, "--help")
-        assert told.status == 0
-        assert told.out.startswith(f"Usage: amorsim {command} ")
-        assert "..." not in told.out.split("Options:")[1].replace("[ARGS]...", "").split("Commands:")[0]
+        shown = amorsim(command, "--help")
+        assert shown.status == 0
+        assert shown.out.startswith(f"Usage: amorsim {command} ")
+        assert "..." not in shown.out.split("Options:")[1].replace("[ARGS]...", "").split("Commands:")[0]
     for option in ("--out", "--seed", "--duration", "--replicas", "--replica", "--resolution", "--set", "--quiet"):
         assert option in amorsim("run", "--help").out
 
@@ -188,7 +188,7 @@ def test_the_manual_of_a_component_names_fields_as_files_do(amorsim: Command) ->
         ("\n[robots.errors]\n", "scenario.toml:{line}: the table [robots.errors] stands in this file already"),
     ],
 )
-def test_a_table_given_twice_is_told_in_plain_words(amorsim: Command, study: Path, text: str, says: str) -> None:
+def test_a_table_given_twice_is_reported_in_plain_words(amorsim: Command, study: Path, text: str, says: str) -> None:
     before = study.read_text(encoding="utf-8")
     study.write_text(before + "\n[[robots]]\n[robots.errors]\n" + text, encoding="utf-8")
     found = amorsim("check", study)
@@ -197,14 +197,14 @@ def test_a_table_given_twice_is_told_in_plain_words(amorsim: Command, study: Pat
     assert "Cannot declare" not in found.err
 
 
-def test_a_key_given_twice_is_told_in_plain_words(amorsim: Command, study: Path) -> None:
+def test_a_key_given_twice_is_reported_in_plain_words(amorsim: Command, study: Path) -> None:
     text = study.read_text(encoding="utf-8")
     study.write_text(text.replace("format = 1", "format = 1\nformat = 1", 1), encoding="utf-8")
     assert "this key has a value already; leave one of the two out" in amorsim("check", study).err
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
-def test_what_a_component_raises_is_told_in_a_few_lines(
+def test_what_a_component_raises_is_reported_in_a_few_lines(
     amorsim: Command, study: Path, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:
     def start(self: object, context: object) -> None:

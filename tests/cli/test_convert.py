@@ -26,9 +26,9 @@ def test_the_cells_are_the_same(amorsim: Command, room: Path, ending: str) -> No
     assert (result.status, result.err) == (0, "")
     lines = result.out.splitlines()
     assert lines[0] == f"out.{ending}: 60 x 40 cells of 0.1 m; read back, the cells are the same"
-    is_told = ending in ("yaml",)
-    assert lines[1:] == ([] if is_told else ["the file does not say it: read it with resolution = 0.1"])
-    options = {} if is_told else {"resolution": 0.1}
+    is_stated = ending in ("yaml",)
+    assert lines[1:] == ([] if is_stated else ["the file does not say it: read it with resolution = 0.1"])
+    options = {} if is_stated else {"resolution": 0.1}
     again = am.load_map(room.with_name(f"out.{ending}"), **options)
     assert have_same_cells(again, am.load_map(room, resolution=0.1))
 
@@ -86,7 +86,7 @@ def test_a_scenario_gives_its_map(amorsim: Command, study: Path, tmp_path: Path)
         (("room.wld", "a.jpg"), "a JPEG blurs"),
     ],
 )
-def test_mistakes_are_told(amorsim: Command, room: Path, arguments: tuple[str, str], words: str) -> None:
+def test_mistakes_are_reported(amorsim: Command, room: Path, arguments: tuple[str, str], words: str) -> None:
     result = amorsim("convert", *arguments)
     assert result.status == 2
     assert words in result.err

@@ -46,7 +46,7 @@ def test_a_stage_world_runs_and_is_reproduced(amorsim, world, tmp_path) -> None:
     assert amorsim("reproduce", "out").status == 0
 
 
-def test_a_stage_world_is_checked_and_its_faults_are_told(amorsim, world) -> None:
+def test_a_stage_world_is_checked_and_its_faults_are_reported(amorsim, world) -> None:
     result = amorsim("check", world)
     assert result.status == 0, result.err
     assert "no faults; 6.00 m x 4.00 m, 2 robots (a, b)" in result.out

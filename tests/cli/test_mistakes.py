@@ -198,7 +198,7 @@ def test_warnings_are_one_line_each(amorsim: Command, study: Path) -> None:
     )
 
 
-def test_a_scenario_of_another_format_is_told_what_one_is(amorsim: Command, tmp_path: Path) -> None:
+def test_a_scenario_of_another_format_gets_a_message_of_what_one_is(amorsim: Command, tmp_path: Path) -> None:
     (tmp_path / "study.json").write_text('{"world": {"map": "rooms.wld"}}')
     result = amorsim("run", "study.json")
     assert (result.status, result.out) == (2, "")

@@ -27,7 +27,7 @@ def rooms(tmp_path: Path) -> str:
     return "rooms.yaml"
 
 
-def test_a_path_is_told_and_drawn(amorsim: Command, rooms: str, tmp_path: Path) -> None:
+def test_a_path_is_printed_and_drawn(amorsim: Command, rooms: str, tmp_path: Path) -> None:
     result = amorsim("plan", rooms, *ENDS, "--planner", "theta_star", "--footprint", "0.2")
     assert (result.status, result.err) == (0, "")
     world = am.load_map(tmp_path / rooms)

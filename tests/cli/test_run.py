@@ -62,13 +62,13 @@ def test_options_take_the_place_of_what_the_scenario_says(amorsim: Command, stud
         "robots.rover.controller.speed=0.1",
     ]
     assert amorsim("run", study, "--out", "run", *options).status == 0
-    told = about(tmp_path / "run")
-    assert (told["seed"], told["duration"], told["dt"], told["steps"]) == (5, 0.3, 0.05, 6)
+    record = about(tmp_path / "run")
+    assert (record["seed"], record["duration"], record["dt"], record["steps"]) == (5, 0.3, 0.05, 6)
     text = (tmp_path / "run" / "scenario.toml").read_text()
     assert 'controller = {use = "controller.py:drive", speed = 0.1}' in text
     # So it runs again as it is.
     assert amorsim("run", "run/scenario.toml", "--out", "again").status == 0
-    assert about(tmp_path / "again")["digests"] == told["digests"]
+    assert about(tmp_path / "again")["digests"] == record["digests"]
 
 
 def test_replicas_by_count_and_by_number(amorsim: Command, study: Path, tmp_path: Path) -> None:
@@ -211,7 +211,7 @@ def test_many_robots_are_summed_up(amorsim: Command, tmp_path: Path) -> None:
     assert f"off by {rms:.3f} m (root mean square), {worst}'s the most, by {errors[worst]:.3f} m" in line
 
 
-def test_a_collision_that_ended_a_controller_is_told_with_its_time(amorsim: Command, study: Path) -> None:
+def test_a_collision_that_ended_a_controller_is_reported_with_its_time(amorsim: Command, study: Path) -> None:
     result = amorsim("run", study, "--duration", "20", "--out", "run", "--set", "robots.rover.controller.speed=1.2")
     line = (study.parent.parent / "run" / "events.csv").read_text().splitlines()[1]
     time = float(line.split(",")[0])

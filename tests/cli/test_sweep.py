@@ -29,7 +29,7 @@ def test_a_study_is_run_and_goes_on(amorsim: Command, file: Path, tmp_path: Path
     assert (tmp_path / "amorsim-runs" / "study" / "study.json").exists()
 
 
-def test_points_that_fail_are_told(amorsim: Command, tmp_path: Path) -> None:
+def test_points_that_fail_are_reported(amorsim: Command, tmp_path: Path) -> None:
     path = study_file(tmp_path / "study.toml", tables(tmp_path / "s", axes={TRACK: [1.0, -1.0, 1.1]}))
     result = amorsim("sweep", path, "--out", "out")
     assert result.status == 1
@@ -43,14 +43,14 @@ def test_points_that_fail_are_told(amorsim: Command, tmp_path: Path) -> None:
         (("--jobs", "0"), "jobs: expected a number of processes >= 1"),
     ],
 )
-def test_mistakes_are_told(amorsim: Command, file: Path, arguments: tuple[str, ...], words: str) -> None:
+def test_mistakes_are_reported(amorsim: Command, file: Path, arguments: tuple[str, ...], words: str) -> None:
     result = amorsim("sweep", file, *arguments)
     assert result.status == 2
     assert words in result.err
     assert "Traceback" not in result.err
 
 
-def test_a_study_that_is_not_there_is_told(amorsim: Command) -> None:
+def test_a_study_that_is_not_there_is_reported(amorsim: Command) -> None:
     result = amorsim("sweep", "none.toml")
     assert result.status == 2
     assert "none.toml" in result.err

@@ -102,5 +102,5 @@ def test_a_row_does_not_depend_on_others():
 
 def test_it_needs_a_sensor_of_neighbours():
     lost = robot("a", am.controllers.Orca(goals=((1.0, 0.0),), sensor="encoder"), am.Pose())
-    with pytest.raises(ComponentError, match=r"orca goes by the sensor 'encoder', which is no 'neighbours'"):
+    with pytest.raises(ComponentError, match=r"orca uses the sensor 'encoder', which is no 'neighbours'"):
         simulate([lost])

@@ -108,5 +108,5 @@ def test_it_drives_any_drive_by_laser_or_sonar(kind):
 def test_it_needs_goals_and_a_range_sensor():
     with pytest.raises(ComponentError, match=r"dwa by itself needs goals.*'rover' has none"):
         simulate([make(am.controllers.Dwa())], duration=0.1)
-    with pytest.raises(ComponentError, match="goes by the sensor 'lidar', which the robot does not have"):
+    with pytest.raises(ComponentError, match="uses the sensor 'lidar', which the robot does not have"):
         simulate([make(am.controllers.Dwa(goals=((1.0, 0.0),), sensor="lidar"))], duration=0.1)

@@ -28,7 +28,7 @@ def test_goto_comes_to_its_place_and_stays(place, acceleration):
     np.testing.assert_array_equal(sim.true_pose, before)
 
 
-def test_goto_is_no_faster_than_told():
+def test_goto_is_no_faster_than_set():
     sim = simulate(GoTo(x=6.0, y=2.0, speed=0.25, turn_rate=0.5), pose=(2.0, 2.0, 2.0))
     most = np.zeros(3)
     for _ in range(200):
@@ -79,7 +79,7 @@ def test_a_square_shows_the_errors_of_the_drive():
     np.testing.assert_allclose(sim.estimated_pose[0, :2], [0.0, 0.0], atol=0.003)
 
 
-def test_manual_does_what_it_is_told_until_it_is_told_otherwise():
+def test_manual_follows_its_command_until_it_gets_another():
     sim = simulate(Manual())
     sim.run(1.0)
     np.testing.assert_array_equal(sim.true_pose, [[2.0, 2.0, 0.3]])

@@ -156,7 +156,7 @@ def test_what_is_no_command_is_refused_with_what_would_be(answer, problem):
     assert "(left, right)" in message
 
 
-def test_what_a_function_raises_is_told_with_its_traceback():
+def test_what_a_function_raises_is_reported_with_its_traceback():
     def fails_hard(readings, estimate, clock):
         return readings["lidar"]
 
@@ -168,7 +168,7 @@ def test_what_a_function_raises_is_told_with_its_traceback():
     assert caught.value.__cause__.__traceback__ is not None
 
 
-def test_a_function_that_leaves_python_is_told_of_as_well():
+def test_a_function_that_leaves_python_is_reported_as_well():
     def leaves(readings, estimate, clock):
         raise SystemExit(3)
 

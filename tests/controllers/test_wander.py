@@ -158,7 +158,7 @@ def test_minutes_by_sonar():
     assert_roams(simulate(make_robot(Wander(sensor="sonar"), errors=DRIFT), replicas=8), 300.0, every=60.0)
 
 
-def test_a_robot_without_the_sensor_is_told_what_it_has():
+def test_a_robot_without_the_sensor_gets_a_message_with_what_it_has():
     robot = make_robot(Wander())
     with pytest.raises(ComponentError, match=r"'lazer'.*its range sensors: 'laser'.*Did you mean 'laser'\?"):
         simulate(

@@ -28,7 +28,7 @@ def test_every_part_of_key_and_counter_counts(change: dict[str, int]) -> None:
     assert not (make().uniform(4) == make(**change).uniform(4)).any()
 
 
-def test_keys_hang_on_seed_and_every_name() -> None:
+def test_keys_depend_on_seed_and_every_name() -> None:
     keys = {
         stream_key(1, "rover", "laser"),
         stream_key(2, "rover", "laser"),
@@ -40,7 +40,7 @@ def test_keys_hang_on_seed_and_every_name() -> None:
 
 
 def test_the_key_of_a_stream_never_changes() -> None:
-    # Written down, because every recorded run hangs on it.
+    # Written down, because every recorded run depends on it.
     assert stream_key(7, "rover", "sensor", "laser") == 16912801849163197121
 
 

@@ -45,7 +45,7 @@ def test_against_all_pairs_of_cells(pair: tuple[np.ndarray, np.ndarray]) -> None
     assert lost.farthest == pytest.approx(farthest)
 
 
-def test_a_shift_of_the_grid_is_told() -> None:
+def test_a_shift_of_the_grid_is_reported() -> None:
     one = Map.from_array(CELLS, resolution=0.5, origin=(0.02, 0.0, 0.0))
     lost = lost_cells(one, Map.from_array(CELLS, resolution=0.5))
     assert lost.cells == 0

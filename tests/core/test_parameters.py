@@ -86,7 +86,7 @@ def test_a_word_or_something_measured_is_expected_in_these_words() -> None:
         Start(random=True)
 
 
-def test_an_element_of_an_element_is_told_once() -> None:
+def test_an_element_of_an_element_is_reported_once() -> None:
     @attrs.frozen(kw_only=True)
     class Way:
         places: tuple[tuple[float, float], ...] = parameter(unit="m")

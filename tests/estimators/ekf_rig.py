@@ -60,11 +60,11 @@ class Filter:
         self.state = dict(self.estimator.start(Context(rows=self.rows, dt=dt, robot=self.robot, pose=pose)))
         self.draws = Draws(np.zeros(self.rows, dtype=np.uint64), np.zeros((self.rows, 3), dtype=np.uint32))
         self.joints = np.zeros((self.rows, 2))
-        self.told = False
+        self.has_started = False
 
     def step(self, turned=(0.0, 0.0), command=(0.0, 0.0), age=0.0, **values):
         """One update after the wheels have turned [rad]; sensors that are not named have nothing new."""
-        if self.told:
+        if self.has_started:
             self.joints = self.joints + np.array(turned)
         readings = {}
         for name in SENSORS:
@@ -84,8 +84,8 @@ class Filter:
                 age=np.full((self.rows, 1), age if name != "encoder" else 0.0),
                 fresh=np.full((self.rows, 1), fresh),
             )
-        elapsed = np.full((self.rows, 1), self.dt if self.told else 0.0)
-        self.told = True
+        elapsed = np.full((self.rows, 1), self.dt if self.has_started else 0.0)
+        self.has_started = True
         commands = np.array(np.broadcast_to(np.asarray(command, float), (self.rows, 2)))
         return self.estimator.update(self.robot, readings, commands, elapsed, self.state, self.draws)
 

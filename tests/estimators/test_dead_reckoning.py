@@ -39,7 +39,7 @@ def make_robot(drives, sensors=None):
 
 
 class Reckoner:
-    """Dead reckoning over rows, told joints [rad] as the engine tells it counts."""
+    """Dead reckoning over rows, given joints [rad] as the engine gives counts."""
 
     def __init__(self, drives, start=None, variance=0.0, rows=None):
         rows = len(drives)
@@ -174,7 +174,7 @@ def test_rows_do_not_touch_one_another():
             assert own.covariance.tobytes() == estimate.covariance[i : i + 1].tobytes()
 
 
-def test_a_robot_without_the_encoder_is_told_what_it_has():
+def test_a_robot_without_the_encoder_gets_a_message_with_what_it_has():
     robot = make_robot([make_drive()])
     context = Context(rows=1, dt=0.1, robot=robot, pose=np.zeros((1, 3)))
     with pytest.raises(ComponentError, match=r"'encoders'.*its sensors: 'encoder'.*Did you mean 'encoder'\?"):

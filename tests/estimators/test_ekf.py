@@ -287,8 +287,8 @@ def test_late_readings_are_refused_unless_an_age_is_allowed():
 
 
 def test_it_tells_what_is_fused_from_what():
-    told = by_landmarks(gyro="gyro", gyro_std=math.radians(0.5), gyro_bias_std=math.radians(2.0)).sources()
-    assert told == [
+    listed = by_landmarks(gyro="gyro", gyro_std=math.radians(0.5), gyro_bias_std=math.radians(2.0)).sources()
+    assert listed == [
         ("sensor 'encoder'", "predicts x, y, heading", "0.0001 m² of travel per m"),
         ("sensor 'gyro'", "corrects heading, bias", "rate 0.5°/s, bias at first 2°/s"),
         ("sensor 'fiducial'", "corrects x, y, heading", "range 0.05 m, bearing 1.14592°"),

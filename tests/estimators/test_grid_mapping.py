@@ -99,7 +99,7 @@ def test_with_true_poses_and_an_ideal_laser_every_wall_is_occupied_and_what_is_c
 
 
 @pytest.mark.parametrize("model", ["log_odds", "counting"])
-def test_with_noise_occupied_cells_are_told_from_free_ones(model):
+def test_with_noise_occupied_cells_are_distinguished_from_free_ones(model):
     found, hits, _ = mapped(std=0.03, model=model)
     known = np.isfinite(found)
     walls = crossed()

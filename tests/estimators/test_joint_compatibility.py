@@ -60,7 +60,7 @@ def test_the_pairs_are_the_best_of_all(seed):
     assert room.best.tolist() == wanted
 
 
-def test_jointly_landmarks_are_told_apart_where_the_nearest_is_wrong():
+def test_jointly_landmarks_are_distinguished_where_the_nearest_is_wrong():
     """Posts in a row, half as far from each other as the robot may be off: all are shifted by one, or none is."""
     marks = [(0, 4.0, float(y)) for y in (-1.0, 0.0, 1.0)]
     start = {"start_std": 0.5, "start_heading_std": 0.002}

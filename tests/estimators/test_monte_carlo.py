@@ -182,9 +182,9 @@ def test_what_it_cannot_do_without_is_named():
 
 
 def test_it_tells_what_it_uses():
-    told = estimator().sources()
-    assert told[0] == ("sensor 'encoder'", "moves the particles", "0.0001 m² of travel per m")
-    assert told[1] == ("sensor 'laser'", "weighs x, y, heading", "24 beams, its likelihood field, 0.2 m")
+    listed = estimator().sources()
+    assert listed[0] == ("sensor 'encoder'", "moves the particles", "0.0001 m² of travel per m")
+    assert listed[1] == ("sensor 'laser'", "weighs x, y, heading", "24 beams, its likelihood field, 0.2 m")
 
 
 @pytest.mark.parametrize("changes", [{}, {"model": "beam"}, {"weighting": "cubed"}])

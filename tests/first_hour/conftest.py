@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 _BLOCK = re.compile(r"^```(\w*)(?: ([\w./-]+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
 _STATUS = re.compile(r"\[exit status (\d+)\]")
-# What a run says while it goes: how much of it, and when, hangs on how fast it goes.
+# What a run says while it goes: how much of it, and when, depends on how fast it goes.
 _PROGRESS = re.compile(r"compiling the kernels|\d+ % simulated")
 # The last bits of sines differ between machines, and a loop that feeds them back makes more of them.
 _TOLERANCE = 0.02
@@ -77,7 +77,7 @@ def _pattern(line: str) -> str:
 
 
 def _words(text: str) -> str:
-    # How many blanks stand before a number hangs on how long it is.
+    # The number of blanks before a number depends on its length.
     return re.sub(r"(?:\\ )+", lambda _: r"[ ]+", re.escape(text))
 
 

@@ -193,10 +193,10 @@ def test_every_option_of_a_command_is_described() -> None:
 )
 def test_every_method_and_field_of_a_contract_is_described(page: str, kinds: tuple[type, ...]) -> None:
     text = (DOCS / "how-to" / f"{page}.md").read_text(encoding="utf-8")
-    told = {word for code in re.findall(r"`([^`\n]+)`", text) for word in re.findall(r"\w+", code)}
+    described = {word for code in re.findall(r"`([^`\n]+)`", text) for word in re.findall(r"\w+", code)}
     for kind in kinds:
         names = {name for cls in kind.__mro__[:-1] for name in (*vars(cls), *vars(cls).get("__annotations__", {}))}
         # The size of a sample is for sensors and noise alone.
         names -= {"count", "index", "size"} if kind is am.Context else {"count", "index"}
-        missing = {name for name in names if not name.startswith("_")} - told
+        missing = {name for name in names if not name.startswith("_")} - described
         assert not missing, f"{page}.md says nothing of {sorted(missing)} of {kind.__name__}"

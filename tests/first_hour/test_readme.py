@@ -36,10 +36,10 @@ def test_the_run_command_as_written(tmp_path: Path) -> None:
         capture_output=True,
         encoding="utf-8",
     )
-    told = [line for line in done.stdout.splitlines() if "%" not in line and "compiling" not in line]
-    assert len(told) == 2  # what happened, and where it lies
-    assert re.search(r"drove \d+\.\d+ m .* collision.*estimate is off by \d+\.\d+ m", told[0])
-    folder = re.fullmatch(r"results: (.+), picture: (.+)", told[1])
+    lines = [line for line in done.stdout.splitlines() if "%" not in line and "compiling" not in line]
+    assert len(lines) == 2  # what happened, and where it lies
+    assert re.search(r"drove \d+\.\d+ m .* collision.*estimate is off by \d+\.\d+ m", lines[0])
+    folder = re.fullmatch(r"results: (.+), picture: (.+)", lines[1])
     assert folder
     assert (tmp_path / folder[1] / "poses.csv").is_file()
     assert Path(folder[2]).is_file()

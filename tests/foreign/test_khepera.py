@@ -73,7 +73,7 @@ def test_a_khepera_drives_in_it(tmp_path) -> None:
     assert np.hypot(*(simulation.true_pose - before)[0, :2]) > 0.05
 
 
-def test_what_is_wrong_is_told_with_its_line(tmp_path) -> None:
+def test_what_is_wrong_is_reported_with_its_line(tmp_path) -> None:
     def messages(path: Path) -> list[str]:
         with pytest.raises(ScenarioError) as caught:
             read_playground(path)

@@ -107,7 +107,7 @@ def test_points_say_how_fine_the_map_is(write) -> None:
     assert MobileSimMap().load(write(text.replace("0 1000\n", ""))).resolution == 0.01
 
 
-def test_every_broken_row_is_told_with_its_line(write) -> None:
+def test_every_broken_row_is_reported_with_its_line(write) -> None:
     text = ROOM.replace("4000 0 4000 3000", "4000 0 4000").replace("0 3000 0 0", "0 3000 0 x")
     text = text.replace("180 ", "").replace("200 3600 500", "200 3600")
     with pytest.raises(ScenarioError) as caught:

@@ -241,14 +241,14 @@ def test_what_it_prints_is_no_command(course: Path) -> None:
         ("duration = 3.0", "length = 3.0", "there is no such key"),
     ],
 )
-def test_a_wrong_rubric_is_told_before_anybody_is_graded(course: Path, old: str, new: str, words: str) -> None:
+def test_a_wrong_rubric_is_reported_before_anybody_is_graded(course: Path, old: str, new: str, words: str) -> None:
     course.write_text(RUBRIC.replace(old, new))
     with pytest.raises(am.StudyError, match=words):
         graded(course, good=GOOD)
     assert not (course.parent / "grades" / "good.html").exists()
 
 
-def test_a_submission_that_is_not_there_is_told(course: Path) -> None:
+def test_a_submission_that_is_not_there_is_reported(course: Path) -> None:
     with pytest.raises(am.StudyError, match=r"none.py: there is no such file"):
         grade(course, [course.parent / "none.py"], course.parent / "grades")
 

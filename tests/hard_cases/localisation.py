@@ -25,9 +25,9 @@ Array = npt.NDArray[np.float64]
 
 
 def needs_map(estimator: Estimator, context: Context) -> None:
-    """Refuse a robot that was told no map."""
+    """Refuse a robot that knows no map."""
     if context.robot.map is None:
-        raise ComponentError(f"{type(estimator).__name__} needs `knowledge.map`, and the robot was told none")
+        raise ComponentError(f"{type(estimator).__name__} needs `knowledge.map`, and the robot has none")
 
 
 def expected_ranges(robot: RobotModel, sensor: str, poses: Array, beams: npt.NDArray[np.int64]) -> Array:
@@ -68,7 +68,7 @@ def hall() -> Map:
 
 
 def lost_robots(estimators: dict[str, Estimator], offset: float, *, errors: bool = True) -> Scenario:
-    """Two robots with a bad wheel, told a start that is `offset` [m] beside the true one."""
+    """Two robots with a bad wheel, whose nominal start is `offset` [m] from the true one."""
     deviations = {"pose.x": Deviation(add=offset), "pose.y": Deviation(add=-offset)}
     if errors:
         deviations["drive.wheel_radius_left"] = Deviation(scale=1.02)

@@ -1,4 +1,4 @@
-"""An extended Kalman filter that compares laser ranges with the map that the robot was told."""
+"""An extended Kalman filter that compares laser ranges with the map that the robot knows."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class MapEkf(Estimator):
     encoder: str = parameter("encoder", help="name of the sensor that counts the joints")
     laser: str = parameter("laser", help="name of the range sensor")
     beams: int = parameter(13, ge=1, static=True, help="beams that are used of a scan")
-    start_std: float = parameter(0.2, unit="m", ge=0, help="standard deviation of the told position")
-    start_heading_std: float = parameter(0.05, unit="rad", ge=0, help="standard deviation of the told heading")
+    start_std: float = parameter(0.2, unit="m", ge=0, help="standard deviation of the nominal position")
+    start_heading_std: float = parameter(0.05, unit="rad", ge=0, help="standard deviation of the nominal heading")
     range_std: float = parameter(0.03, unit="m", gt=0, help="standard deviation of a range, and of the map")
     forward_variance: float = parameter(0.002, unit="m", ge=0, help="of the way, per metre of it")
     turn_variance: float = parameter(0.02, unit="rad^2/m", ge=0, help="of the heading, per metre of way")
@@ -144,7 +144,7 @@ def test_finds_its_place_while_odometry_drifts_away() -> None:
     assert (np.abs(ekf.pose - frame.true_pose) < 4.0 * np.sqrt(np.diagonal(ekf.covariance, axis1=1, axis2=2))).all()
 
 
-def test_says_so_where_the_robot_was_told_no_map() -> None:
+def test_says_so_where_the_robot_knows_no_map() -> None:
     scenario = lost_robots({"ekf": MapEkf()}, offset=0.0)
     robots = [attrs.evolve(robot, knowledge=Knowledge()) for robot in scenario.robots]
     with pytest.raises(ComponentError, match=r"knowledge\.map"):

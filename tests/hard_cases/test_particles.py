@@ -26,8 +26,8 @@ class Particles(Estimator):
     laser: str = parameter("laser", help="name of the range sensor")
     count: int = parameter(150, ge=2, static=True, help="particles of a cloud")
     beams: int = parameter(9, ge=1, static=True, help="beams that are used of a scan")
-    start_std: float = parameter(0.3, unit="m", ge=0, help="standard deviation of the told position")
-    start_heading_std: float = parameter(0.05, unit="rad", ge=0, help="standard deviation of the told heading")
+    start_std: float = parameter(0.3, unit="m", ge=0, help="standard deviation of the nominal position")
+    start_heading_std: float = parameter(0.05, unit="rad", ge=0, help="standard deviation of the nominal heading")
     range_std: float = parameter(0.15, unit="m", gt=0, help="standard deviation of a range, as the cloud is thin")
     way_std: float = parameter(0.2, unit="", ge=0, help="standard deviation of a step's way, per way")
     turn_std: float = parameter(0.3, unit="rad/m", ge=0, help="standard deviation of a step's turn, per way")
@@ -107,7 +107,7 @@ def _moments(poses: Array, weights: Array) -> Estimate:
 def test_cloud_gathers_about_the_truth_from_a_wrong_start() -> None:
     sim = Simulation(lost_robots({"cloud": Particles()}, offset=0.35))
     frame = sim.frames()[0]
-    # Told is the nominal start; before anything was driven the cloud is as wide as it was told to be, or narrower.
+    # It knows the nominal start; before the first motion the cloud is as wide as configured, or narrower.
     first = np.sqrt(frame.estimates["cloud"].covariance[:, 0, 0])
     assert (first < 0.5).all()
     assert (position_errors(frame.true_pose, frame.estimates["odometry"].pose) > 0.45).all()

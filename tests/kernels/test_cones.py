@@ -120,7 +120,7 @@ def test_among_boxes_of_all_kinds_the_bits_are_the_same_at_length() -> None:
 
 
 def test_walls_are_believed() -> None:
-    # Walls told to be where they are not are not heard: so what agrees elsewhere is not the asking of cells.
+    # A wall index in the wrong place changes the readings: so the agreement elsewhere does not come from the cells.
     map_ = Map.from_segments([[0, 0, 6, 0], [6, 0, 6, 4], [6, 4, 0, 4], [0, 4, 0, 0], [2, 1, 3, 2.5]])
     poses = somewhere(map_, 4, 20)
     least, expected = both(map_, poses, 0.26, 5.0)
@@ -130,7 +130,7 @@ def test_walls_are_believed() -> None:
 
 
 def test_boxes_are_believed() -> None:
-    # A box where no wall is, in front of those that are: what is told of it comes of its lines, not of cells or rays.
+    # A box where no wall is, in front of the real walls: its reading comes from its lines, not from cells or rays.
     map_ = Map.from_segments([[0, 0, 6, 0], [6, 0, 6, 4], [6, 4, 0, 4], [0, 4, 0, 0]], resolution=0.01)
     pose = np.array([[2.0, 2.0, 0.0]])
     least, expected = both(map_, pose, 0.26, 5.0)

@@ -12,7 +12,7 @@ from tests.sensors.sight import placed
 HAIR = 1e-3  # [m] a place so near to a border is not judged: shapely's round corners are chords
 
 
-def test_the_last_shape_that_covers_a_place_is_told():
+def test_the_last_shape_that_covers_a_place_is_reported():
     random = np.random.default_rng(5)
     poses = random.uniform((-1.0, -1.0, -3.0), (1.0, 1.0, 3.0), (len(SHAPES), 3))
     ground = [

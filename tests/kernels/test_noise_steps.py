@@ -61,10 +61,10 @@ def plainly(step: NoiseStep, values: np.ndarray, its: am.Draws) -> np.ndarray:
 
 @given(devices, st.integers(0, 2**32 - 1))
 @settings(deadline=None, max_examples=150)
-def test_a_program_does_what_its_steps_say(told: list[tuple[int, list[NoiseStep]]], seed: int) -> None:
+def test_a_program_does_what_its_steps_say(devices_steps: list[tuple[int, list[NoiseStep]]], seed: int) -> None:
     rng = np.random.default_rng(seed)
     given_, expected = [], []
-    for device, (size, its) in enumerate(told):
+    for device, (size, its) in enumerate(devices_steps):
         values = rng.normal(0.0, 3.0, (ROWS, size))
         values[rng.random(values.shape) < 0.2] = math.inf
         given_.append(values)
@@ -72,10 +72,10 @@ def test_a_program_does_what_its_steps_say(told: list[tuple[int, list[NoiseStep]
         for step in its:
             values = plainly(step, values, plain)
         expected.append(values)
-    programs = [draws(device) for device in range(len(told))]
+    programs = [draws(device) for device in range(len(devices_steps))]
     program = NoiseProgram(
-        [size for size, _ in told],
-        [[(step, its) for step in steps_] for (_, steps_), its in zip(told, programs, strict=True)],
+        [size for size, _ in devices_steps],
+        [[(step, its) for step in steps_] for (_, steps_), its in zip(devices_steps, programs, strict=True)],
     )
     found = program.apply(np.concatenate([values.ravel() for values in given_]))
     np.testing.assert_array_equal(found, np.concatenate([values.ravel() for values in expected]))

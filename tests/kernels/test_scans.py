@@ -142,7 +142,7 @@ def test_walls_are_believed_and_no_beam_starts_at_its_pose() -> None:
     room = a_room()
     poses = np.array([[1.0, 2.0, 0.3], [4.0, 3.0, -2.0]])
     right = scanned(room, poses, FAN)
-    # Walls told to be farther than they are make beams start behind them: so what agrees elsewhere is not the march.
+    # An index that has walls too far away makes beams start behind them: so the agreement elsewhere is not the march's.
     wrong = index_segments(np.empty((0, 4)), room.shape[0] * 2, room.shape[1] * 2, room.resolution)
     out = np.empty_like(right)
     for lines, same in ((no_segments(), True), (wrong, False)):

@@ -80,8 +80,8 @@ def test_units(tmp_path: Path, root: str, options: dict[str, float], metres: flo
     world = Svg(resolution=0.0001, **options).load(path)
     x0, _, x1, _ = world.segments[0]
     assert x1 - x0 == pytest.approx(6 * metres)
-    is_told = bool(options.get("unit")) or 'width="10"' not in root
-    assert [("no unit is given" in warning) for warning in world.warnings] == [True] * (not is_told)
+    is_stated = bool(options.get("unit")) or 'width="10"' not in root
+    assert [("no unit is given" in warning) for warning in world.warnings] == [True] * (not is_stated)
 
 
 def test_layers_by_id_or_label(tmp_path: Path) -> None:

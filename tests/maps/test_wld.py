@@ -124,7 +124,7 @@ def test_push_turns_clockwise() -> None:
     assert walls("push 1000 2000 90\n0 0 500 0") == [[1.0, 2.0, 1.0, 1.5]]
 
 
-def test_push_turns_anticlockwise_when_told() -> None:
+def test_push_turns_anticlockwise_when_set() -> None:
     assert walls("push 1000 2000 90\n0 0 500 0", push_sign="anticlockwise") == [[1.0, 2.0, 1.0, 2.5]]
 
 

@@ -1,4 +1,4 @@
-"""Doors: on time, at their rate, stopped by whoever stands in them."""
+"""Doors: on time, at their rate, stopped by a body that stands in them."""
 
 from __future__ import annotations
 

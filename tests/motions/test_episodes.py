@@ -1,4 +1,4 @@
-"""All motions in one world: a replica that begins anew leaves the others as they are, and is as if it were alone."""
+"""All motions in one world: a replica that starts again leaves the others as they are, and is as if it were alone."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def places(sim: am.Simulation, replica: int) -> dict[str, np.ndarray]:
     return {name: sim.obstacle(name, replica).true_pose.copy() for name in names}
 
 
-def test_a_replica_begins_anew_and_leaves_the_others(tmp_path: Path) -> None:
+def test_a_replica_starts_again_and_leaves_the_others(tmp_path: Path) -> None:
     made = everything(tmp_path)
     sim = am.Simulation(made, replicas=3)
     first = places(sim, 1)
@@ -114,7 +114,7 @@ def test_a_snapshot_in_the_middle_holds_all_motions(tmp_path: Path, replicas: in
     assert run(sim).digest() == wanted
 
 
-def test_a_seed_begins_all_anew(tmp_path: Path) -> None:
+def test_a_seed_starts_all_again(tmp_path: Path) -> None:
     sim = run(am.Simulation(everything(tmp_path), replicas=2))
     sim.reset(seed=9)
     assert run(sim).digest() == run(am.Simulation(everything(tmp_path), replicas=2, seed=9)).digest()

@@ -1,4 +1,4 @@
-"""Pedestrians: at their speed in the open, off the walls, around one another and around robots, if they are told to."""
+"""Pedestrians: at their speed in the open, off the walls, around one another and around robots, if they are set to."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def test_headings_are_taken_the_short_way(tmp_path: Path) -> None:
     assert poses[10, 2] == pytest.approx(np.radians(-170.0))
 
 
-def test_it_begins_anew(file: str) -> None:
+def test_it_starts_again(file: str) -> None:
     poses = track(world(obstacle(Track(file=file, repeat=True, speed_max=100.0))), 120)
     time = (DT * np.arange(121)) % 4.0
     off = np.hypot(poses[:, 0] - np.interp(time, TIMES, XS), poses[:, 1] - np.interp(time, TIMES, YS))
@@ -176,7 +176,7 @@ def test_a_function_that_takes_something_else_is_a_fault(folder: Path) -> None:
         am.load(folder / "s.toml")
 
 
-def test_a_track_that_has_gone_meanwhile_is_told_of(file: str) -> None:
+def test_a_track_that_has_gone_meanwhile_is_reported(file: str) -> None:
     sim = world(obstacle(Track(file=file)))
     Path(file).unlink()
     sim.step()  # what was read is kept

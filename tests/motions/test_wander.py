@@ -36,7 +36,7 @@ def test_it_keeps_its_speed_in_the_open_and_stays_in_the_room() -> None:
     assert poses[:, :2].max() < 3.8 + 0.02
 
 
-def test_blocked_it_waits_for_ever_if_told_so() -> None:
+def test_blocked_it_waits_for_ever_if_set_so() -> None:
     poses = track(
         world(obstacle(Wander(speed=0.8, drift=0.0, blocked="wait"), pose=am.Pose(x=2.0, y=2.0)), size=4.0), 100
     )

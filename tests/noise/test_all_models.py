@@ -1,4 +1,4 @@
-"""What holds for every noise model: nothing leaves every bit, draws hang on nobody else, rows keep apart."""
+"""What holds for every noise model: nothing leaves every bit, draws depend on nothing else, rows stay separate."""
 
 import math
 
@@ -25,7 +25,7 @@ from amorsim.testing import check_component
 from tests import building
 from tests.noise.sampling import ROWS, Samples, assert_uncorrelated
 
-# Each with no effect, and with one that draws have a part in or that values can be told by.
+# Each with no effect, and with one that draws have a part in or that distinguishes values.
 NOTHING = {
     "dropout": Dropout(probability=0.0),
     "dropout_last": Dropout(probability=0.0, report="last"),
@@ -82,7 +82,7 @@ def test_a_ground_of_nothing_leaves_every_bit(name):
 
 @pytest.mark.parametrize("name", [*SOMETHING, *WHEELS])
 def test_the_same_draws_are_taken_whatever_the_values_and_the_time(name):
-    """How many numbers an element uses in a tick hangs on nothing that it is given."""
+    """How many numbers an element uses in a tick depends on nothing that it is given."""
     taken = set()
     is_ground = name in WHEELS
     for value in (0.0, 2.0, -3.0) if is_ground else (0.0, 2.0, math.inf):

@@ -27,7 +27,7 @@ def test_values_are_lost_with_their_probability_each_by_itself():
     assert_uncorrelated(*lost[0].T)
 
 
-def test_what_is_not_lost_keeps_its_bits_and_what_is_lost_reads_as_told():
+def test_what_is_not_lost_keeps_its_bits_and_what_is_lost_reads_as_set():
     values = np.random.default_rng(1).normal(size=(ROWS, 4))
     found = Samples(Dropout(probability=0.25, report="value", value=8.0), rows=ROWS).take(values)
     assert_share(found == 8.0, 0.25)
@@ -110,7 +110,7 @@ def test_faults_come_alike_however_often_the_device_reads(elapsed):
     assert_share(frozen_after(1.2, elapsed), 0.8 / both * (1.0 - math.exp(-both * 1.2)))
 
 
-def test_faults_take_their_part_of_the_time_and_last_as_long_as_told():
+def test_faults_take_their_part_of_the_time_and_last_as_long_as_set():
     samples = Samples(Stuck(rate=0.8, duration=0.5), rows=ROWS)
     samples.take()
     samples.take(1.0, elapsed=50.0)
@@ -135,7 +135,7 @@ def test_what_is_frozen_repeats_what_was_said_last():
         said = found
 
 
-def test_all_values_of_a_sensor_freeze_at_once_if_told():
+def test_all_values_of_a_sensor_freeze_at_once_if_set():
     frozen = frozen_after(1.2, 0.4, scope="sensor")
     assert (frozen == frozen[:, :1]).all()
     both = 0.8 + 1.0 / 0.5

@@ -119,7 +119,7 @@ def test_nothing_is_worked_out_unless_it_is_asked_for_and_then_once():
 @pytest.mark.parametrize("radius", [0.04, 0.05, 0.07, 0.3])
 @pytest.mark.parametrize("distance", [0.5, 1.1, 4.5])
 def test_a_round_post_is_met_straight_on_however_thin(radius, distance):
-    """Somewhere in a sonar's cone its normal looks back; of rays 1/15 of 0.05 degrees apart the nearest is told."""
+    """Somewhere in a sonar's cone its normal looks back; of rays 1/15 of 0.05 degrees apart the nearest is reported."""
     sonar = am.sensors.Sonar(half_angle=math.radians(15.0))
     post = Shape.circle(radius)
     poses = [(0.0, 0.0, math.radians(aside)) for aside in (-13.7, -3.33, 0.0, 0.02, 7.51, 14.2)]

@@ -1,4 +1,4 @@
-"""Arrivals that jitter: their distribution, their order, and what a robot is told of them."""
+"""Arrivals that jitter: their distribution, their order, and what a robot learns of them."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Missed detections: whole slots, as often as told."""
+"""Missed detections: whole slots, as often as configured."""
 
 import math
 
@@ -25,7 +25,7 @@ def simulate(sensor, noise, replicas=1, **more):
 
 
 @pytest.mark.parametrize(("probability", "per_metre"), [(0.3, 0.0), (0.05, 0.15), (0.0, 0.2)])
-def test_slots_are_missed_as_often_as_told_each_on_its_own(probability, per_metre):
+def test_slots_are_missed_as_often_as_set_each_on_its_own(probability, per_metre):
     sim = simulate(Fiducial(slots=5), Missed(probability=probability, per_metre=per_metre), replicas=4000)
     true = sim.readings["eye"].true.reshape(-1, 5, 3)
     found = sim.readings["eye"].measured.reshape(-1, 5, 3)

@@ -277,8 +277,8 @@ def test_rows_and_values_are_uncorrelated(drawn: tuple[Case, np.ndarray]) -> Non
 def test_errors_of_robots_sensors_elements_and_ticks_are_uncorrelated() -> None:
     """Two robots with two gyros each, each with two elements of one kind: 1e5 errors of each, all pairs of them.
 
-    Elements are told apart by their sizes: the error is the sum of one whose values are whole numbers, and of one far
-    below them.
+    Elements are distinguished by their sizes: the error is the sum of one whose values are whole numbers, and of one
+    far below them.
     """
     replicas, ticks = 4000, 25
     chain = (

@@ -149,7 +149,7 @@ def test_a_sill_that_one_wheel_crosses_turns_the_robot_whatever_the_step(dt):
     assert sim.estimated_pose[0] == pytest.approx([2.0, 0.0, 0.0], abs=1e-9)
 
 
-def test_each_crossing_costs_anew_and_staying_costs_nothing():
+def test_each_crossing_costs_again_and_staying_costs_nothing():
     sill = zone(Bump(height=0.01), x=1.5)  # a metre long: the wheels are on it for a while
     sim = drive(5.0, sill)
     assert sim.true_pose[0, 0] == pytest.approx(2.0 - lacks(0.01), abs=1e-9)

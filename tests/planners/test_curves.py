@@ -128,7 +128,7 @@ def test_a_longer_curve_is_taken_where_the_shortest_meets_a_wall():
     assert gaps.min() >= 0.01
 
 
-def test_no_free_curve_is_told_and_a_budget_ends_the_tries():
+def test_no_free_curve_is_reported_and_a_budget_ends_the_tries():
     ends = (2.0, 5.0, 0.0), (8.0, 5.0, 0.0)
     plan = am.planners.Dubins(radius=0.1).plan(wall_ahead(), *ends, footprint=am.Shape.circle(0.3))
     assert plan.status == "unreachable"

@@ -170,7 +170,7 @@ def test_a_free_cell_keeps_the_reach_in_every_point(taken, reach):
     for row, col in np.ndindex(taken.shape):
         gaps = np.maximum(np.abs(occupied - (row, col)) - 1, 0)
         nearest = int((gaps**2).sum(axis=1).min())
-        # In hundredths of a square metre, so that touching is told from overlapping exactly.
+        # In hundredths of a square metre, so that touching is distinguished from overlapping exactly.
         keeps = nearest * 100 >= round(reach * 100) ** 2
         assert free[row, col] == (keeps and not taken[row, col])
 

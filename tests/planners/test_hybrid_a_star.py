@@ -149,7 +149,7 @@ def test_a_trailers_plan_is_driven(case):
     assert np.hypot(*(simulation.part_pose[0, :2] - plan.trailer[-1, :2])) < 0.03
 
 
-def test_a_door_that_is_too_narrow_is_told():
+def test_a_door_that_is_too_narrow_is_reported():
     cells = np.zeros((80, 120))
     cells[:, 60] = 1
     cells[30:36, 60] = 0
@@ -159,7 +159,7 @@ def test_a_door_that_is_too_narrow_is_told():
     assert "one that reaches 0.2 m would pass" in plan.message
 
 
-def test_a_lattice_that_is_used_up_is_told():
+def test_a_lattice_that_is_used_up_is_reported():
     """A point fits through, but no car can turn in a cell of 1 m."""
     cells = np.ones((30, 30))
     cells[10:20, 10:20] = 0

@@ -1,4 +1,4 @@
-"""Potential field: downhill to the goal where nothing is in the way, and traps that are told and shown."""
+"""Potential field: downhill to the goal where nothing is in the way, and traps that are reported and shown."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_nothing_in_the_way_is_a_straight_path():
     assert plan.length == pytest.approx(4.0, abs=1e-9)
 
 
-def test_a_wall_across_the_way_is_a_trap_that_is_told_and_shown():
+def test_a_wall_across_the_way_is_a_trap_that_is_reported_and_shown():
     world = hall((slice(12, 29), 30))
     plan = FIELD.plan(world, START, GOAL, footprint=am.Shape.circle(0.2))
     assert plan.status == "unreachable"
@@ -39,7 +39,7 @@ def test_a_wall_across_the_way_is_a_trap_that_is_told_and_shown():
     assert (np.diff(heights) < 0.0).all()
 
 
-def test_no_path_at_all_is_told_as_by_others():
+def test_no_path_at_all_is_reported_as_by_others():
     plan = FIELD.plan(hall((slice(None), 30)), START, GOAL)
     assert plan.status == "unreachable"
     assert "no free cells lead from start to goal" in plan.message

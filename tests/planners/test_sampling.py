@@ -74,7 +74,7 @@ def test_a_seed_gives_its_plan_and_another_another(planner):
 
 
 @pytest.mark.parametrize("planner", ALL)
-def test_no_path_is_proved_and_a_budget_is_told(planner):
+def test_no_path_is_proved_and_a_budget_is_reported(planner):
     cells = np.zeros((40, 60))
     cells[:, 30] = 1
     shut = am.Map.from_array(cells, resolution=0.1)

@@ -1,4 +1,4 @@
-"""Finding plugins: whoever fails is named with distribution and version, and all the others work."""
+"""Finding plugins: one that fails is named with distribution and version, and all the others work."""
 
 import importlib.metadata
 import types
@@ -177,7 +177,7 @@ def test_the_default_registry_is_one_and_warns_of_each_problem_once(monkeypatch)
         default_registry.cache_clear()
 
 
-def test_plugins_are_told_of_runs_in_order_and_a_failure_is_named():
+def test_plugins_are_reported_runs_in_order_and_a_failure_is_named():
     heard = []
 
     @hookimpl

@@ -69,7 +69,7 @@ def test_a_full_disk_leaves_whole_lines_and_an_error_that_names_the_file(tmp_pat
 
 
 @small_disk()
-def test_a_full_disk_that_the_thread_meets_is_told_to_the_next_writer(tmp_path: Path) -> None:
+def test_a_full_disk_that_the_thread_meets_is_reported_to_the_next_writer(tmp_path: Path) -> None:
     files = LineFiles()
     files.add("a", tmp_path / "a.csv", "head")
     files.add("b", tmp_path / "b.csv", "head")

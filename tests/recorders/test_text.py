@@ -152,7 +152,7 @@ def test_robots_of_several_kinds_share_the_files(tmp_path: Path) -> None:
         assert [row[f"true_{i}"] == "nan" for i in range(19)] == [i >= beams for i in range(19)]
 
 
-def test_times_of_tiny_steps_can_be_told_apart(tmp_path: Path) -> None:
+def test_times_of_tiny_steps_can_be_distinguished(tmp_path: Path) -> None:
     held = Written(building.scenario(dt=1e-6), tmp_path / "run")
     held.step(3)
     assert len({row["time"] for row in held.rows("poses")}) == 4
@@ -237,7 +237,7 @@ def test_who_is_broken_off_loses_and_doubles_no_line(
     monkeypatch.setattr(text._files, "write", break_off)
     with pytest.raises(error):
         text._hand_over()
-    if error is KeyboardInterrupt:  # and whoever takes it goes on
+    if error is KeyboardInterrupt:  # and the caller that catches it goes on
         simulation.step()
         text.write(simulation.frames(), [])
         plain.write(simulation.frames(), [])

@@ -89,7 +89,7 @@ def test_what_a_file_says_is_no_markup() -> None:
     assert "&lt;script&gt;alert(1)" in page.text
 
 
-def test_what_is_no_result_is_told(tmp_path: Path, made: Path) -> None:
+def test_what_is_no_result_is_reported(tmp_path: Path, made: Path) -> None:
     with pytest.raises(am.AnalysisError, match=r"expected the folder of a run, a study or a comparison"):
         am.report(tmp_path)
     (tmp_path / "comparison.json").write_text("{}")

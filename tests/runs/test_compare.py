@@ -46,7 +46,9 @@ def test_at_one_time_the_command_comes_before_the_pose_that_it_led_to(folders: t
 
 
 @pytest.mark.parametrize(("number", "is_small"), [("1.100001", True), ("1.100003", False), ("nan", False)])
-def test_small_differences_are_told_from_others(folders: tuple[Path, Path], number: str, is_small: bool) -> None:
+def test_small_differences_are_distinguished_from_others(
+    folders: tuple[Path, Path], number: str, is_small: bool
+) -> None:
     (folders[1] / "poses.csv").write_text(POSES.replace("1.100000", number))
     found = first_difference(*folders, dt=0.1)
     assert found is not None

@@ -51,9 +51,9 @@ def test_a_run_leaves_its_folder(study: Path, tmp_path: Path) -> None:
     simulation = am.Simulation(am.load(study))
     summary = am.run(simulation.scenario, tmp_path / "run", duration=2.0, simulation=simulation)
     assert files_of(tmp_path / "run") == FILES
-    told = about(tmp_path / "run")
-    assert (told["status"], told["seed"], told["steps"], told["steps_done"]) == ("finished", 1, 20, 20)
-    assert told["digests"] == {"0": simulation.digest(0)}
+    record = about(tmp_path / "run")
+    assert (record["status"], record["seed"], record["steps"], record["steps_done"]) == ("finished", 1, 20, 20)
+    assert record["digests"] == {"0": simulation.digest(0)}
     assert summary.is_complete
     assert summary.digests == {0: simulation.digest(0)}
     off = np.hypot(*(simulation.true_pose - simulation.estimated_pose)[0, :2])
@@ -151,8 +151,8 @@ def test_a_map_made_in_python_is_written_down_and_reproduces(tmp_path: Path, mad
     world = building.room(resolution=0.01)
     if made_from == "cells":
         world = am.Map.from_array(world.to_array(), resolution=0.01, origin=(-1.0, -0.5, 0.1))
-    told = attrs.evolve(building.robot(), knowledge=am.Knowledge(map=world))
-    scenario = building.scenario(told, map=world)
+    robot = attrs.evolve(building.robot(), knowledge=am.Knowledge(map=world))
+    scenario = building.scenario(robot, map=world)
     summary = am.run(scenario, tmp_path / "run", duration=1.0)
     assert files_of(tmp_path / "run") >= {f"{world.name or 'map'}.{'wld' if made_from == 'lines' else 'png'}"}
     assert am.reproduce(tmp_path / "run").is_same
@@ -200,8 +200,8 @@ def test_a_controller_that_fails_later_leaves_whole_files_up_to_there(tmp_path: 
     with pytest.raises(am.ControllerError, match="ZeroDivisionError") as caught:
         am.run(am.load(study), tmp_path / "run")
     assert f"the files up to 1 s are in {tmp_path / 'run'}" in caught.value.__notes__
-    told = about(tmp_path / "run")
-    assert (told["status"], told["steps_done"]) == ("broken off", 10)
+    record = about(tmp_path / "run")
+    assert (record["status"], record["steps_done"]) == ("broken off", 10)
     for table in (tmp_path / "run").rglob("*.csv"):
         text = table.read_text()
         assert text.endswith("\n")
@@ -211,7 +211,7 @@ def test_a_controller_that_fails_later_leaves_whole_files_up_to_there(tmp_path: 
     assert str(am.reproduce(tmp_path / "run")) == "the same to the bit, over 10 steps"
 
 
-def test_a_disk_that_is_full_is_told_once_and_no_more_is_claimed_than_there_is(study: Path, tmp_path: Path) -> None:
+def test_a_disk_that_is_full_is_reported_once_and_no_more_is_claimed_than_there_is(study: Path, tmp_path: Path) -> None:
     simulation = am.Simulation(am.load(study))
     session = am.record(simulation, tmp_path / "run")
 
@@ -233,10 +233,10 @@ def test_a_disk_that_is_full_is_told_once_and_no_more_is_claimed_than_there_is(s
     assert 0.0 < end < 10 * simulation.dt < simulated
     words = f"end early, the first of them at {end:g} s, though {simulated:g} s were simulated"
     assert caught.value.__notes__ == [f"the files in {tmp_path / 'run'} {words}"]
-    told = about(tmp_path / "run")
-    assert (told["status"], told["steps_done"], told["digests"]) == ("broken off", round(end / simulation.dt), {})
-    assert told["problem"] == str(caught.value)
-    assert session.summary.steps == told["steps_done"]
+    record = about(tmp_path / "run")
+    assert (record["status"], record["steps_done"], record["digests"]) == ("broken off", round(end / simulation.dt), {})
+    assert record["problem"] == str(caught.value)
+    assert session.summary.steps == record["steps_done"]
     with pytest.raises(am.RunError, match="has no digests"):
         am.reproduce(tmp_path / "run")
 

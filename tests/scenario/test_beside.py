@@ -71,7 +71,7 @@ def test_a_run_with_imports_from_beside_reproduces(tmp_path: Path) -> None:
     assert am.reproduce(summary.folder).is_exact
 
 
-def test_an_import_that_was_edited_is_run_anew(tmp_path: Path) -> None:
+def test_an_import_that_was_edited_is_run_again(tmp_path: Path) -> None:
     write(tmp_path, {"beside_more.py": "FACTOR = 3.0\n", "mine.py": "from beside_more import FACTOR\ndef f(r, e, c):\n  return FACTOR\n"})  # fmt: skip  # noqa: E501
     assert load_controller(tmp_path / "mine.py", "f", {})(0, 0, 0) == 3.0
     write(tmp_path, {"beside_more.py": "FACTOR = 4.0\n"})
@@ -94,7 +94,7 @@ def test_what_was_made_of_an_import_can_be_copied(tmp_path: Path) -> None:
     assert isinstance(pickle.loads(pickle.dumps(made)), type(made))
 
 
-def test_an_import_that_fails_is_told_with_its_line(tmp_path: Path) -> None:
+def test_an_import_that_fails_is_reported_with_its_line(tmp_path: Path) -> None:
     write(tmp_path, {"beside_more.py": "1 / 0\n", "mine.py": "x = 1\nimport beside_more\n"})
     with pytest.raises(ControllerError, match=r"mine\.py, line 2: ZeroDivisionError"):
         load_controller(tmp_path / "mine.py", "f", {})

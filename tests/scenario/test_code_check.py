@@ -1,4 +1,4 @@
-"""Users' programs are tried out in a process that is ended after a time limit, and each failure is told."""
+"""Users' programs are tried out in a process that is ended after a time limit, and each failure is reported."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_a_sound_program_has_no_faults(tmp_path: Path, code: str) -> None:
         ),
     ],
 )
-def test_what_a_program_does_wrong_is_told(tmp_path: Path, code: str, says: str) -> None:
+def test_what_a_program_does_wrong_is_reported(tmp_path: Path, code: str, says: str) -> None:
     (message,) = messages(tmp_path, code)
     assert says in message
 

@@ -215,7 +215,7 @@ def test_what_is_no_toml_stays_and_the_rest_can_be_changed(tmp_path):
     assert path.read_text() == text.replace("x = 1.0", "x = 2.0")
 
 
-def test_a_file_that_is_not_there_or_no_text_is_told(tmp_path):
+def test_a_file_that_is_not_there_or_no_text_is_reported(tmp_path):
     (tmp_path / "picture.toml").write_bytes(b"\xff\xd8")
     for path, words in ((tmp_path / "none.toml", "no such file"), (tmp_path / "picture.toml", "0xff")):
         with pytest.raises(am.DocumentError, match=words):

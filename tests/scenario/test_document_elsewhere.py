@@ -127,7 +127,7 @@ def test_absolute_names_become_relative(document, tmp_path):
     assert 'map = "../home/maps/room.wld"' in document.save(away / "yard.toml").read_text()
 
 
-def test_saving_twice_copies_nothing_anew(document, tmp_path):
+def test_saving_twice_copies_nothing_again(document, tmp_path):
     away = tmp_path / "away"
     away.mkdir()
     document.save(away / "yard.toml", copy=True)

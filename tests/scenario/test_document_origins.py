@@ -79,7 +79,7 @@ def test_a_value_comes_from_the_file_its_model_a_device_or_a_default(document, t
     assert text[document.inherited("robots.scout.drive.track").line - 1].startswith("track = 0.33")
 
 
-def test_what_would_hold_without_the_file_is_told(document):
+def test_what_would_hold_without_the_file_is_reported(document):
     under = document.inherited("robots.rover.drive.track").under
     assert (under.source, under.value) == ("model", 0.33)
     under = document.inherited("simulation.dt").under

@@ -238,9 +238,10 @@ GROUPS = groups()
 
 @pytest.mark.parametrize("name", GROUPS)
 def test_a_field_fed_wrongly_gets_a_fault_with_path_value_and_expectation(place, name):
-    """Each alone with one value; then all fields of a component at once with all values, for all faults are told.
+    """Each alone with one value; then all fields of a component at once with all values: all faults are reported.
 
-    What only the whole component can see is told once every field is sound by itself: such a value is tried alone too.
+    What only the whole component can see is reported once every field is sound by itself: such a value is tried
+    alone too.
     """
     document, path, fields = GROUPS[name]
     loads(document, place, registry=REGISTRY)  # the sound document is one
@@ -254,13 +255,13 @@ def test_a_field_fed_wrongly_gets_a_fault_with_path_value_and_expectation(place,
 
     bad = {key: bad_values(parameter) for key, parameter in fields.items()}
     for key, values in bad.items():
-        assert_told(faults({key: values[0]}), (*path, key), values[0])
+        assert_reported(faults({key: values[0]}), (*path, key), values[0])
     for n in range(max(len(values) for values in bad.values())):
         wrong = {key: values[n] for key, values in bad.items() if n < len(values)}
         together = faults(wrong)
         for key, value in wrong.items():
-            told = of(together, (*path, key))
-            assert_told(told or faults({key: value}), (*path, key), value)
+            reported = of(together, (*path, key))
+            assert_reported(reported or faults({key: value}), (*path, key), value)
 
 
 def of(faults, path):
@@ -268,7 +269,7 @@ def of(faults, path):
     return [fault for fault in faults if fault.path == where or fault.path.startswith(f"{where}.")]
 
 
-def assert_told(faults, path, value):
+def assert_reported(faults, path, value):
     found = of(faults, path)
     assert found, (path, value, faults)
     for fault in found:
@@ -277,7 +278,7 @@ def assert_told(faults, path, value):
         assert f"got {value!r}" in found[0].message, (value, found)
 
 
-def test_faults_of_recorders_are_told_beside_those_of_what_is_recorded(place):
+def test_faults_of_recorders_are_reported_beside_those_of_what_is_recorded(place):
     broken = copy.deepcopy(BASE) | {"recording": {"picture": 3, "also": 4}}
     assert len(of(faults_of(broken, place), ("recording", "picture"))) == 1
     assert len(of(faults_of(broken, place), ("recording", "also"))) == 1
@@ -381,7 +382,7 @@ PLACES = [path for path in places(RICH) if path]
 @example(changes=[(("robots", 0, "controller"), {"use": "\0.py:f"})])
 @example(changes=[(("robots", 0, "errors"), {"sensors": {"laser": 3}})])
 @example(changes=[(("robots", 0, "errors"), {"": {"_deg": 3}})])
-def test_whatever_stands_anywhere_a_document_is_read_or_its_faults_are_told(place, changes):
+def test_whatever_stands_anywhere_a_document_is_read_or_its_faults_are_reported(place, changes):
     document = copy.deepcopy(RICH)
     for path, value in changes:
         try:
@@ -403,6 +404,6 @@ def test_whatever_stands_anywhere_a_document_is_read_or_its_faults_are_told(plac
     ),
     value=st.sampled_from(["1", "x", "[1, 2]", "{ a = 1 }", "nan", "", "1\n2", "'", "1979-01-01", "true"]),
 )
-def test_whatever_is_set_is_read_or_its_faults_are_told(place, parts, value):
+def test_whatever_is_set_is_read_or_its_faults_are_reported(place, parts, value):
     for fault in faults_of(RICH, place, f"{'.'.join(parts)}={value}"):
         assert fault.message

@@ -81,7 +81,7 @@ def test_what_is_written_reads_the_same(tmp_path):
         ("floor = 3", "floor: expected a table"),
     ],
 )
-def test_faults_are_told_where_they_are(text, message, tmp_path):
+def test_faults_are_reported_where_they_are(text, message, tmp_path):
     with pytest.raises(ScenarioError) as caught:
         read(text, tmp_path)
     assert re.search(message, str(caught.value)), str(caught.value)

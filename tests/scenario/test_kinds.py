@@ -1,4 +1,4 @@
-"""Whoever builds a scenario in Python and gives a field something else is told which, and what it wants."""
+"""A scenario built in Python with a wrong kind of value: the error names the field and what it expects."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def scenario(**changes: Any) -> Callable[[], object]:
         (lambda: am.Simulation(building.scenario(), replicas=2.5), "expected a number of replicas > 0"),  # type: ignore[arg-type]
     ],
 )
-def test_what_is_of_another_kind_is_told(make: Callable[[], object], message: str) -> None:
+def test_what_is_of_another_kind_is_reported(make: Callable[[], object], message: str) -> None:
     with pytest.raises(am.AmorsimError, match=message):
         make()
 

@@ -26,7 +26,7 @@ def test_the_same_as_in_a_file(tmp_path: Path) -> None:
     assert am.load_robot(tmp_path / "mine.toml").drive.track == 0.5
 
 
-def test_what_is_wrong_is_told(tmp_path: Path) -> None:
+def test_what_is_wrong_is_reported(tmp_path: Path) -> None:
     with pytest.raises(am.ScenarioError, match=r"there is no robot called 'pioner2dx'.* Did you mean 'pioneer2dx'"):
         am.load_robot("pioner2dx")
     (tmp_path / "mine.toml").write_text('format = 1\nmodel = "pioneer2dx"\ndrive.tracks = 0.5\n')

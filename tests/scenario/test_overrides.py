@@ -1,4 +1,4 @@
-"""Settings of the command line: what they reach, and how their faults are told."""
+"""Settings of the command line: what they reach, and how their faults are reported."""
 
 import re
 
@@ -110,7 +110,7 @@ def test_parts_of_errors_and_shapes_go_together(read, folder):
 
 
 def test_a_file_that_cannot_be_read_takes_settings_all_the_same(folder, registry):
-    """Both are told at once."""
+    """Both are reported at once."""
     path = folder / "broken.toml"
     path.write_text(f'format = 1\n[world]\nmap = "room.wld"\nx = = 3\n{TWO}')
     with pytest.raises(ScenarioError) as caught:

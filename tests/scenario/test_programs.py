@@ -51,7 +51,7 @@ def test_it_runs_once_for_a_simulation(tmp_path: Path) -> None:
 
 
 def test_a_scenario_that_was_loaded_stays_as_it_is_loaded(tmp_path: Path) -> None:
-    """Whoever edits the file afterwards changes the simulations that are made from then on, and no other."""
+    """An edit of the file changes only simulations that are made afterwards."""
     path = make_study(tmp_path / "study", MARKED)
     simulation = am.Simulation(am.load(path))
     (path.parent / "controller.py").write_text("def drive(readings, estimate, clock, speed):\n    return None\n")

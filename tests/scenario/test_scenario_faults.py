@@ -210,7 +210,7 @@ def test_all_faults_are_reported_at_once(faults):
         "robots.1.sensors.compass.noise.0.std_deg",
         "robots.1.sensors.compass.noise.1.use",
         "obstacles.0.shape.circle",
-    }, "what hangs on the drive that could not be read is left out, all else is there"
+    }, "what depends on the drive that could not be read is left out, all else is there"
 
 
 def test_a_fault_in_a_model_names_the_models_file_and_the_path_in_it(read, tmp_path, folder):
@@ -320,8 +320,8 @@ def test_a_message_calls_robots_obstacles_and_zones_by_name(folder, registry):
     faults = [fault for fault in caught.value.faults if fault.path.endswith("nmae")]
     paths = ["zones.0", "robots.0", "robots.1", "obstacles.0", "obstacles.1", "obstacles.2"]
     assert [fault.path for fault in faults] == [f"{path}.nmae" for path in paths]
-    told = ["zones.0", "robots.rover", "robots.1", "obstacles.cat", "obstacles.1", "obstacles.2"]
-    assert [str(fault).partition(": ")[0] for fault in faults] == [f"{path}.nmae" for path in told]
+    paths = ["zones.0", "robots.rover", "robots.1", "obstacles.cat", "obstacles.1", "obstacles.2"]
+    assert [str(fault).partition(": ")[0] for fault in faults] == [f"{path}.nmae" for path in paths]
 
 
 def test_a_fault_has_its_line_value_and_remedy(registry, tmp_path):

@@ -101,7 +101,7 @@ def test_a_scenario_in_full(read, folder):
         ),
         "pose.x": Deviation(add=0.1),
     }
-    assert robot.knowledge.map is scenario.map, "the same file, told without options, is the same map"
+    assert robot.knowledge.map is scenario.map, "the same file, given without options, is the same map"
     assert robot.knowledge.landmarks == ((1.0, 2.0), (3.5, 0.25))
     (obstacle,) = scenario.obstacles
     assert obstacle.name == "obstacle1"

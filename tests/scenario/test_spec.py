@@ -37,10 +37,10 @@ def test_a_controller_must_be_one() -> None:
 
 
 def test_a_robot_without_a_pose_starts_where_the_map_says_or_where_most_room_is() -> None:
-    told = am.Map.from_segments(
+    given = am.Map.from_segments(
         [[0, 0, 4, 0], [0, 4, 4, 4]], extent=(0, 0, 4, 4), resolution=0.01, start=(1.0, 1.0, 0.5)
     )
-    sim = am.Simulation(building.scenario(building.robot(pose=None), map=told))
+    sim = am.Simulation(building.scenario(building.robot(pose=None), map=given))
     assert sim.true_pose[0].tolist() == [1.0, 1.0, 0.5]
     sim = am.Simulation(building.scenario(building.robot(pose=None), map=building.room()))
     assert np.abs(sim.true_pose[0, :2] - (3.0, 2.5)).max() < 0.6

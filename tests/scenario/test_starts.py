@@ -1,4 +1,4 @@
-"""Where bodies start: many at once, on a grid, at random; and that whoever says it is told if it is not free."""
+"""Where bodies start: many at once, on a grid, at random; and the error if a place is not free."""
 
 from __future__ import annotations
 
@@ -108,26 +108,26 @@ def crowded(count, radius=0.1, **start):
     return building.scenario(obstacles=crowd, seed=2)
 
 
-def test_more_than_there_is_room_for_is_told_before_a_try_is_made(monkeypatch):
+def test_more_than_there_is_room_for_is_reported_before_a_try_is_made(monkeypatch):
     monkeypatch.setattr("amorsim.simulation.placing._draw", None)
     # 1000 circles, as polygons of 64 sides: 1000 * 32 sin(2 pi / 64) * 0.01 m2. With margins the box is 4.2 m wide.
     with pytest.raises(
         am.ScenarioError, match=r"obstacles.o000.start: the 1000 .* in the box 0.5, .* cover 31.37 m2"
-    ) as told:
+    ) as caught:
         am.Simulation(crowded(1000))
-    assert "there are 17.64 m2 at the most; expected more room" in str(told.value)
+    assert "there are 17.64 m2 at the most; expected more room" in str(caught.value)
     with pytest.raises(am.ScenarioError, match=r"on the map cover 31.37 m2, and there are 30 m2 at the most"):
         am.Simulation(crowded(1000, random="anywhere"))
 
 
-def test_of_far_too_many_it_is_told_soon():
+def test_of_far_too_many_it_is_reported_soon():
     # They cover half more than circles put down at random can, 0.547 of the plane.
-    with pytest.raises(am.ScenarioError) as told:
+    with pytest.raises(am.ScenarioError) as caught:
         am.Simulation(crowded(450))
     found = re.search(
-        r"(\d+) of 450 .* no free place in (\d+) tries \(o\d+.*\), and too few in the last", str(told.value)
+        r"(\d+) of 450 .* no free place in (\d+) tries \(o\d+.*\), and too few in the last", str(caught.value)
     )
-    assert found, told.value
+    assert found, caught.value
     assert 64 <= int(found[2]) <= 256
     assert int(found[1]) > 100
 
@@ -214,7 +214,7 @@ def test_two_series_whose_names_meet_are_a_fault(faults):
     assert "robots.0 is called 'r00' too" in found["obstacles.0.name"]
 
 
-def test_too_many_are_told_clearly(read, faults):
+def test_too_many_are_reported_clearly(read, faults):
     found = faults(SWARM.replace("count = 12", "count = 1000"))
     assert (
         "1000 of them cover 31.37 m2, and there are 12 m2 on the map at the most: expected 382"
@@ -236,12 +236,12 @@ def test_more_than_memory_holds_are_refused_before_any_is_made(faults, monkeypat
     made = []
     monkeypatch.setattr(GridStart, "pose", lambda self, number, count: made.append(number) or am.Pose(x=1.0, y=1.0))
     found = faults(SWARM.replace("count = 12", "count = 900000").replace('random = "anywhere"', GRID))
-    told = re.search(
+    shares = re.search(
         r"900000 of them would take ([\d.]+) GB of memory at least, .* 1 GB: expected (\d+) at the most",
         found["robots.0.count"],
     )
-    assert told
-    assert float(told[1]) / 900_000 == pytest.approx(1.0 / float(told[2]), rel=0.01)
+    assert shares
+    assert float(shares[1]) / 900_000 == pytest.approx(1.0 / float(shares[2]), rel=0.01)
     assert len(made) < 10
 
 
@@ -252,7 +252,7 @@ def test_more_replicas_than_memory_holds_are_refused(monkeypatch):
     am.Simulation(building.scenario(), replicas=3)
 
 
-def test_a_grid_that_leaves_the_map_is_told_once_and_at_once(faults):
+def test_a_grid_that_leaves_the_map_is_reported_once_and_at_once(faults):
     found = faults(SWARM.replace("count = 12", "count = 1000").replace('random = "anywhere"', GRID))
     assert re.search(
         r"^number \d+ of the 1000 would stand at \(.*\) m: that is outside the map, .*; expected fewer,",
@@ -260,7 +260,7 @@ def test_a_grid_that_leaves_the_map_is_told_once_and_at_once(faults):
     )
 
 
-def test_of_a_series_in_the_way_of_itself_the_first_is_told_and_how_many(file):
+def test_of_a_series_in_the_way_of_itself_the_first_is_reported_and_how_many(file):
     path = file(SWARM.removeprefix(HEAD).replace('random = "anywhere"', GRID.replace("0.25", "0.15")))
     with pytest.raises(am.ScenarioError) as caught:
         am.load(path)
@@ -304,7 +304,7 @@ def test_a_start_in_a_wall_is_reported_beside_other_faults(file):
     ],
 )
 @pytest.mark.parametrize("by", ["the file", "the true pose"])
-def test_a_start_outside_the_map_is_told_from_one_in_a_wall(file, x, words, by):
+def test_a_start_outside_the_map_is_distinguished_from_one_in_a_wall(file, x, words, by):
     text = ROVER.replace("x = 2.0", f"x = {x}") if by == "the file" else ROVER + f"errors.pose.x = {x}\n"
     with pytest.raises(am.ScenarioError) as caught:
         am.Simulation(am.load(file(text)))

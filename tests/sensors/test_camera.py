@@ -95,7 +95,7 @@ def test_a_landmark_is_as_wide_as_its_disc():
     assert np.abs(blobs(sim)[0, 1:3] + [0, 1] - expected).max() <= 1.0
 
 
-def test_the_nearest_are_told_first_and_slots_are_few():
+def test_the_nearest_are_reported_first_and_slots_are_few():
     posts = [post(2.0 + i, 1.2 - 0.6 * i, "red", name=f"p{i}") for i in range(5)]
     sim = look(*posts, slots=3)
     assert len(blobs(sim)) == 3

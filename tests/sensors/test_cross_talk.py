@@ -252,7 +252,7 @@ def test_a_sonar_without_a_medium_is_silent_and_deaf():
     assert not sim._fleet.has_emitters  # nobody is even asked
 
 
-def test_sound_is_taken_for_an_echo_as_often_as_told():
+def test_sound_is_taken_for_an_echo_as_often_as_set():
     a = robot("a", 2.0, 5.0, 0.0, CrossTalk(probability=0.3))
     b = robot("b", 6.0, 5.0, math.pi)
     sim = am.Simulation(building.scenario(a, b, map=building.room(12.0, 10.0)), replicas=2000)

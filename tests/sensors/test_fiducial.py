@@ -36,14 +36,14 @@ def post(x, y, fiducial=0, name="post", radius=0.2):
     return Obstacle(name=name, shape=Shape.circle(radius), pose=Pose(x=x, y=y), fiducial=fiducial)
 
 
-def test_marks_are_told_nearest_first_and_slots_left_are_empty():
+def test_marks_are_reported_nearest_first_and_slots_left_are_empty():
     sim = look(Landmark(id=5, x=3.0), Landmark(id=2, x=1.0, y=1.0), pose=Pose(heading=0.1))
     seen = table(sim)
     np.testing.assert_allclose(seen[:2], [[math.sqrt(2), math.pi / 4 - 0.1, 2], [3.0, -0.1, 5]], rtol=1e-14)
     assert seen[2:].tolist() == [EMPTY, EMPTY]
 
 
-def test_of_more_marks_than_slots_the_nearest_are_told():
+def test_of_more_marks_than_slots_the_nearest_are_reported():
     sim = look(*(Landmark(id=i, x=float(i)) for i in range(1, 9)), slots=3)
     assert table(sim)[:, 2].tolist() == [1.0, 2.0, 3.0]
 
@@ -164,15 +164,17 @@ def check_crowd(seed):
     bearing = bearings_of(crowd, viewer, crowd.places[mark])
     within = (away < range_max) & (np.abs(bearing) < fov / 2)
     reading = crowd.tables(3)
-    told = np.full((crowd.viewers, len(crowd.places), 2), np.nan)
+    reported = np.full((crowd.viewers, len(crowd.places), 2), np.nan)
     row, slot = np.nonzero(reading[:, :, 2] > 0)
-    told[row, reading[row, slot, 2].astype(int) - 1] = reading[row, slot, :2]
-    seen = ~np.isnan(told[viewer, mark, 0])
+    reported[row, reading[row, slot, 2].astype(int) - 1] = reading[row, slot, :2]
+    seen = ~np.isnan(reported[viewer, mark, 0])
     assert not seen[~within].any()
     viewer, mark, away, bearing, seen = (column[within] for column in (viewer, mark, away, bearing, seen))
     free, certain = are_free(crowd, lines_of_sight(crowd, viewer, mark), viewer, mark)
     np.testing.assert_array_equal(seen[certain], free[certain], err_msg=str(seed))
-    np.testing.assert_allclose(told[viewer, mark][seen], np.stack((away, bearing), axis=1)[seen], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        reported[viewer, mark][seen], np.stack((away, bearing), axis=1)[seen], rtol=0, atol=1e-12
+    )
     return certain.sum(), seen.sum(), (~certain).sum()
 
 
@@ -192,7 +194,7 @@ def test_a_hundred_thousand_marks_are_seen_or_not_as_shapely_says():
 
 
 @pytest.mark.parametrize("slots", [1, 3, 20])
-def test_with_few_slots_the_first_of_those_are_told_that_many_slots_hold(slots):
+def test_with_few_slots_the_first_of_those_are_reported_that_many_slots_hold(slots):
     many = random_crowd(7, Fiducial(slots=150, fov=2 * math.pi, range_max=9.0, range_max_id=9.0)).tables(3)
     few = random_crowd(7, Fiducial(slots=slots, fov=2 * math.pi, range_max=9.0, range_max_id=9.0)).tables(3)
     np.testing.assert_array_equal(few, many[:, :slots])

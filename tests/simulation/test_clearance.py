@@ -100,7 +100,7 @@ CHANGES = ("steps", "steps", "steps", "reset", "restore", "teleport", "set", "by
 
 
 def change(sim: am.Simulation, what: str, number: int, kept: list[am.Snapshot]) -> None:
-    """One of `CHANGES`, told by a number; what the simulation refuses is refused."""
+    """One of `CHANGES`, by its number; what the simulation refuses is refused."""
     name, replica = sim.names[number % len(sim.names)], number % 2
     if what == "reset":
         sim.reset(replicas=None if number % 3 == 0 else [replica])

@@ -190,7 +190,7 @@ class Other(Differential):
 
 @attrs.frozen(kw_only=True)
 class Shove(Motion):
-    """Wants to go on to the left, turning; into whoever is there."""
+    """Wants to go on to the left, turning; into any body that is there."""
 
     def propose(self, view: View, dt: float, state: State, draws: Draws) -> Any:
         return np.tile([0.3 * dt, 0.2 * dt, 2.0 * dt], (view.rows, 1))

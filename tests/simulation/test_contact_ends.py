@@ -68,7 +68,7 @@ def test_sliding_along_a_wall_is_one_contact() -> None:
     assert [event.kind for event in sim.events] == ["collision", "pose_set", "collision"]
 
 
-def test_those_that_parted_meet_anew() -> None:
+def test_those_that_parted_meet_again() -> None:
     sim = at_the_wall()
     for apart, events in ((0.9 * PARTED, 1), (1.1 * PARTED, 2)):
         go(sim, -apart / sim.dt, 0.0)
@@ -109,7 +109,7 @@ def test_a_snapshot_keeps_what_is_in_contact() -> None:
     assert len(fresh.events) == 1
 
 
-def test_one_replica_begins_anew_and_the_other_goes_on() -> None:
+def test_one_replica_starts_again_and_the_other_goes_on() -> None:
     sim = at_the_wall(replicas=2)
     sim.reset(replicas=[1])
     assert [event.replica for event in sim.events] == [0]
@@ -118,7 +118,7 @@ def test_one_replica_begins_anew_and_the_other_goes_on() -> None:
     assert [event.replica for event in sim.events] == [0, 1]
 
 
-def test_whoever_is_put_elsewhere_or_handed_over_meets_anew() -> None:
+def test_a_body_put_elsewhere_or_handed_over_meets_again() -> None:
     sim = at_the_wall()
     sim.set_pose("rover", sim.true_pose[0] - (1e-4, 0.0, 0.0))
     go(sim, 0.5, 0.0)

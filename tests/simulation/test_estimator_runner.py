@@ -12,7 +12,7 @@ def rover(**changes):
     return attrs.evolve(am.load("landmarks").robots[0], **changes)
 
 
-def told(sim, estimator, seed=1, replica=0):
+def updates(sim, estimator, seed=1, replica=0):
     """What a runner says in each step that is fed with what a simulated robot received, and what the robot said."""
     robot = sim.scenario.robots[0]
     runner = am.EstimatorRunner(robot, estimator, dt=sim.dt, seed=seed, replica=replica)
@@ -33,7 +33,7 @@ def told(sim, estimator, seed=1, replica=0):
 @pytest.mark.parametrize("fusion", FUSIONS)
 def test_it_gives_the_bits_of_the_simulation(fusion):
     sim = am.Simulation(scenario(FUSIONS[fusion]))
-    for estimate, beliefs, frame in told(sim, "ekf"):
+    for estimate, beliefs, frame in updates(sim, "ekf"):
         assert estimate.pose.tobytes() == frame.estimates["ekf"].pose[0].tobytes()
         assert estimate.covariance.tobytes() == frame.estimates["ekf"].covariance[0].tobytes()
         for name, array in frame.beliefs["ekf"].items():
@@ -43,7 +43,7 @@ def test_it_gives_the_bits_of_the_simulation(fusion):
 
 def test_sensors_with_rates_and_latencies_and_random_numbers_too():
     @attrs.frozen(kw_only=True)
-    class Told(am.Estimator):
+    class Listener(am.Estimator):
         """All that an estimator is given, as beliefs."""
 
         def start(self, context):
@@ -62,12 +62,12 @@ def test_sensors_with_rates_and_latencies_and_random_numbers_too():
     given = am.load("landmarks")
     robot = given.robots[0]
     compass = attrs.evolve(robot.sensors["compass"], rate=4.0, latency=0.2)
-    robot = attrs.evolve(robot, sensors={**robot.sensors, "compass": compass}, estimators={"told": Told()})
+    robot = attrs.evolve(robot, sensors={**robot.sensors, "compass": compass}, estimators={"listener": Listener()})
     sim = am.Simulation(attrs.evolve(given, robots=[robot]), seed=7, replicas=[3])
     ages = set()
-    for step, (_, beliefs, frame) in enumerate(told(sim, "told", seed=7, replica=3)):
+    for step, (_, beliefs, frame) in enumerate(updates(sim, "listener", seed=7, replica=3)):
         if step >= 3:  # until the first sample arrives, the simulation holds one of its own
-            np.testing.assert_array_equal(beliefs["all"], frame.beliefs["told"]["all"][0])
+            np.testing.assert_array_equal(beliefs["all"], frame.beliefs["listener"]["all"][0])
             ages.add(float(beliefs["all"][4]))
     assert len(ages) > 2
 

@@ -1,4 +1,4 @@
-"""What a component raises, or returns that is not finite, is told with whose it is and when."""
+"""What a component raises, or returns that is not finite, is reported with its owner and time."""
 
 import re
 from typing import ClassVar
@@ -403,5 +403,5 @@ class ChoosyNoise(BadNoise):
         (lambda: with_sensor(building.ring(), ChoosyNoise()), "noise element 'odd' of sensor 'eye'"),
     ],
 )
-def test_what_a_component_refuses_at_the_start_is_told_with_whose_it_is(make, whose):
+def test_what_a_component_refuses_at_the_start_is_reported_with_whose_it_is(make, whose):
     assert str(error_of(make())) == f"robot 'rover', {whose}: {CHOOSY}"

@@ -144,7 +144,7 @@ def test_snapshots_and_resets_hold_who_drives() -> None:
     assert not simulation.by_hand.any()
 
 
-def test_a_mistake_is_told() -> None:
+def test_a_mistake_is_reported() -> None:
     simulation = fleet(1)
     with pytest.raises(am.AmorsimError, match="expected to hand it over to 'hand' or 'controller', got 'me'"):
         simulation.hand_over("r0", "me")

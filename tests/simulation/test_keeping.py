@@ -81,7 +81,7 @@ def test_beliefs_and_estimates_are_kept() -> None:
         (3, "expected names of quantities, got 3"),
     ],
 )
-def test_an_unknown_name_is_told_before_any_step(name: object, words: str) -> None:
+def test_an_unknown_name_is_reported_before_any_step(name: object, words: str) -> None:
     simulation = am.Simulation(one_robot())
     with pytest.raises(am.AmorsimError, match=words.replace("?", r"\?").replace(".", r"\.")):
         simulation.run(1.0, keep=(name,))

@@ -129,10 +129,10 @@ def test_of_many_places_and_of_a_crowd_little_is_said():
     assert found[-1] == "obstacles.p0.motion: so are 7 more of the 10 places on its route"
 
 
-def test_marks_that_cannot_be_told_apart_are_remarked_on():
-    told = Knowledge(landmarks=((1.0, 1.0), (2.0, 2.0), (3.0, 3.0)), landmark_ids=(4, 0, 4))
+def test_marks_that_cannot_be_distinguished_are_remarked_on():
+    known = Knowledge(landmarks=((1.0, 1.0), (2.0, 2.0), (3.0, 3.0)), landmark_ids=(4, 0, 4))
     found = remarks(
-        robot(fiducial=2, knowledge=told),
+        robot(fiducial=2, knowledge=known),
         landmarks=[Landmark(id=i, x=1.0 + 0.1 * n, y=1.0) for n, i in enumerate((1, 2, 3, 1))],
         obstacles=[am.Obstacle(name="post", shape=am.Shape.circle(0.2), fiducial=3)],
     )

@@ -206,12 +206,12 @@ def test_a_folder_names_the_generator_and_has_a_digest_of_each_world(tmp_path: P
     assert not list((tmp_path / "copy").glob("*.png"))
 
 
-def test_another_world_than_then_is_told(tmp_path: Path) -> None:
+def test_another_world_than_then_is_reported(tmp_path: Path) -> None:
     summary = am.run(read(document(sensors="")), tmp_path / "run", replicas=[1, 4], duration=0.3)
     about = summary.folder / "run.json"
-    told = json.loads(about.read_text())
-    told["worlds"]["4"] = "0123456789abcdef"
-    about.write_text(json.dumps(told))
+    record = json.loads(about.read_text())
+    record["worlds"]["4"] = "0123456789abcdef"
+    about.write_text(json.dumps(record))
     outcome = am.reproduce(summary.folder)
     assert not outcome.is_same
     assert "the generator Forest gives replica 4 another world than in that run" in outcome.difference

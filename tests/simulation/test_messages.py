@@ -23,7 +23,7 @@ from tests import building
         ("errors.drive.trak.scale", 1.0, "Did you mean 'track'?"),
     ],
 )
-def test_an_error_that_cannot_be_set_is_told_in_words(path, value, says):
+def test_an_error_that_cannot_be_set_is_reported_in_words(path, value, says):
     sim = am.Simulation(building.scenario())
     with pytest.raises(am.AmorsimError, match=says.replace("(", r"\(")) as caught:
         sim.set("rover", path, value)
@@ -32,7 +32,7 @@ def test_an_error_that_cannot_be_set_is_told_in_words(path, value, says):
 
 
 @pytest.mark.parametrize("path", [None, 3, ("errors", "drive")])
-def test_a_path_that_is_no_text_is_told_in_words(path):
+def test_a_path_that_is_no_text_is_reported_in_words(path):
     sim = am.Simulation(building.scenario())
     with pytest.raises(am.AmorsimError, match=r"expected a path, as 'drive\.track', got"):
         sim.set("rover", path, 1.0)
@@ -46,7 +46,7 @@ class Nameless:
 @pytest.mark.parametrize(
     "value", [10**5000, Nameless(), [10**5000], "x", None, math.nan], ids=lambda value: type(value).__name__
 )
-def test_odd_values_are_told_in_words(value):
+def test_odd_values_are_reported_in_words(value):
     sim = am.Simulation(building.scenario())
     rover = sim.robot("rover")
     sim.hand_over("rover")
@@ -65,7 +65,7 @@ def test_odd_values_are_told_in_words(value):
 
 
 @pytest.mark.parametrize("value", [10**5000, Nameless(), "x", math.nan], ids=lambda value: type(value).__name__)
-def test_odd_replicas_and_seeds_are_told_in_words(value):
+def test_odd_replicas_and_seeds_are_reported_in_words(value):
     sim = am.Simulation(building.scenario())
     with pytest.raises(am.AmorsimError, match="there is no replica"):
         sim.robot("rover", value)
@@ -76,7 +76,7 @@ def test_odd_replicas_and_seeds_are_told_in_words(value):
 
 
 @pytest.mark.parametrize("name", [None, 3, ["rover"]])
-def test_a_name_that_is_no_text_is_told_in_words(name):
+def test_a_name_that_is_no_text_is_reported_in_words(name):
     sim = am.Simulation(building.scenario())
     with pytest.raises(am.AmorsimError, match=r"there is no robot .*, but: rover"):
         sim.set(name, "drive.track", 1.0)
@@ -129,7 +129,7 @@ def test_what_is_no_snapshot_is_not_restored(given):
 
 
 @pytest.mark.parametrize("seed", ["a", -1, 2.5, 2**70])
-def test_a_simulation_begins_anew_from_a_seed_that_a_scenario_takes(seed):
+def test_a_simulation_starts_again_from_a_seed_that_a_scenario_takes(seed):
     sim = am.Simulation(building.scenario())
     with pytest.raises(am.ParameterError, match=r"seed: expected a whole number >= 0"):
         sim.reset(seed=seed)

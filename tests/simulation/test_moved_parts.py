@@ -169,7 +169,7 @@ def test_the_sweep_finds_the_contact_that_looking_along_the_path_finds(seed: int
 
 
 def test_two_rigs_stop_each_other_whatever_of_them_meets() -> None:
-    """One drives into the other's trailer, far from its tractor; both are told of it by their names and parts."""
+    """One drives into the other's trailer, far from its tractor; both are named in the event, with their parts."""
     sim = am.Simulation(yard(rig("a", 5.0, 5.0), rig("b", 3.8, 3.5, math.pi / 2.0)))
     drive(sim, (5.0, 5.0), 60, name="b")
     assert {(event.name, event.other) for event in sim.events} == {("a", "b"), ("b", "a")}

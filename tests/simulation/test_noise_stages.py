@@ -128,7 +128,7 @@ def test_elements_of_one_column_have_stages_of_that_column() -> None:
         assert stage.recompute().tobytes() == np.ascontiguousarray(reading.measured[0, column::columns]).tobytes()
 
 
-def test_what_cannot_be_told_is_said() -> None:
+def test_what_cannot_be_known_is_said() -> None:
     sim = simulate(am.MountedSensor(sensor=GYRO, latency=0.2), replicas=1)
     kept = am.keep_stages(sim, samples=1)
     sim.step()

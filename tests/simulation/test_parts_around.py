@@ -1,4 +1,4 @@
-"""Robots of several parts: how others sense them, where they may start, and that their bits hang on nothing else."""
+"""Robots of several parts: how others sense them, where they may start, and that their bits depend on nothing else."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ trailer_rear = 0.4 }
 ROOM = "width 10000\nheight 10000\n0 0 10000 0\n10000 0 10000 10000\n10000 10000 0 10000\n0 10000 0 0\n"
 
 
-def test_a_file_is_told_where_trailers_have_no_room(tmp_path: Path) -> None:
+def test_a_file_is_reported_where_trailers_have_no_room(tmp_path: Path) -> None:
     (tmp_path / "room.wld").write_text(ROOM)
     path = tmp_path / "yard.toml"
     path.write_text(SCENARIO.replace("SPACING", "2.0"))
@@ -176,7 +176,7 @@ def test_a_file_is_told_where_trailers_have_no_room(tmp_path: Path) -> None:
         am.load(path)
 
 
-def test_a_robot_that_is_told_no_place_finds_one_for_its_trailer_too() -> None:
+def test_a_robot_that_has_no_place_finds_one_for_its_trailer_too() -> None:
     """In a corridor that is longer than the tractor and narrower than both are long."""
     corridor = map_with((0.0, 8.4, 10.0, 8.4), (7.0, 8.4, 7.0, 10.0), side=10.0)
     sim = am.Simulation(yard(rig(pose=None), map=corridor))
@@ -281,7 +281,7 @@ def run(sim: am.Simulation, steps: int = 50) -> am.Simulation:
     return sim
 
 
-def test_bits_hang_on_no_order_no_replicas_and_no_threads() -> None:
+def test_bits_depend_on_no_order_no_replicas_and_no_threads() -> None:
     one = run(am.Simulation(mixed(), replicas=[7]))
     assert any(event.kind == "collision" for event in one.events)
     backwards = run(am.Simulation(mixed(order=-1), replicas=[7]))

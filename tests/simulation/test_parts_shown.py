@@ -70,7 +70,7 @@ def test_a_film_has_the_trailer_in_its_robots_colour(tmp_path: Path) -> None:
     assert (columns[-1] - columns[0] + 1) / 40.0 == pytest.approx(5.25 - 3.5, abs=0.06)
 
 
-def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
+def test_a_window_is_reported_parts_after_the_obstacles() -> None:
     pytest.importorskip("starlette")
     from amorsim.ui.simulator.frames import obstacle_poses
     from amorsim.ui.simulator.scenes import SceneBuilder
@@ -87,22 +87,22 @@ def test_a_window_is_told_of_parts_after_the_obstacles() -> None:
     assert len(obstacle_poses(am.Simulation(building.scenario(building.robot(controller=Manual()))), [])) == 0
 
 
-def test_a_window_is_told_where_a_robot_believes_its_trailer_to_be() -> None:
+def test_a_window_knows_where_a_robot_believes_its_trailer_to_be() -> None:
     pytest.importorskip("starlette")
     from amorsim.ui.simulator.frames import selected_of
 
-    # The trailer is longer than the robot was told, and the counts of the hitch are the true ones.
+    # The trailer is longer than the robot assumes, and the counts of the hitch are the true ones.
     sensors = {"encoder": am.sensors.Encoder(counts_per_revolution=1e6)}
     errors = {"drive.trailer_length": am.Deviation(add=0.2), "pose.y": am.Deviation(add=0.5)}
-    told = rig("a", 5.0, 5.0, sensors=sensors, errors=errors, controller=Manual())
-    sim = am.Simulation(yard(told, rig("b", 5.0, 2.0, sensors={})))
+    hauler = rig("a", 5.0, 5.0, sensors=sensors, errors=errors, controller=Manual())
+    sim = am.Simulation(yard(hauler, rig("b", 5.0, 2.0, sensors={})))
     sim.robot("a").drive(forward=0.3, turn=0.3)
     sim.run(2.0)
     ((x, y, heading),) = sim.robot("a").estimated_pose[None]
     hitch = sim.robot("a").joints[2]
     assert abs(hitch) > 0.05
-    length = told.drive.trailer_length
-    offset = told.drive.hitch_offset
+    length = hauler.drive.trailer_length
+    offset = hauler.drive.hitch_offset
     at = np.array([x, y]) - offset * np.array([math.cos(heading), math.sin(heading)])
     behind = heading - hitch
     expected = [*(at - length * np.array([math.cos(behind), math.sin(behind)])), behind]

@@ -57,8 +57,10 @@ def simulate(*robots, **options):
 def test_a_report_is_an_event():
     simulation = simulate(robot("a", Counting()), robot("b", Counting(every=4), 1.0), replicas=2)
     simulation.run(0.5)
-    told = [(event.time, event.replica, event.name, event.kind, event.path, event.value) for event in simulation.events]
-    assert told == [
+    found = [
+        (event.time, event.replica, event.name, event.kind, event.path, event.value) for event in simulation.events
+    ]
+    assert found == [
         (pytest.approx(0.2), 0, "a", "report", "counted", 3),
         (pytest.approx(0.2), 1, "a", "report", "counted", 3),
         (pytest.approx(0.3), 0, "b", "report", "counted", 4),

@@ -1,4 +1,4 @@
-"""What a sensor of a user's is told that asks its view wrongly: in its words, and not in those of a compiler."""
+"""A wrong query of the view: the error speaks of the sensor's call, not of a compiler."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def look(ask: Callable[[Any, Any], Any]) -> am.Simulation:
         (lambda view, aim: view.neighbours(np.array([[np.nan]])), r"range_max: .* got an array of shape \(1, 1\)"),
     ],
 )
-def test_a_wrong_question_is_told(ask: Callable[[Any, Any], Any], message: str) -> None:
+def test_a_wrong_question_is_reported(ask: Callable[[Any, Any], Any], message: str) -> None:
     with pytest.raises(am.ComponentError, match=message):
         look(ask)
 

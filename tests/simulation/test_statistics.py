@@ -25,11 +25,11 @@ STEP = SPEED * DT
 K = 2e-5  # m^2 per m
 
 
-def drive_straight(length: float, replicas: int, noise: am.Noise, k_told: float = 0.0, seed: int = 4) -> am.Simulation:
+def drive_straight(length: float, replicas: int, noise: am.Noise, k_known: float = 0.0, seed: int = 4) -> am.Simulation:
     robot = building.robot(
         pose=am.Pose(),
         ground=building.chain(noise),
-        estimators={"dead_reckoning": DeadReckoning(wheel_variance=k_told)},
+        estimators={"dead_reckoning": DeadReckoning(wheel_variance=k_known)},
     )
     sim = am.Simulation(building.scenario(robot, map=building.empty(), dt=DT, seed=seed), replicas=replicas)
     for replica in range(replicas):
@@ -83,7 +83,7 @@ def test_in_place_turns_spread_as_the_wheels_arcs() -> None:
 
 @pytest.mark.parametrize("length", [2.0, 8.0])
 def test_the_estimators_own_covariance_is_the_first_order_one(length: float) -> None:
-    sim = drive_straight(length, 1, Gaussian(std=0.0), k_told=K)
+    sim = drive_straight(length, 1, Gaussian(std=0.0), k_known=K)
     covariance = sim.covariance[0]
     q = 2 * K / B**2
     assert covariance[2, 2] == pytest.approx(q * length, rel=1e-9)

@@ -77,7 +77,7 @@ def test_small_errors_add_up() -> None:
     found = attribute_errors(scenario, replicas=5)
     assert len(found.cases) == 4
     total = sum(case.errors for case in found.cases)
-    # The errors are angles of less than 0.015 rad on a way of 8 m: what they make of one another is of the square.
+    # The errors are angles of less than 0.015 rad on a way of 8 m: their effect on one another is of second order.
     assert np.abs(total - found.together.errors).max() < 8.0 * 0.015**2
     assert abs(found.interaction) < 0.05
     assert min(case.error for case in found.cases) > 1e-4

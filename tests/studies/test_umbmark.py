@@ -18,14 +18,14 @@ from amorsim.studies.umbmark import corrected_scenario, drive_squares, fit_squar
 from tests import building
 from tests.algorithms.squares import ends
 
-TOLD = WheelGeometry(building.RADIUS, building.RADIUS, building.TRACK)
+NOMINAL = WheelGeometry(building.RADIUS, building.RADIUS, building.TRACK)
 # The square turns within 2 mm of a corner, with a heading within 2 mrad: its sides differ by 4 mm of 4 m at most, and
 # so do the figures, by a thousandth of their deviation; twice that for both coordinates.
 ED_EXACT, EB_EXACT = 0.002 * 0.005, 0.002 * 0.02
 
 
 def _errors(ed: float, eb: float) -> dict[str, Deviation]:
-    true = TOLD.corrected(ed, eb)
+    true = NOMINAL.corrected(ed, eb)
     return {
         "drive.wheel_radius_left": Deviation(value=true.radius_left),
         "drive.wheel_radius_right": Deviation(value=true.radius_right),
@@ -45,7 +45,7 @@ def test_without_random_errors_what_was_put_in_comes_out(ed: float, eb: float) -
     assert found.exact.ed.value == pytest.approx(ed, abs=1e-9)
     assert found.exact.eb.value == pytest.approx(eb, abs=1e-9)
     assert found.exact.scatter == 0.0
-    true = TOLD.corrected(ed, eb)
+    true = NOMINAL.corrected(ed, eb)
     assert found.corrected == pytest.approx(true, abs=1e-9)
     if ed != 1.0:
         assert found.error_after < 1e-3 * found.error_before
@@ -164,7 +164,7 @@ def test_it_drives_in_its_own_world_if_asked_to() -> None:
     assert there.exact.eb.value == pytest.approx(1.01, abs=1e-9)
 
 
-def test_walls_in_the_way_are_told_of() -> None:
+def test_walls_in_the_way_are_reported() -> None:
     with pytest.raises(am.AmorsimError, match=r"robot 'rover' met 'wall' at .* take a smaller side"):
         umbmark(_scenario(), in_its_world=True)
 
@@ -208,7 +208,7 @@ def test_the_corrected_scenario_has_the_same_robot_in_it() -> None:
     assert again.exact.eb.value == pytest.approx(1.0, abs=0.01 * 3e-3)
 
 
-def test_nothing_hangs_on_which_sensors_the_robot_has_besides() -> None:
+def test_nothing_depends_on_which_sensors_the_robot_has_besides() -> None:
     bare = _scenario(1.002, 1.01, 1e-6)
     full = attrs.evolve(bare.robots[0], sensors=building.all_sensors() | bare.robots[0].sensors)
     found = umbmark(attrs.evolve(bare, robots=[full]), runs=2, side=2.0)

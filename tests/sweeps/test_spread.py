@@ -154,7 +154,7 @@ def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
     assert table_of(tmp_path / "whole") == table_of(tmp_path / "out")
 
 
-def test_a_cluster_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_that_is_not_there_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import distributed
 
     def refuse(*args: Any, **kwargs: Any) -> None:
@@ -183,7 +183,7 @@ def test_a_worker_computes_even_if_it_cannot_leave_its_mark(tmp_path: Path, monk
     assert spread._in_worker(read_plan(small(tmp_path / "s", 4)), work).index == 3
 
 
-def test_without_the_extra_it_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_extra_it_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name, options in (("joblib", {"jobs": 2}), ("distributed", {"dask": "tcp://127.0.0.1:9"})):
         monkeypatch.setitem(sys.modules, name, None)
         with pytest.raises(am.StudyError, match=rf"this needs .*{name}.*amorsim\[sweep\]"):

@@ -133,12 +133,12 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_call_goes_on(tmp_path: Path, mon
     assert not part.is_complete
     assert part["point"].tolist() == [0, 0, 0, 1, 1, 1]
     monkeypatch.undo()
-    told: list[Any] = []
-    assert same(am.sweep(given, tmp_path / "out", progress=told.append), whole)
-    assert [(each.done, each.total) for each in told] == [(2, 4), (3, 4), (4, 4)]
-    assert told[0].left is None
-    assert told[1].left > 0.0
-    assert told[2].left == 0.0
+    reports: list[Any] = []
+    assert same(am.sweep(given, tmp_path / "out", progress=reports.append), whole)
+    assert [(each.done, each.total) for each in reports] == [(2, 4), (3, 4), (4, 4)]
+    assert reports[0].left is None
+    assert reports[1].left > 0.0
+    assert reports[2].left == 0.0
 
 
 def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path: Path) -> None:
@@ -211,7 +211,7 @@ def test_kept_runs_leave_folders_that_reproduce(tmp_path: Path) -> None:
         ({"format": 2}, r"format"),
     ],
 )
-def test_what_is_wrong_with_a_study_is_told_before_it_begins(
+def test_what_is_wrong_with_a_study_is_reported_before_it_begins(
     tmp_path: Path, changes: dict[str, Any], words: str
 ) -> None:
     with pytest.raises(am.StudyError, match=words):
@@ -219,7 +219,7 @@ def test_what_is_wrong_with_a_study_is_told_before_it_begins(
     assert not (tmp_path / "out").exists()
 
 
-def test_two_metrics_of_one_name_are_told_with_their_line(tmp_path: Path) -> None:
+def test_two_metrics_of_one_name_are_reported_with_their_line(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(
         'format = 1\nscenario = "demo"\n[metrics]\na = { use = "collisions" }\na = { use = "path_length" }\n'

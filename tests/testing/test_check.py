@@ -137,8 +137,8 @@ class Crane(Cart):
 
 
 @frozen
-class Told(Estimator):
-    """Stays where it was told to be, ever less sure."""
+class StaysPut(Estimator):
+    """Stays at its start, ever less sure."""
 
     growth: float = parameter(0.1, unit="m^2/s", ge=0, help="of the variances")
 
@@ -206,7 +206,7 @@ class Text(MapLoader):
         return Map.from_segments(np.array(walls).reshape(-1, 4), resolution=self.resolution)
 
 
-@pytest.mark.parametrize("cls", [Drift, Range, Cart, Crane, Told, Ahead, Slide, Text])
+@pytest.mark.parametrize("cls", [Drift, Range, Cart, Crane, StaysPut, Ahead, Slide, Text])
 def test_whole_components_pass(cls: type) -> None:
     check_component(cls)
     check_component(cls())
@@ -511,7 +511,7 @@ class TwinBooms(Crane):
 
 @frozen
 class GrowingBoom(Crane):
-    """Its outline hangs on a number that is not static."""
+    """Its outline depends on a number that is not static."""
 
     @property
     def parts(self) -> tuple[Part, ...]:  # type: ignore[override]
@@ -561,26 +561,26 @@ class OneRate(Cart):
 
 
 @frozen
-class Skewed(Told):
+class Skewed(StaysPut):
     def matrix(self, variance: Array) -> Array:
         return variance[:, :, None] * np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 @frozen
-class Negative(Told):
+class Negative(StaysPut):
     def matrix(self, variance: Array) -> Array:
         return variance[:, :, None] * np.array([[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 @frozen
-class Lost(Told):
+class Lost(StaysPut):
     def start(self, context: Context) -> State:
         return {"pose": np.full((context.rows, 3), np.nan), "age": np.zeros((context.rows, 1))}
 
 
 @frozen
-class KeepsTold(Told):
-    """Writes into the pose that it was told."""
+class KeepsGiven(StaysPut):
+    """Writes into the pose that it was given."""
 
     def start(self, context: Context) -> State:
         return {"pose": context.pose, "age": np.zeros((context.rows, 1))}
@@ -680,7 +680,7 @@ BROKEN = {
     Half: "shapes",
     WritesValues: "inputs",
     WritesView: "inputs",
-    KeepsTold: "inputs",
+    KeepsGiven: "inputs",
     WritesReading: "inputs",
     WritesFields: "parameters",
     KeepsOnItself: "parameters",
@@ -940,7 +940,7 @@ class Deaf(Near):
         return np.zeros((view.rows, 1)), {}
 
 
-def test_a_reading_that_never_changed_is_told_to_prove_nothing():
+def test_a_reading_that_never_changed_is_said_to_prove_nothing():
     with pytest.warns(UserWarning, match=r"sensor Deaf: its reading never changed in the trials \(\[0.0, 0.0, 0.0\]"):
         check_component(Deaf)
 

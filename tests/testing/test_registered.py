@@ -46,7 +46,7 @@ KINDS = (
 )
 CASES = [(kind, name) for kind in KINDS for name in REGISTRY.names(kind)]
 
-# What a check is told beside the class: the travel of wheels is never inf, and comes in pairs; beams may be
+# What a check needs to know besides the class: the travel of wheels is never inf, and comes in pairs; beams may be
 # made up, and what is stuck holds a return that is no more.
 _WHEELS: dict[str, Any] = {"inf": "absent", "values_of": "encoder"}
 SETTINGS: dict[tuple[str, str], dict[str, Any]] = {

@@ -34,7 +34,7 @@ def started(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 @pytest.fixture
 def served(browser: Any, started: Server) -> Server:
-    """A simulator for whoever has a browser to look at it: the same one for all, which `begin` takes to its start."""
+    """A simulator for tests with a browser: the same one for all, which `begin` takes to its start."""
     return started
 
 

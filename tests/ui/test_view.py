@@ -234,7 +234,9 @@ def test_without_the_extra_one_line_says_what_to_install(amorsim: Any, monkeypat
     assert said.splitlines() == ['the window needs the extra "ui"; in the checkout: python -m pip install -e ".[ui]"']
 
 
-def test_mistakes_are_told_as_run_tells_them(amorsim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mistakes_are_reported_as_run_reports_them(
+    amorsim: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     write_project(tmp_path)
     wrong = ("scenario.toml", "--set", "robots.rover.sensors.laser.beems=3", "--set", "robots.rover.pose.x=left")

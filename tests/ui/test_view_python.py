@@ -112,7 +112,7 @@ def test_a_script_may_open_one_window_after_the_other(tmp_path: Path) -> None:
     assert [line for line in ended.stdout.splitlines() if line.startswith("done")] == ["done with one", "done with two"]
 
 
-def test_a_script_that_opens_its_window_everywhere_is_told_what_to_do(tmp_path: Path) -> None:
+def test_a_script_that_opens_its_window_everywhere_learns_what_to_do(tmp_path: Path) -> None:
     write(tmp_path, VIEW)
     ended = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120.0, check=False
@@ -151,7 +151,7 @@ def test_what_no_other_process_can_find_is_refused() -> None:
         am.view(building.scenario(building.robot(controller=Own())))
 
 
-def test_mistakes_are_told_without_the_file_that_nobody_wrote() -> None:
+def test_mistakes_are_reported_without_the_file_that_nobody_wrote() -> None:
     scenario = building.scenario(building.robot(controller=circle, pose=am.Pose(x=0.0, y=0.0)))
     with pytest.raises(am.AmorsimError, match=r"^robots.rover.pose: at .* the footprint overlaps"):
         am.view(scenario, browser=False)

@@ -401,7 +401,7 @@ def test_a_window_that_is_loaded_again_keeps_the_controls(
     for other in (watcher, late):
         other.until(f"state.holder === '{window.see('window')}' && isMine === false")
         assert "ask for the controls" in other.page.locator(".controls").inner_text()
-    # Given away, they are told of.
+    # Once given away, this is shown.
     late.page.click(".controls")
     window.page.wait_for_selector(".controls:visible")
     window.page.click(".controls")

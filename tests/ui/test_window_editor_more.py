@@ -118,13 +118,13 @@ def test_a_killed_server_and_a_page_loaded_again_lose_nothing(open_editor: Any) 
 
 
 CHANGING = f"""(first) => {{
-    window.told = first;
+    window.reached = first;
     (async () => {{
         for (let n = first + 1; ; n++) {{
             const changes = [{{ op: "set", path: "simulation.seed", value: n }}];
             const said = await {PAGE}.connection.ask({{ do: "edit", label: "seed", changes }});
             if (!said.ok) return;
-            window.told = n;
+            window.reached = n;
         }}
     }})();
 }}"""
@@ -145,26 +145,26 @@ def test_a_page_and_a_server_killed_while_things_are_changed_lose_nothing_that_w
             before = seed_of(editor)
             editor.page.evaluate(CHANGING, before)
             editor.page.wait_for_timeout(chance.uniform(50.0, 500.0))
-            told = editor.page.evaluate("window.told")
+            reached = editor.page.evaluate("window.reached")
             with contextlib.suppress(Exception):  # which is what it does
                 editor.page.goto("chrome://crash")
             editor.page.context.close()
             editor.page = new_user(browser).new_page()
             editor.page.goto(editor.server.address)
             editor.until("state && !state.is_behind && stage.still && isHolder", seconds=60.0)
-            assert seed_of(editor) >= told > before
+            assert seed_of(editor) >= reached > before
         before = seed_of(editor)
         editor.page.evaluate(CHANGING, before)
         editor.page.wait_for_timeout(chance.uniform(50.0, 500.0))
-        told = editor.page.evaluate("window.told")
+        reached = editor.page.evaluate("window.reached")
         editor.server.process.send_signal(signal.SIGKILL)
         editor.server.process.wait()
         work = Work("demo", tmp_path, state=tmp_path / ".state")
-        assert work.document.get("simulation.seed") >= told > before
+        assert work.document.get("simulation.seed") >= reached > before
         work.close()
 
 
-def test_a_file_that_is_changed_by_hand_is_told_and_read_again(open_editor: Any, tmp_path: Path) -> None:
+def test_a_file_that_is_changed_by_hand_is_reported_and_read_again(open_editor: Any, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     am.open_document("demo").save(file, copy=True)
     editor = open_editor("mine.toml")

@@ -267,7 +267,7 @@ def test_the_mended_file_is_simulated_and_that_goes_on_when_the_file_is_broken_a
         other.page.goto(run)
         other.until("stage.frame")
         page.click(".banner.changed button")
-        for one in (window, other):  # whoever watches goes with the new simulation
+        for one in (window, other):  # both windows follow to the new simulation
             one.until("scene.duration === 50 && newest.tick === 0", seconds=60.0)
             assert one.page.url == run
             assert not one.page.is_visible(".banner")
@@ -278,7 +278,7 @@ def test_the_mended_file_is_simulated_and_that_goes_on_when_the_file_is_broken_a
 
 
 @pytest.mark.parametrize("is_mended", [False, True], ids=["as it is", "mended"])
-def test_the_terminal_is_told_and_the_exit_status_is_that_of_a_mistake_unless_mended(
+def test_the_terminal_is_informed_and_the_exit_status_is_that_of_a_mistake_unless_mended(
     tmp_path: Path, views: list[View], is_mended: bool
 ) -> None:
     file = write_scenario(tmp_path)

@@ -77,7 +77,7 @@ def test_a_drag_of_a_slider_is_one_event(window: Window) -> None:
         window.page.mouse.move(box["x"] + box["width"] * (0.5 + 0.02 * part), middle)
         window.page.wait_for_timeout(60)
     said = window.field(LEFT_WHEEL).locator("input[type=text]").input_value()
-    assert 1.03 < float(said) < 1.07  # it is told while it moves
+    assert 1.03 < float(said) < 1.07  # it is shown while it moves
     window.page.mouse.up()
     window.until(f"form.fields.get('{LEFT_WHEEL}').parameter.value === {said}")
     window.page.wait_for_timeout(300)

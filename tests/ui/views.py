@@ -23,7 +23,7 @@ from tests.ui.aside import aside
 
 
 class View:
-    """`amorsim view` with these arguments, once it has told its address; `first` is done by the process before.
+    """`amorsim view` with these arguments, once it has printed its address; `first` is done by the process before.
 
     Or a script that opens a window.
     """

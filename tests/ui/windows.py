@@ -213,7 +213,7 @@ class Window:
 
 
 def new_user(browser: Any) -> Any:
-    """Whoever has cookies, storage and a cache of their own."""
+    """A browser's user, with separate cookies, storage and cache."""
     return browser.new_context(viewport={"width": 1366, "height": 768}, accept_downloads=True)
 
 

@@ -305,7 +305,7 @@ def _overlapping(areas: Sequence[Any]) -> set[int]:
     for i, area in enumerate(areas):
         near = tree.query(area)
         near = near[near != i]
-        # Where many lie upon one another, the first few tell.
+        # Where many overlap, the first few are enough to know.
         parts = (near[:8], near[8:])
         if any(len(part) and shapely.relate_pattern(area, them[part], "T********").any() for part in parts):
             found.add(i)
@@ -313,9 +313,9 @@ def _overlapping(areas: Sequence[Any]) -> set[int]:
 
 
 def _find(name: str, file: Path, world: Path) -> Path | None:
-    """A file that a line names: beside the file that it is in, or beside the world."""
-    for beside in (file, world):
-        path = Path(os.path.abspath(beside.parent / name))  # noqa: PTH100 - a link keeps the name that it was given
+    """A file that a line names: next to the file that it is in, or next to the world."""
+    for neighbour in (file, world):
+        path = Path(os.path.abspath(neighbour.parent / name))  # noqa: PTH100 - a link keeps the name that it was given
         if is_file(path):
             return path
     return None

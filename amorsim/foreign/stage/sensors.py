@@ -178,8 +178,8 @@ def _finder(model: Model, spot: Spot, interval: float, notes: Notes) -> Table:
     fov = notes.number(values, "fov", 180.0)
     if not (farthest > 0.0 and 0.0 < fov <= 360.0):
         notes.fault(model.place, f"expected range_max > 0 and a fov of 0 to 360 degrees, got {farthest:g} and {fov:g}")
-    told = notes.number(values, "range_max_id", 5.0)
-    table: Table = {"use": "fiducial", "range_max": neat(farthest), "range_max_id": neat(max(told, 0.0))}
+    farthest_id = notes.number(values, "range_max_id", 5.0)
+    table: Table = {"use": "fiducial", "range_max": neat(farthest), "range_max_id": neat(max(farthest_id, 0.0))}
     rate = _rate(model, interval, notes)
     table |= {"fov_deg": neat(fov), "mount": spot.table()}
     return table if rate is None else {**table, "rate": rate}

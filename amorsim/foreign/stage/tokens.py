@@ -134,8 +134,8 @@ class _Reader:
         self._included += 1
         if self._included > MOST_INCLUDES:
             raise fault_at(place, f"the files include one another more than {MOST_INCLUDES} times; expected fewer")
-        # Beside the file that includes it, or beside the world, which is where Stage looks.
-        places = [Path(os.path.abspath(beside.parent / name)) for beside in (place.file, self._world)]  # noqa: PTH100
+        # Next to the file that includes it, or next to the world, which is where Stage looks.
+        places = [Path(os.path.abspath(neighbour.parent / name)) for neighbour in (place.file, self._world)]  # noqa: PTH100
         path = next((path for path in places if is_file(path)), places[0])
         if path in outer:
             raise fault_at(place, f"{name} includes itself, by way of {' and '.join(each.name for each in outer)}")

@@ -354,8 +354,8 @@ def bound_scan(
     """Raise `nearness` (k,) [1/m] to 1/t, where no beam meets an occupied cell before t.
 
     Blocks are visited from near to far. Hidden ones are skipped: they lie wholly behind the bounds of all beams that
-    could hit them. Returns False, with `nearness` undefined, if a wall cannot be told from its start, or if too many
-    walls are in sight for this to be faster.
+    could hit them. Returns False, with `nearness` undefined, if a wall is too close to the beam's start to
+    be distinguished from it, or if too many walls are in sight for this to be faster.
 
     Parameters
     ----------

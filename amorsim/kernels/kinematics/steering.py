@@ -170,10 +170,10 @@ def _way(before: Floats, after: Floats, skew: float, place: int) -> float:
 
 @part
 def _steer(
-    start: float, told: float, most: float, rate: float, lag: float, dt: float, out: Floats
+    start: float, wanted: float, most: float, rate: float, lag: float, dt: float, out: Floats
 ) -> tuple[float, float]:
     """A steering's target and its angle after a step; that angle and the mean rate go into `out` (2,)."""
-    target = min(max(told, -most), most)
+    target = min(max(wanted, -most), most)
     end, _ = respond(start, target, rate, lag, dt)
     out[0] = end
     out[1] = (end - start) / dt

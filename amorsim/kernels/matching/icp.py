@@ -53,7 +53,7 @@ class Result(NamedTuple):
     information: Floats  # (3, 3) from the scan alone
     values: Floats  # (3,) its eigenvalues with angles in lengths (see `align`), the least first
     vectors: Floats  # (3, 3) and their directions, in columns
-    told: Floats  # (3,) share of points that have a pair, root mean square of their distances [m], steps
+    quality: Floats  # (3,) share of points that have a pair, root mean square of their distances [m], steps
 
 
 class Work(NamedTuple):
@@ -213,9 +213,9 @@ def align(
         for j in range(3):
             at.sums[i, j] = out.information[i, j] / ((arm if i == 2 else 1.0) * (arm if j == 2 else 1.0))
     eigen(at.sums, out.values, out.vectors)
-    out.told[0] = used / points if points > 0 else 0.0
-    out.told[1] = math.sqrt(squares / used) if used > 0 else math.nan
-    out.told[2] = count
+    out.quality[0] = used / points if points > 0 else 0.0
+    out.quality[1] = math.sqrt(squares / used) if used > 0 else math.nan
+    out.quality[2] = count
 
 
 @kernel

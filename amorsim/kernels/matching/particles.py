@@ -256,7 +256,7 @@ def _likelihood(weighing: Weighing, at: Workshop) -> float:
 def resample(
     particles: Particles, due: Bools, share: float, uniforms: Floats, at_pose: Floats, at_path: Floats
 ) -> None:
-    """Draw the particles of rows anew whose effective number is below a share of them: systematic resampling.
+    """Resample the particles of rows whose effective number is below a share of them (systematic resampling).
 
     One draw (N, 1) places all P marks, so that few particles are lost. `at_pose` (P, 3) and `at_path` (P, K, 3) are
     room for copies. Source: S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics" (2005), 4.3.

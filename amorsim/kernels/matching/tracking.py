@@ -274,9 +274,9 @@ def _match(i: int, scans: Outlines, keys: Outlines, tracks: Tracks, rules: Rules
     invert(at.matrix, at.prior.information)
     record[FIT] = align_pair(key, scan, rules, at)
     found = at.result
-    share: float = found.told[0]
+    share: float = found.quality[0]
     record[SHARE] = share
-    record[DISTANCE] = found.told[1]
+    record[DISTANCE] = found.quality[1]
     record[WEAKEST] = found.values[0] / found.values[2] if found.values[2] > 0.0 else 0.0
     record[DEGENERATE] = 1.0 if record[WEAKEST] < rules.degenerate else 0.0
     c = math.cos(heading)

@@ -284,8 +284,8 @@ def _cast_rows(
             if count == 0:
                 break
             _find_beams(count, beams[DX, 0], beams[DY, 0], near)
-            told = hit[i] if hit.shape[1] > 0 else which[:0]
-            _meet_bodies(bodies, body_pose, which[:count], near, starts, in_order, limit, edges, beams, out[i], told)
+            met = hit[i] if hit.shape[1] > 0 else which[:0]
+            _meet_bodies(bodies, body_pose, which[:count], near, starts, in_order, limit, edges, beams, out[i], met)
 
 
 @kernel

@@ -41,7 +41,7 @@ def reach(search: Search, width: int, goal: int, weight: float, cell: int, other
 def expand_octile(search: Search, width: int, goal: int, weight: float, most: int) -> int:
     """Expand cells until the goal is one of them, none is left, or `most` are; returns which.
 
-    A diagonal step needs both cells beside it free. The estimate of what is left is `weight` times the octile
+    A diagonal step needs both cells next to it free. The estimate of what is left is `weight` times the octile
     distance: with 0 this is Dijkstra's algorithm, with 1 it is A*, and both find a shortest path.
     """
     free = search.free

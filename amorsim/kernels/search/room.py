@@ -18,7 +18,7 @@ def squared_gaps(free: NDArray[np.uint8], most: int, gaps: NDArray[np.int32], ou
     cell has -1. Outside the array everything is blocked. `gaps` (rows, cols) is to work in.
     """
     rows, cols = free.shape
-    # In each column, the gap to the nearest blocked cell of the column: -1 at one, 0 beside one.
+    # In each column, the gap to the nearest blocked cell of the column: -1 at one, 0 next to one.
     for col in range(cols):
         gap = -1
         for row in range(rows):

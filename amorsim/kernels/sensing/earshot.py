@@ -124,12 +124,12 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
     near = np.empty((count, _COLUMNS))
     edges = np.empty((3, 2))
     itself = np.empty(k, dtype=np.int64)  # which emitter each listener of a row is
-    cosines, sines, told = np.empty(fan.shape[0]), np.empty(fan.shape[0]), math.nan
+    cosines, sines, known = np.empty(fan.shape[0]), np.empty(fan.shape[0]), math.nan
     for n in range(rows):
         half, least, most = listeners.cones[n, 0], listeners.cones[n, 1], listeners.cones[n, 2]
         cos_half, sin_half = math.cos(half), math.sin(half)
-        if half != told:
-            told = half
+        if half != known:
+            known = half
             for f in range(fan.shape[0]):
                 cosines[f], sines[f] = math.cos(half * fan[f]), math.sin(half * fan[f])
         first, last = math.inf, -math.inf

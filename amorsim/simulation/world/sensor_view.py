@@ -82,7 +82,7 @@ class GroupView:
         _check_origins("cast", origins)
         if not isinstance(bearings, np.ndarray) or bearings.ndim != 2 or len(bearings) not in (1, len(origins)):
             raise ComponentError(
-                f"view.cast: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_told(bearings)}"
+                f"view.cast: bearings: expected an array (1, k) or ({len(origins)}, k) [rad], got {_in_words(bearings)}"
             )
         cos_b, sin_b = self._table(bearings)
         per_row = len(origins) // self.rows
@@ -143,7 +143,7 @@ class GroupView:
         array = np.asarray(values, dtype=np.float64)
         if array.shape not in ((), (1, 1), (self.rows, 1)) or not (array >= 0.0).all():
             raise ComponentError(
-                f"view.neighbours: {name}: expected numbers >= 0, one or ({self.rows}, 1), got {_told(values)}"
+                f"view.neighbours: {name}: expected numbers >= 0, one or ({self.rows}, 1), got {_in_words(values)}"
             )
         return self._per_row(array)
 
@@ -188,7 +188,7 @@ class GroupView:
         if not isinstance(places, np.ndarray) or places.shape[:1] + places.shape[2:] != (self.rows, 2):
             raise ComponentError(
                 f"view.floor: places: expected places in the world, an array ({self.rows}, k, 2) [m], got "
-                f"{_told(places)}"
+                f"{_in_words(places)}"
             )
         return self._world.surroundings.floor.at(places)
 
@@ -281,11 +281,11 @@ def _check_origins(asked: str, origins: Any) -> None:
     if not isinstance(origins, np.ndarray) or origins.ndim != 2 or origins.shape[1] != 3:
         raise ComponentError(
             f"view.{asked}: origins: expected poses in the world, an array (N * m, 3) such as view.pose, "
-            f"got {_told(origins)}"
+            f"got {_in_words(origins)}"
         )
 
 
-def _told(value: Any) -> str:
+def _in_words(value: Any) -> str:
     return f"an array of shape {value.shape}" if isinstance(value, np.ndarray) else f"{value!r:.60}"
 
 

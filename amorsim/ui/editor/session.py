@@ -234,7 +234,7 @@ class EditSession:
             "undo": work.history.done[-1].label if work.history.done else "",
             "redo": work.history.undone[-1].label if work.history.undone else "",
             "steps": len(work.history.done),
-            **self._controls.told(),
+            **self._controls.state(),
         }
         if self._drawn > after:
             answer["drawn"] = {
@@ -286,7 +286,7 @@ class EditSession:
         ``document`` is answered by `state` once its number is above ``after``; ``inspect`` by the ``sections`` of a
         thing, ``text`` by the scenario's text, ``image`` by a picture of a map, ``menu`` by what can be added.
         ``edit`` makes a step of ``changes`` (see `amorsim.ui.editor.changes`); ``undo``, ``redo``, ``save``,
-        ``save_as``, ``reload`` and ``run`` do what they say; after ``heard``, the remark is told no more.
+        ``save_as``, ``reload`` and ``run`` do what they say; after ``heard``, the remark is no longer shown.
         """
         try:
             return await self._answer(command)

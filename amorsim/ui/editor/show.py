@@ -48,7 +48,7 @@ def edit(
     allow_code
         Whether scenarios with programs of a user's may be run while other machines can reach the window.
     say, complain
-        Told the addresses, and what the user should know before.
+        Called with the addresses, and with warnings.
     folder
         Where a copy or an empty page is saved.
 

@@ -52,7 +52,7 @@ class _Looked(NamedTuple):
 
 
 class Mending:
-    """What windows see of a scenario with faults; they are told as soon as its file has changed.
+    """What windows see of a scenario with faults; they are notified as soon as its file has changed.
 
     All of it is for the event loop in which it is started.
 
@@ -89,7 +89,7 @@ class Mending:
         self._numbers = itertools.count(1)
         self._windows: set[str] = set()
         self._watching: asyncio.Task[None] | None = None
-        self._shown = self._told(1, "reading", faults)
+        self._shown = self._faulty_file(1, "reading", faults)
 
     def start(self) -> None:
         """Watch the file from now on."""
@@ -154,7 +154,7 @@ class Mending:
             return error.faults
         return ()
 
-    def _told(self, number: int, status: str, faults: list[FaultLine]) -> FaultyFile:
+    def _faulty_file(self, number: int, status: str, faults: list[FaultLine]) -> FaultyFile:
         return {
             "ok": True,
             "number": number,
@@ -167,7 +167,7 @@ class Mending:
 
     def _show(self, status: str, faults: list[FaultLine]) -> None:
         """Tell all windows how the file stands."""
-        self._shown = self._told(self._shown["number"] + 1, status, faults)
+        self._shown = self._faulty_file(self._shown["number"] + 1, status, faults)
         news, self._news = self._news, asyncio.Event()
         news.set()
 

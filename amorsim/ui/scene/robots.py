@@ -145,7 +145,7 @@ def _device_channels(sensors: Mapping[str, MountedSensor]) -> list[Channel]:
 
 
 def _fastest(drive: Drive, nominal: Drive) -> list[float]:
-    """The fastest of each part of a velocity alone: as the drive tells, or by what its command asks of the joints."""
+    """The fastest of each part of a velocity alone: the drive's top speed, or where the joints reach their limit."""
     limit = _number(nominal, "rate_max")
     found = list(FASTEST)
     if limit is not None and math.isfinite(limit):
@@ -156,11 +156,11 @@ def _fastest(drive: Drive, nominal: Drive) -> list[float]:
             found[part] = limit / largest if largest > 1e-9 else 0.0
     speeds = drive.top_speeds()
     if speeds is not None:
-        told = speeds[0].tolist()
+        top = speeds[0].tolist()
         found = [
-            told[0],
+            top[0],
             found[1] if drive.heading_offset(np.zeros((1, len(nominal.joints)))) is None else 0.0,
-            told[1],
+            top[1],
         ]
         if drive.curvature_max() is not None:  # what rolls along a curve does not go aside
             found[1] = 0.0

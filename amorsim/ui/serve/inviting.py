@@ -22,7 +22,7 @@ class Invitation:
     browser
         Whether to open the window in the browser.
     say, complain
-        Told the addresses, and what the user should know before.
+        Called with the addresses, and with warnings.
     """
 
     def __init__(self, *, browser: bool, say: Say, complain: Say) -> None:
@@ -33,9 +33,9 @@ class Invitation:
         """The server can be asked."""
         if not door.is_for_this_machine:
             self._complain(
-                f"served on {door.host} without encryption: whoever can read this network's traffic can see the window "
-                f"and take it over. Where you do not trust the network, leave the host out and forward the port by "
-                f"ssh -L"
+                f"served on {door.host} without encryption: anyone who can read this network's traffic can see the "
+                f"window and take it over. Where you do not trust the network, leave the host out and forward the port "
+                f"by ssh -L"
             )
         self._say(door.new_address(used=lambda: self._invite(door)))
         if self._browser:

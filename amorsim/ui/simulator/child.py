@@ -93,7 +93,7 @@ class Child:
         self._is_first = True
         self._carrier = Carrier()
         self._epoch = 0
-        self._told: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
+        self._known: tuple[Inputs | None, int] = (None, 0)  # the inputs that the session knows, and how many
         self._player: Player | None = None  # the source, if it is a simulation
 
     # ---------------------------------------------------------------------------------------------- the reading thread
@@ -133,8 +133,8 @@ class Child:
         held = 0.0 if since is None else time.monotonic() - since
         answer: dict[str, Any] = {"id": command["id"], "ok": True, "held": held, "tick": self._tick}
         if held > LONGEST_QUIET:
-            # To take kernels from their cache lasts as long where there is much else to do, and is no news.
-            answer["compiling"] = is_compiling(self._stack()[1], anew=True)
+            # On a busy machine it can take as long to read kernels from their cache, which is not worth a message.
+            answer["compiling"] = is_compiling(self._stack()[1], reading_counts=False)
         if self._in_step and held > float(command.get("patience", 5.0)):
             answer |= self._where()
         return answer
@@ -346,9 +346,9 @@ class Child:
             self._writer.send({"push": "folder", "folder": folder})
         inputs = self._player.inputs
         first, news = inputs.news()
-        known, count = self._told
+        known, count = self._known
         if inputs is not known or news or len(inputs) != count:
-            self._told = inputs, len(inputs)
+            self._known = inputs, len(inputs)
             self._writer.send({"push": "inputs", "first": first, "inputs": [one.to_json() for one in news]})
 
     def _is_frame_due(self) -> bool:

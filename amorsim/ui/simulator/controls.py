@@ -19,8 +19,8 @@ class Controls:
     """The windows of a session.
 
     The first window has the controls, until it gives them or goes. A window that is loaded again in its tab, or whose
-    connection was lost, gets them back while others watch, whoever has come or asked meanwhile, where it is there
-    again within `GRACE`. `clock` tells seconds.
+    connection was lost, gets them back if it is there again within `GRACE`, also when others have come or asked
+    meanwhile. `clock` tells seconds.
 
     Attributes
     ----------
@@ -72,8 +72,8 @@ class Controls:
         """Whether there is such a window."""
         return window in self._windows
 
-    def told(self) -> dict[str, Any]:
-        """As a window's state has it."""
+    def state(self) -> dict[str, Any]:
+        """Who has the controls and who asks for them, for a window's state."""
         self._pass_on()
         return {"holder": self.holder, "asking": list(self.asking)}
 

@@ -56,7 +56,7 @@ class Inputs:
 
     def __init__(self, given: Iterable[Input] = ()) -> None:
         self._given = list(given)
-        self._told = 0  # how many of them `news` has returned
+        self._reported = 0  # how many of them `news` has returned
 
     def __iter__(self) -> Any:
         return iter(self._given)
@@ -73,18 +73,18 @@ class Inputs:
             and (last.do, last.robot, last.tick) == ("command", new.robot, new.tick)
         ):
             self._given[-1] = new
-            self._told = min(self._told, len(self._given) - 1)
+            self._reported = min(self._reported, len(self._given) - 1)
         else:
             self._given.append(new)
 
     def cut(self, tick: int) -> None:
         """Forget what was given after `tick`."""
         self._given = [one for one in self._given if one.tick <= tick]
-        self._told = min(self._told, len(self._given))
+        self._reported = min(self._reported, len(self._given))
 
     def news(self) -> tuple[int, list[Input]]:
         """What is not as it was when this was asked last: from which place on, and all from there."""
-        first, self._told = self._told, len(self._given)
+        first, self._reported = self._reported, len(self._given)
         return first, self._given[first:]
 
     def replay(self, simulation: Simulation, tick: int) -> Iterable[int]:

@@ -243,7 +243,7 @@ class Keeper:
         robot = self.hang["robot"] if self.hang else ""
         self._note_hang("gone", f"the simulation has ended by itself ({link.end})", link.tick, robot, link.last_words)
 
-    def told(self) -> Answer:
+    def trouble(self) -> Answer:
         """The state to show if the child hangs or is gone; empty if it is well."""
         hang = self.hang
         if hang is None:

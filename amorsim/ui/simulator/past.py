@@ -55,11 +55,11 @@ class Pasts:
         """Another with the same moments."""
         return copy.deepcopy(self)
 
-    def told(self, robot: int, most: int) -> Past:
+    def of(self, robot: int, most: int) -> Past:
         """What is kept of a robot, at most `most` moments, including the last."""
         if robot not in self._robots:
             return {"ticks": [], "values": ""}
-        ticks, values = self._robots[robot].told(most)
+        ticks, values = self._robots[robot].moments(most)
         return past_of(ticks.tolist(), values)
 
 
@@ -131,7 +131,7 @@ class _Robot:
     def cut(self, tick: int) -> None:
         self._count = int(np.searchsorted(self._ticks[: self._count], tick, side="right"))
 
-    def told(self, most: int) -> tuple[Ints, Array]:
+    def moments(self, most: int) -> tuple[Ints, Array]:
         every = max(1, -(-self._count // max(most, 2)))
         places = np.arange(self._count - 1, -1, -every)[::-1]
         return self._ticks[places], self._values[places]

@@ -187,7 +187,7 @@ class Session:
             return {"ok": True, "scene": self.scene}
         if name == "state":
             more = {"selected": self._looks.of(window), "changed": self.changed}
-            return {**await self._told_state(command), **more, **({"moved": self.moved} if self.moved else {})}
+            return {**await self._answer_state(command), **more, **({"moved": self.moved} if self.moved else {})}
         if self._keeper.hang is not None:
             raise AmorsimError(f"the simulation does not answer: {self._keeper.hang['text']}")
         answer = await self._keeper.send(self._with_robot(window, command))
@@ -236,7 +236,7 @@ class Session:
         keeper.remark("saved", f"the scenario was saved as {file.relative_to(self.project)}")
         return {"ok": True, "file": str(file)}
 
-    async def _told_state(self, command: Table) -> Answer:
+    async def _answer_state(self, command: Table) -> Answer:
         keeper = self._keeper
         if keeper.hang is None:
             try:
@@ -244,9 +244,9 @@ class Session:
                 while not (await asyncio.wait([answer], timeout=BETWEEN_LOOKS))[0]:
                     if keeper.is_compiling and self._state:
                         answer.cancel()
-                        return {**self._state, "status": "compiling", **self._controls.told()}
+                        return {**self._state, "status": "compiling", **self._controls.state()}
                 self._state = answer.result()
             except AmorsimError:
                 if keeper.hang is None and not self._state:
                     raise
-        return {**self._state, **keeper.told(), **self._controls.told()}
+        return {**self._state, **keeper.trouble(), **self._controls.state()}

@@ -79,7 +79,7 @@ def show(
     browser
         Whether to open the window in the browser.
     say, complain
-        Told the addresses and where results lie, and what the user should know before.
+        Called with the addresses and where the results are, and with warnings.
     known
         Why the scenario cannot be simulated, where that is known already.
 
@@ -93,11 +93,11 @@ def show(
 
     pages = Pages()
     shown = _Shown(recipe, pages, out=out, say=say, complain=complain, notice=notice)
-    told = threading.Lock()  # the last word, once: here, or by the timer that waits for nothing
+    last_word = threading.Lock()  # said once: here, or by the timer that waits for nothing
     invitation = Invitation(browser=browser, say=say, complain=complain)
 
     def tell() -> None:
-        if told.acquire(blocking=False) and shown.folder:
+        if last_word.acquire(blocking=False) and shown.folder:
             say(f"results: {shown.folder}")
 
     def leave() -> None:
@@ -257,11 +257,11 @@ def main() -> None:
     sys.stdout = sys.stderr
 
     def tell(kind: str) -> Say:
-        def told(text: str) -> None:
+        def answer(text: str) -> None:
             answers.write(json.dumps([kind, text]) + "\n")
             answers.flush()
 
-        return told
+        return answer
 
     def watch() -> None:
         sys.stdin.read()

@@ -117,7 +117,7 @@ class Simulated(Source):
 
     def track(self, robot: int, most: int) -> Track:
         """The past of a robot, at most `most` moments of it."""
-        return Track(*self.paths.track(robot, most), self.pasts.told(robot, most))
+        return Track(*self.paths.track(robot, most), self.pasts.of(robot, most))
 
     def mapped(self, robot: str) -> list[Mapped]:
         """What each estimator of a robot that maps or matches believes, in their order."""

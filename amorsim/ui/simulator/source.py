@@ -180,4 +180,4 @@ class Source(abc.ABC):
 
     def events(self) -> list[EventLine]:
         """All that happened, in the order in which it became known: what is new comes last."""
-        return self._story.told(self.happened)
+        return self._story.lines(self.happened)

@@ -13,10 +13,12 @@ __all__ = ["is_compiling", "robot_of"]
 _COMPILER = Path(numba.__file__).parent
 
 
-def is_compiling(stack: traceback.StackSummary, *, anew: bool = False) -> bool:
-    """Whether a stack is in the compiler of kernels; with `anew` not if a kernel is being read from its cache."""
+def is_compiling(stack: traceback.StackSummary, *, reading_counts: bool = True) -> bool:
+    """Whether a stack is in the compiler of kernels; reading one from its cache counts or not."""
     files = (Path(frame.filename) for frame in stack)
-    return any(file.is_relative_to(_COMPILER) and (not anew or file.stem.startswith("compiler")) for file in files)
+    return any(
+        file.is_relative_to(_COMPILER) and (reading_counts or file.stem.startswith("compiler")) for file in files
+    )
 
 
 def robot_of(frame: FrameType | None) -> str:

@@ -58,7 +58,7 @@ class Story:
         """Forget what came after `tick`, at which there were `events` events."""
         self._lines = [(min(before, events), line) for before, line in self._lines if line["tick"] <= tick]
 
-    def told(self, events: Sequence[Event]) -> list[EventLine]:
+    def lines(self, events: Sequence[Event]) -> list[EventLine]:
         """Events and remarks in the order in which they became known, numbered from 1."""
         lines = [
             line_of(event.tick, event.time, event.kind, str(event).partition(": ")[2], event.name, event.point)

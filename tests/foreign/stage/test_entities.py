@@ -81,7 +81,7 @@ def test_an_include_is_found_beside_its_file_or_beside_the_world(write, tmp_path
         ("] resolution 1", "lab.world:1: expected a key, a model or define, got ']'"),
     ],
 )
-def test_what_is_wrong_is_told_with_its_line(write, text: str, expected: str) -> None:
+def test_what_is_wrong_is_reported_with_its_line(write, text: str, expected: str) -> None:
     assert fault_of(write(text, loop='include "loop.inc"')).startswith(expected)
 
 

@@ -236,7 +236,7 @@ def test_a_world_without_robots_gets_one(write) -> None:
     assert "a Pioneer 2DX wanders in it" in scenario.remarks[-1]
 
 
-def test_all_faults_are_told_with_their_lines(write) -> None:
+def test_all_faults_are_reported_with_their_lines(write) -> None:
     path = write(
         ROOM
         + "position( size [x 1]\n"

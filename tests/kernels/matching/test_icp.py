@@ -60,7 +60,7 @@ def test_what_was_not_seen_has_no_point():
     assert np.isnan(found.points).all()
     assert np.isnan(found.lines).all()
     result = align(outline_of(np.full(181, 2.0)), found)
-    assert result.told[0] == 0.0
+    assert result.quality[0] == 0.0
 
 
 def test_a_scan_is_laid_where_it_was_taken():
@@ -69,7 +69,7 @@ def test_a_scan_is_laid_where_it_was_taken():
     distance, angle = off(result.pose, am.relative(here, there)[0])
     assert distance < 0.01
     assert angle < math.radians(0.5)
-    assert result.told[0] > 0.7
+    assert result.quality[0] > 0.7
 
 
 def test_its_error_is_about_what_its_information_says():

@@ -1,4 +1,4 @@
-"""The Editor's steps in a process that is killed again and again, at any moment: what was told to be done is kept."""
+"""The Editor's steps in a process that is killed again and again, at any moment: what was reported as done is kept."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ KILLS = 50  # in each of four parts: 200 in all
 @pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 @pytest.mark.parametrize("part", range(4))
-def test_a_server_killed_at_any_moment_keeps_every_step_that_it_told(part: int, tmp_path: Path) -> None:
+def test_a_server_killed_at_any_moment_keeps_every_step_that_it_reported(part: int, tmp_path: Path) -> None:
     chance = random.Random(part)
     command = python_command("from tests.ui.editor.test_killed import bring_up; bring_up()")
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as nursery:
@@ -44,13 +44,13 @@ def test_a_server_killed_at_any_moment_keeps_every_step_that_it_told(part: int, 
 
 def check(folder: Path, before: int) -> int:
     """Open it again, and look whether all is there; the number of the step that was made last."""
-    told = folder / "told"
-    lines = told.read_text().split("\n")[:-1] if told.exists() else []
+    reported = folder / "reported"
+    lines = reported.read_text().split("\n")[:-1] if reported.exists() else []
     last = int(lines[-1]) if lines else before
     work = Work("demo", folder, state=folder / ".state")
     found = work.document.get("simulation.seed")
-    # A step is told once it is made; one more may have been made, or, in the middle of an undo, one less.
-    assert found in (last, last + 1) or (last + 1) % 7 == 0, f"{last} was told, {found} is there"
+    # A step is reported once it is made; one more may have been made, or, in the middle of an undo, one less.
+    assert found in (last, last + 1) or (last + 1) % 7 == 0, f"{last} was reported, {found} is there"
     texts = work.texts
     back = min(BACK, len(work.history.done))
     if found >= 5:  # each fifth step writes a program, too
@@ -80,7 +80,7 @@ def bring_up() -> None:
 def make_steps(folder: Path, first: int) -> None:
     """Make steps until somebody kills this process."""
     work = Work("demo", folder, state=folder / ".state")
-    with (folder / "told").open("a", buffering=1) as out:
+    with (folder / "reported").open("a", buffering=1) as out:
         for number in range(first, first + 1_000_000):
             make_step(work, number)
             if number % 7 == 0:

@@ -24,7 +24,7 @@ def thing_of(seen: dict[str, Any], path: str) -> dict[str, Any]:
     return dict(found)
 
 
-def test_points_in_the_world_are_told_moved_added_and_undone(tmp_path: Path) -> None:
+def test_points_in_the_world_are_shown_moved_added_and_undone(tmp_path: Path) -> None:
     text = """format = 1
 [world]
 map = { generate = "office", seed = 3 }
@@ -185,7 +185,7 @@ def test_pictures_and_a_zip_have_what_is_drawn_now(tmp_path: Path) -> None:
     assert world.segments[-1].tolist() == [1.0, 9.0, 2.0, 9.0]
 
 
-def test_what_differs_from_a_file_that_was_changed_is_told(tmp_path: Path) -> None:
+def test_what_differs_from_a_file_that_was_changed_is_reported(tmp_path: Path) -> None:
     file = own_copy("demo", tmp_path)
 
     async def say(session: EditSession) -> None:

@@ -1,4 +1,4 @@
-"""The page of a faulty file without a browser: what its windows are told, and when."""
+"""The page of a faulty file without a browser: what its windows show, and when."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_the_faults_come_first_then_what_can_be_drawn_and_the_simulation_once_th
         assert (said["status"], said["faults"], said["path"]) == ("starting", [], "")
         said = await following()
         assert (said["status"], said["path"]) == ("open", "/run/some")
-        # Whoever comes later is led there too.
+        # A window that comes later is led there too.
         assert (await mending.ask("w", {"do": "document", "after": 0}))["path"] == "/run/some"
 
     watch(work)
@@ -123,7 +123,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("kind", WRONG)
-def test_any_fault_that_comes_instead_is_told_with_its_line(file: Path, kind: str) -> None:
+def test_any_fault_that_comes_instead_is_reported_with_its_line(file: Path, kind: str) -> None:
     text, message, line = WRONG[kind]
 
     async def work(_: Mending, following: Next) -> None:
@@ -173,7 +173,7 @@ def test_a_map_that_is_put_where_it_was_missed_mends_the_file(file: Path) -> Non
     watch(work)
 
 
-def test_faults_that_only_a_simulation_finds_are_told_too(file: Path) -> None:
+def test_faults_that_only_a_simulation_finds_are_reported_too(file: Path) -> None:
     found: list[FaultLine] = fault_lines(
         [am.Fault(file="some.toml", path="robots.rover.pose", message="in a wall", line=7)]
     )
@@ -247,7 +247,7 @@ def test_pictures_of_maps_are_given_and_other_commands_refused(file: Path) -> No
     watch(work)
 
 
-def test_errors_that_a_file_is_to_blame_for_are_told_from_others() -> None:
+def test_errors_that_a_file_is_to_blame_for_are_distinguished_from_others() -> None:
     fault = am.Fault(file="some.toml", path="dt", message="expected more", value=3)
     assert [line["value"] for line in lines_of(ScenarioError([fault]))] == ["3"]
     assert [line["message"] for line in lines_of(ControllerError("it failed"))] == ["it failed"]

@@ -66,7 +66,7 @@ KIND = {
 
 def everything(values: Any = None, **options: Any) -> dict[str, Any]:
     form = form_of(Everything, values, **options)
-    assert json.loads(json.dumps(form)) == form  # a window can be told
+    assert json.loads(json.dumps(form)) == form  # it can be sent to a window
     return {field["path"]: field for field in form}
 
 

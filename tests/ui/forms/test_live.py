@@ -64,11 +64,11 @@ def test_a_drawn_offset_stays_within_what_its_parameter_allows() -> None:
 
 def test_the_limit_of_a_rate_deviates_by_a_factor_and_what_is_nominally_0_by_a_sum() -> None:
     errors = [form for form in forms_of(am.Simulation(am.load("demo")), "rover") if form["kind"] == "systematic"]
-    told = {form["label"]: (form["value"], form["unit"]) for form in errors if form["group"] == "drive"}
+    shown = {form["label"]: (form["value"], form["unit"]) for form in errors if form["group"] == "drive"}
     # "rate max 0" would be a limit of 0.
-    assert told["rate max"] == (1.0, "×")
-    assert told["acceleration max"] == (1.0, "×")
-    assert told["lag error"] == (0.0, "s")
+    assert shown["rate max"] == (1.0, "×")
+    assert shown["acceleration max"] == (1.0, "×")
+    assert shown["lag error"] == (0.0, "s")
     for form in errors:
         assert form["label"].endswith(" error") == form["path"].endswith(".add")
 
@@ -95,7 +95,7 @@ def test_the_slider_of_a_noise_is_of_the_size_of_the_noise() -> None:
     assert 0.0 <= low < 0.000268 < high < 0.003
 
 
-def test_a_drawn_value_is_told_in_words() -> None:
+def test_a_drawn_value_is_reported_in_words() -> None:
     drawn = normal(1.0, 0.01)
     assert form_of(am.Deviation(scale=drawn))["drawn"] == "normal(1, 0.01)"
     simulation = am.Simulation(building.scenario(building.robot(errors={"drive.track": am.Deviation(scale=drawn)})))
@@ -114,7 +114,7 @@ def test_a_drawn_value_that_was_given_back_can_be_given_again() -> None:
     again.give(simulation)
 
 
-def test_what_was_drawn_is_told_and_lies_on_its_slider() -> None:
+def test_what_was_drawn_is_shown_and_lies_on_its_slider() -> None:
     errors = {
         "drive.track": am.Deviation(scale=normal(1.02, 0.1)),
         "drive.wheel_radius_left": am.Deviation(value=normal(0.08, 0.001), per="study"),
@@ -153,15 +153,15 @@ def test_a_value_says_where_it_comes_from() -> None:
     simulation = am.Simulation(scenario)
     simulation.set("rover", "drive.track", 0.4)
     forms = {form["path"]: form for form in forms_of(simulation, "rover", Origins(scenario))}
-    told = {path: (forms[path]["origin"], forms[path]["is_changed"]) for path in forms}
-    assert told["errors.drive.track.scale"] == ("file", False)
-    assert told["drive.track"] == ("model", True)
-    assert told["drive.wheel_radius_left"] == ("model", False)
-    assert told["drive.lag"] == ("default", False)
-    assert told["drive.rate_max"] == ("command line", False)
-    assert told["errors.drive.lag.add"] == ("default", False)
+    shown = {path: (forms[path]["origin"], forms[path]["is_changed"]) for path in forms}
+    assert shown["errors.drive.track.scale"] == ("file", False)
+    assert shown["drive.track"] == ("model", True)
+    assert shown["drive.wheel_radius_left"] == ("model", False)
+    assert shown["drive.lag"] == ("default", False)
+    assert shown["drive.rate_max"] == ("command line", False)
+    assert shown["errors.drive.lag.add"] == ("default", False)
     assert forms["sensors.compass.noise.quantize.step"]["source"].startswith("from the model pioneer2dx.toml, line ")
-    assert {origin for origin, _ in told.values()} == {"file", "model", "default", "command line"}
+    assert {origin for origin, _ in shown.values()} == {"file", "model", "default", "command line"}
 
 
 def test_the_error_of_one_element_of_a_ring_is_shown_too() -> None:

@@ -32,7 +32,7 @@ def test_only_the_user_can_read_it_and_it_goes_when_it_was_used(folder: Path) ->
     assert list(folder.iterdir()) == []
 
 
-def test_where_it_cannot_be_written_the_user_is_told_what_to_do(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_it_cannot_be_written_the_user_learns_what_to_do(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(folder / "nothing"))
     monkeypatch.setenv("HOME", str(folder / "nothing"))
     with pytest.raises(AmorsimError, match=r"the browser is not opened.*open the address by hand"):

@@ -65,7 +65,7 @@ def hold(conversation: Any) -> None:
         await conversation(line, session)
         line.go()
         await asyncio.wait_for(running, 30.0)
-        assert not session.windows  # whoever goes is forgotten
+        assert not session.windows  # a window that goes is forgotten
 
     aside(whole())
 

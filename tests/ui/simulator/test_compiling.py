@@ -1,4 +1,4 @@
-"""A kernel that is being compiled is no controller that hangs; and the user is told that it is being compiled."""
+"""A kernel that is being compiled is no controller that hangs; and the user sees that it is being compiled."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_the_compiler_is_known_by_its_stack() -> None:
     def look(frame: object, event: str, argument: object) -> None:
         if event == "call" and next(calls) % 50 == 0 and not (seen and seen[-1][1]):
             stack = traceback.extract_stack(frame)  # type: ignore[arg-type]
-            seen.append((is_compiling(stack), is_compiling(stack, anew=True)))
+            seen.append((is_compiling(stack), is_compiling(stack, reading_counts=False)))
 
     function = numba.njit(lambda x: x + 1.0)
     before = sys.getprofile()
@@ -33,12 +33,12 @@ def test_the_compiler_is_known_by_its_stack() -> None:
     finally:
         sys.setprofile(before)
     assert any(whole for whole, _ in seen)
-    assert any(anew for _, anew in seen)
-    assert not any(anew and not whole for whole, anew in seen)
+    assert any(compiled for _, compiled in seen)
+    assert not any(compiled and not whole for whole, compiled in seen)
     assert not is_compiling(traceback.extract_stack())
 
 
-def test_the_user_is_told_while_kernels_are_compiled(
+def test_the_user_sees_a_message_while_kernels_are_compiled(
     start: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -50,9 +50,9 @@ def test_the_user_is_told_while_kernels_are_compiled(
     frame(session)
     done(session, "speed", factor=None)
     done(session, "run")
-    told = until(lambda: (s := state(session, window))["status"] == "compiling" and s)
-    assert told["fault"] is None  # it is no hang, however long it takes
-    assert told["holder"] == window
+    shown = until(lambda: (s := state(session, window))["status"] == "compiling" and s)
+    assert shown["fault"] is None  # it is no hang, however long it takes
+    assert shown["holder"] == window
     assert noticed == [COMPILING]
     # A page that is loaded meanwhile gets its scene.
     assert session.hang is None

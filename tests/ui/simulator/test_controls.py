@@ -19,7 +19,7 @@ class Clock:
 def test_the_first_window_has_them_and_others_watch() -> None:
     controls = Controls(Clock())
     first, second = controls.open("one"), controls.open("two")
-    assert controls.told() == {"holder": first, "asking": []}
+    assert controls.state() == {"holder": first, "asking": []}
     with pytest.raises(AmorsimError, match="another window has the controls"):
         controls.carry_out(second, {"want": "take"})
 
@@ -33,11 +33,11 @@ def test_they_wait_for_a_window_that_is_loaded_again() -> None:
     third = controls.open("three")
     controls.carry_out(third, {"want": "ask"})
     clock.now += 0.9 * GRACE
-    assert controls.told() == {"holder": "", "asking": [second, third]}
+    assert controls.state() == {"holder": "", "asking": [second, third]}
     again = controls.open("one")
-    assert controls.told() == {"holder": again, "asking": [second, third]}
+    assert controls.state() == {"holder": again, "asking": [second, third]}
     clock.now += GRACE
-    assert controls.told()["holder"] == again
+    assert controls.state()["holder"] == again
 
 
 def test_after_a_while_they_go_to_the_first_that_asks_or_comes() -> None:
@@ -47,11 +47,11 @@ def test_after_a_while_they_go_to_the_first_that_asks_or_comes() -> None:
     controls.carry_out(second, {"want": "ask"})
     controls.close(first)
     clock.now += GRACE
-    assert controls.told() == {"holder": second, "asking": []}
+    assert controls.state() == {"holder": second, "asking": []}
     controls.close(second)
     clock.now += 1.1 * GRACE
-    assert controls.told()["holder"] == ""
-    assert controls.told()["holder"] == ""
+    assert controls.state()["holder"] == ""
+    assert controls.state()["holder"] == ""
     third = controls.open("three")
     assert controls.holder == third
 

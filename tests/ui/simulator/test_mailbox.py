@@ -12,7 +12,7 @@ from tests.ui.simulator.test_protocol import moment
 
 
 class Child:
-    """Makes a bundle of the robots that are looked at whenever it is told to."""
+    """Makes a bundle of the robots that are looked at on request."""
 
     def __init__(self) -> None:
         self.asked: list[bool] = []

@@ -1,4 +1,4 @@
-"""What a window is told of maps, matched scans and pose graphs."""
+"""What a window gets of maps, matched scans and pose graphs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.estimators.slam_rig import scenario
 SMALL = {"wheel_variance": 1e-3, "resolution": 0.1, "width": 9.0, "height": 7.0}
 
 
-def test_a_window_is_told_what_was_mapped() -> None:
+def test_a_window_gets_what_was_mapped() -> None:
     mapping, slam = GridMapping(**SMALL), GraphSlam(**SMALL, range_std=0.01, key_distance=0.3, nodes=20)
     sim = am.Simulation(scenario(mapping=mapping, slam=slam, wheels=DeadReckoning()))
     sim.run(2.0)

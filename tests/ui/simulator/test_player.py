@@ -270,8 +270,8 @@ def test_what_becomes_known_comes_after_what_was_known() -> None:
     one.remark("saved", "while the past is shown")
     look()
     one.go_on()
-    told = [line["text"] for line in one.events() if line["kind"] != "continued"]
-    assert told == [text for text in known if "1.2" not in text]
+    texts = [line["text"] for line in one.events() if line["kind"] != "continued"]
+    assert texts == [text for text in known if "1.2" not in text]
 
 
 def test_what_was_left_by_going_on_can_be_taken_up_again() -> None:
@@ -307,7 +307,7 @@ def test_what_was_left_by_going_on_can_be_taken_up_again() -> None:
     assert one.simulation.digest() == other
     assert list(one.inputs) == others
     assert one.go_back() == 130
-    # What begins anew leaves nothing.
+    # A new start leaves nothing.
     one.reset()
     with pytest.raises(am.AmorsimError, match="no later history"):
         one.go_back()

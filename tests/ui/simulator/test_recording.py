@@ -111,7 +111,7 @@ def test_a_replay_shows_what_the_window_showed(opened: Open, tmp_path: Path) -> 
             np.testing.assert_allclose(now, then, rtol=0.0, atol=2e-6, err_msg=f"{name} at {tick}")
     track = recording.track(0, 1000)
     assert track.ticks == list(range(31)) == track.past["ticks"]
-    assert len(track.past["values"]) == len(player.pasts.told(0, 1000)["values"])
+    assert len(track.past["values"]) == len(player.pasts.of(0, 1000)["values"])
 
 
 def test_time_goes_on_back_and_ends(opened: Open, run_folder: Path) -> None:

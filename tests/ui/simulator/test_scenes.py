@@ -1,4 +1,4 @@
-"""Scenes and forms: what a window is told of a simulation."""
+"""Scenes and forms: what a window gets of a simulation."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_every_robot_that_ships_has_a_scene_and_forms(model: str) -> None:
     forward, left, turn = kind["twist"]
     assert 0.0 < forward < 10.0
     assert turn > 0.0
-    # The fastest is what it gets to, and no further when it is told more.
+    # The fastest is what it gets to, and no more when more is commanded.
     robot.drive(forward=2.0 * forward)
     simulation.run(20.0)
     assert robot.true_twist[0] == pytest.approx(forward, rel=0.02)
@@ -86,7 +86,7 @@ def test_every_form_leads_to_what_can_be_set_and_shows_it() -> None:
         assert form["help"], form["path"]
 
 
-def test_a_drawn_error_is_told_in_words_with_the_true_value() -> None:
+def test_a_drawn_error_is_reported_in_words_with_the_true_value() -> None:
     robot = building.robot(
         errors={"drive.track": am.Deviation(scale=am.Distribution(kind="normal", values=(1.0, 0.02)))}
     )

@@ -66,7 +66,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     first = frame(session)
     assert (first.tick, first.flags, len(first.true_pose)) == (0, 0, 2)
 
-    # It runs as fast as it is told, and frames come as it goes.
+    # It runs at the speed that was set, and frames come as it goes.
     done(session, "select", robot="rover")
     done(session, "speed", factor=20.0)
     done(session, "run")
@@ -97,7 +97,7 @@ def test_a_session_from_beginning_to_end(start: Make, tmp_path: Path) -> None:
     assert forms[path]["true"] == pytest.approx(1.05 * 0.0825)
     answer = session.request({"do": "set", "robot": "rover", "path": "drive.track", "value": -1.0})
     assert "expected a number [m] >= 0.001 and <= 100" in answer["error"]
-    # What was typed is told beside what follows from it.
+    # The typed value is shown next to what follows from it.
     answer = session.request({"do": "set", "robot": "rover", "path": "errors.drive.track.scale", "value": -1.0})
     assert "-1.0 would be out of bounds" in answer["error"]
     assert "drive.track: expected a number [m] >= 0.001 and <= 100, got -0.33" in answer["error"]
@@ -256,7 +256,7 @@ def test_each_window_looks_at_its_own_robot(start: Make) -> None:
     # What names no robot is meant for the one that is looked at.
     assert ask(second, "history")["true"] == ask(first, "history", robot="rover")["true"]
     assert ask(first, "history")["true"] == ask(second, "history", robot="other")["true"]
-    # While nothing moves, whoever turns sees the other robot, and nobody else does.
+    # While nothing moves, a window that turns to it sees the other robot, and nobody else does.
     assert ask(first, "select", robot=1)["ok"]
     turned = frame(session, seen[0].number, first)
     assert (turned.selected_robot, turned.tick) == (1, 5)
@@ -305,8 +305,8 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
     done(session, "speed", factor=None)
     done(session, "run")
     status = {"Raising": "fault", "Exiting": "gone"}.get(controller, "hang")
-    told = until(lambda: (s := state(session, window))["status"] == status and s)
-    fault = told["fault"]
+    shown = until(lambda: (s := state(session, window))["status"] == status and s)
+    fault = shown["fault"]
     if status != "gone":  # nothing is left to tell where it was
         assert fault["robot"] == "rover"
         assert "own.py" in fault["stack"]
@@ -328,10 +328,10 @@ def test_a_controller_that_fails_is_shown_and_left_out(start: Make, controller: 
         answer = done(session, "restart", without=["rover"])
         assert answer["again"] == (controller != "Endless")
         assert time.monotonic() - began < 30.0
-    told = state(session, window)
-    assert (told["status"], sorted(told["by_hand"])) == ("paused", ["other", "rover"])
+    shown = state(session, window)
+    assert (shown["status"], sorted(shown["by_hand"])) == ("paused", ["other", "rover"])
     # The last sign of life of a child that is gone may be some ticks old; otherwise it is as it was.
-    assert told["tick"] <= 40 if status == "gone" else told["tick"] == 40
+    assert shown["tick"] <= 40 if status == "gone" else shown["tick"] == 40
     done(session, "run")
     until(lambda: frame(session).flags & FrameFlag.ENDED)
     ended = frame(session)
@@ -399,13 +399,13 @@ def test_what_a_controller_prints_goes_to_the_log(
     until(lambda: "J" * 100 in capfd.readouterr().err)
 
 
-def test_faults_of_a_scenario_are_told_as_run_tells_them(tmp_path: Path) -> None:
+def test_faults_of_a_scenario_are_reported_as_run_reports_them(tmp_path: Path) -> None:
     path = write_project(tmp_path)
-    with pytest.raises(am.AmorsimError, match="there is no such key, but") as told:
+    with pytest.raises(am.AmorsimError, match="there is no such key, but") as caught:
         asyncio.run(Session(Recipe(name=str(path), changes=["robots.0.nme=3"])).start())
     with pytest.raises(am.ScenarioError) as directly:
         am.load(path, ["robots.0.nme=3"])
-    assert str(told.value) == str(directly.value)
+    assert str(caught.value) == str(directly.value)
 
 
 def test_a_folder_is_written_as_it_goes(start: Make, tmp_path: Path) -> None:
@@ -490,7 +490,7 @@ def test_a_run_that_is_being_saved_is_broken_off_with_the_rest(start: Make, tmp_
     assert poses.read_text().endswith("\n")
 
 
-def test_a_child_that_is_told_nonsense_ends_and_is_no_orphan(start: Make) -> None:
+def test_a_child_that_is_sent_nonsense_ends_and_is_no_orphan(start: Make) -> None:
     session = start()
     link = session.link
     link.tell({"do": "ping"})  # without a number to answer under

@@ -18,6 +18,6 @@ def tool() -> ModuleType:
     return module
 
 
-def test_the_scripts_are_told_the_messages_as_they_are() -> None:
+def test_the_scripts_know_the_messages_as_they_are() -> None:
     made = tool()
     assert made.FILE.read_text(encoding="utf-8") == made.script(), "run: python tools/make_wire.py"

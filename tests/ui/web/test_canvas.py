@@ -106,14 +106,14 @@ def test_a_wall_that_is_clicked_is_selected_and_tells_its_ends(window: Window) -
 TOOL = f"""async () => {{
     const {{ Tool }} = await import("/amorsim/web/shared/tool.js");
     const pane = {SIMULATOR}.stage.robot;
-    window.told = [];
+    window.calls = [];
     class Pencil extends Tool {{
         get cursor() {{ return "crosshair"; }}
-        down(place) {{ window.told.push(["down", place.x, place.y]); }}
-        move(place) {{ if (pane.active) window.told.push(["move"]); }}
-        up(place) {{ window.told.push(["up", place.x, place.y]); }}
-        cancel() {{ window.told.push(["cancel"]); }}
-        key(event, middle) {{ window.told.push(["key", event.key]); return true; }}
+        down(place) {{ window.calls.push(["down", place.x, place.y]); }}
+        move(place) {{ if (pane.active) window.calls.push(["move"]); }}
+        up(place) {{ window.calls.push(["up", place.x, place.y]); }}
+        cancel() {{ window.calls.push(["cancel"]); }}
+        key(event, middle) {{ window.calls.push(["key", event.key]); return true; }}
     }}
     window.hand = pane.tool;
     pane.take(new Pencil());
@@ -135,11 +135,11 @@ def test_a_tool_has_the_pointer_and_the_keys_of_its_canvas(window: Window) -> No
     page.mouse.down()
     page.keyboard.press("Escape")
     page.mouse.up()
-    told = page.evaluate("window.told")
-    assert [one[0] for one in told] == ["down", "move", "up", "key", "down", "cancel"]
+    calls = page.evaluate("window.calls")
+    assert [one[0] for one in calls] == ["down", "move", "up", "key", "down", "cancel"]
     scale = window.see("stage.camera.scale")
-    assert told[0][1:] == pytest.approx([3.0, 2.0], abs=0.01)
-    assert told[2][1:] == pytest.approx([3.0 + 30 / scale, 2.0], abs=0.01)
+    assert calls[0][1:] == pytest.approx([3.0, 2.0], abs=0.01)
+    assert calls[2][1:] == pytest.approx([3.0 + 30 / scale, 2.0], abs=0.01)
     assert (window.see("stage.camera.x"), window.see("stage.camera.y")) == (x, y)  # it has not panned
     page.evaluate(f"{SIMULATOR}.stage.robot.take(window.hand)")
     page.mouse.down()

@@ -79,10 +79,10 @@ def test_all_is_shown_again(window: Window, way: str) -> None:
 
 
 def test_the_pointer_tells_the_values_of_its_moment(window: Window) -> None:
-    said = window.page.locator(".plot-told")
+    said = window.page.locator(".plot-values")
     assert said.inner_text() == ""
     window.page.mouse.move(*across(window, 1.01))
-    window.page.wait_for_selector(".plot-told:not(:empty)")
+    window.page.wait_for_selector(".plot-values:not(:empty)")
     true = window.page.evaluate(
         """() => {
             const { times, values } = document.querySelector(".amorsim").simulator.numbers.series.get("x");
@@ -92,7 +92,7 @@ def test_the_pointer_tells_the_values_of_its_moment(window: Window) -> None:
     assert said.inner_text().startswith(f"1.00 s: true {true:.3f} · measured – · estimated ")
     assert said.inner_text().endswith(" m")
     window.page.mouse.move(5, 5)
-    window.page.wait_for_selector(".plot-told:empty", state="attached")
+    window.page.wait_for_selector(".plot-values:empty", state="attached")
 
 
 def test_it_is_drawn_in_the_colours_of_the_theme(window: Window) -> None:

@@ -199,7 +199,7 @@ def test_differences_of_angles_go_the_short_way_round(window: Window) -> None:
     assert row[3] == pytest.approx(math.degrees(2 * math.pi - 6.2))  # not -355 degrees
 
 
-def test_a_robot_for_the_table_is_told_to_a_tenth_of_a_millimetre(window: Window) -> None:
+def test_a_robot_for_the_table_is_shown_to_a_tenth_of_a_millimetre(window: Window) -> None:
     decimals = window.page.evaluate(
         """async () => {
             const { quantitiesOf } = await import("/amorsim/web/simulator/quantities.js");
@@ -309,7 +309,7 @@ def test_a_reading_is_drawn_where_a_click_finds_it(window: Window, style: str) -
             const theme = { true: "rgb(9 200 9)", "true-fill": "rgb(9 200 9 / 0.2)", paper: "white" };
             const pose = [2, 1, Math.PI / 2];
             drawReadings({ context, camera, theme, kind: "true" }, sensor, pose, values);
-            const told = points.map(([x, y]) => {
+            const parts = points.map(([x, y]) => {
                 const [left, top] = camera.toScreen(x, y).map(Math.round);
                 const { data } = context.getImageData(left - 3, top - 3, 7, 7);
                 let drawn = 0;
@@ -317,12 +317,12 @@ def test_a_reading_is_drawn_where_a_click_finds_it(window: Window, style: str) -
                 const part = nearestPart(sensor, pose, values, x, y, 0.09, camera.scale);
                 return [drawn, part && tellPart(sensor, { true: values, measured: values, age: 0.5 }, part)];
             });
-            return { isDrawn: isDrawn(sensor), told };
+            return { isDrawn: isDrawn(sensor), parts };
         }""",
         [shape, [value if math.isfinite(value) else None for value in values], [point, nowhere]],
     )
     assert found["isDrawn"]
-    (drawn, said), (elsewhere, nothing) = found["told"]
+    (drawn, said), (elsewhere, nothing) = found["parts"]
     assert drawn > 0
     assert said["title"] == title
     assert line in said["lines"]

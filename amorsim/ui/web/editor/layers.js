@@ -154,7 +154,7 @@ function drawCells(context, { spans, side, rows, x, y, heading, isOccupied, isFa
 }
 
 /**
- * Words beside what is being drawn.
+ * Words next to what is being drawn.
  * @extends {SceneLayer<import("./stage.js").EditStage>}
  */
 export class WordsLayer extends SceneLayer {

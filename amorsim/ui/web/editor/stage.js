@@ -78,7 +78,7 @@ export class EditStage extends StillStage {
     this.byPath = new Map(things.map((thing) => [thing.path, thing]));
     this.drop();
     const listeners = this.selection.listeners;
-    this.selection.listeners = []; // nobody is told that nothing is selected meanwhile
+    this.selection.listeners = []; // so that no listener hears of the empty selection meanwhile
     this.show(still, pictureOf);
     this.selection.listeners = listeners;
     this.whole = undefined;

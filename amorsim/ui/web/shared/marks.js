@@ -203,7 +203,7 @@ export function drawStanding(context, camera, floor, theme) {
   drawMarks(context, camera, floor.landmarks, theme.wall);
 }
 
-/** Landmarks as diamonds: of the world, or those that a robot was told. */
+/** Landmarks as diamonds: of the world, or those that a robot knows. */
 export function drawMarks(context, camera, marks, colour) {
   context.beginPath();
   for (const [x, y, radius] of marks) {

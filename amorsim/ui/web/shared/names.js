@@ -1,4 +1,4 @@
-// The names of robots beside them, clear of one another where they can be.
+// The names of robots next to them, clear of one another where they can be.
 
 const MOST = 40; // robots whose names are all drawn
 const HIGH = 12; // pixels of a letter

@@ -20,11 +20,11 @@ export class Plot {
   /** @param {HTMLElement} element what it fills */
   constructor(element) {
     this.element = element;
-    this.told = h("output", { class: "plot-told", "aria-hidden": "true" }); // what the table tells, too
+    this.values = h("output", { class: "plot-values", "aria-hidden": "true" }); // also in the table, which screen readers read
     /** Shows all of the time again; for where the plot's other controls are. */
     this.whole = h("button", { class: "tool", hidden: true, title: "all of the time (or a double click)" }, "all");
     this.whole.addEventListener("click", () => this.zoomTo(null));
-    element.append(this.told);
+    element.append(this.values);
     /** @type {[number, number] | null} */
     this.zoom = null; // the time that is shown, or null for all
     /** @type {unknown[]} */
@@ -167,12 +167,12 @@ export class Plot {
   tell() {
     const n = this.chart?.cursor.idx;
     if (n === null || n === undefined || !(this.chart.cursor.left >= 0) || this.curves.times[n] === undefined) {
-      say(this.told, "");
+      say(this.values, "");
       return;
     }
     const decimals = Math.max(0, Math.round(-Math.log10(this.look.least ?? 1e-3)));
     const values = this.curves.curves.map((kind, c) => `${kind} ${fixed(this.curves.values[c][n], decimals)}`);
-    say(this.told, `${fixed(this.curves.times[n], 2)} s: ${values.join(" · ")} ${this.look.unit}`);
+    say(this.values, `${fixed(this.curves.times[n], 2)} s: ${values.join(" · ")} ${this.look.unit}`);
   }
 }
 

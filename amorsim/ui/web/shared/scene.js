@@ -19,7 +19,7 @@ import { reach, waist } from "./marks.js";
  */
 
 /**
- * A scene with what drawing needs put in place: each robot with its kind's shape, its reach and what it was told.
+ * A scene with what drawing needs put in place: each robot with its kind's shape, its reach and what it knows.
  * @param {import("../simulator/wire.js").Scene} raw
  * @returns {Scene}
  */

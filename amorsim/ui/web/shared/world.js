@@ -109,7 +109,7 @@ export class SelectionLayer extends SceneLayer {
   }
 }
 
-/** Names beside robots: of the others only where the world is shown, for a robot knows nothing of them. */
+/** Names next to robots: of the others only where the world is shown, for a robot knows nothing of them. */
 export class NamesLayer extends SceneLayer {
   /** @type {"pane"} */
   space = "pane";

@@ -103,13 +103,13 @@ export class Numbers {
 
   /** The measured velocities in words: of the joints that are counted, and of the turning. */
   velocities(frame) {
-    const told = [];
+    const words = [];
     for (const quantity of this.quantities) {
       if (quantity.key !== "turn" && !quantity.key.startsWith("joint.")) continue;
       const measured = quantity.of(frame, frame.selected)[1];
-      if (Number.isFinite(measured)) told.push(`${quantity.label} ${fixed(measured, quantity.key === "turn" ? 1 : 2)} ${quantity.unit}`);
+      if (Number.isFinite(measured)) words.push(`${quantity.label} ${fixed(measured, quantity.key === "turn" ? 1 : 2)} ${quantity.unit}`);
     }
-    return told.slice(0, 4).join(" · ");
+    return words.slice(0, 4).join(" · ");
   }
 
   draw(theme, frame) {

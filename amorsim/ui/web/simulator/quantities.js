@@ -12,7 +12,7 @@ export const KINDS = ["true", "measured", "estimated", "difference"];
  * of what nobody estimates.
  */
 export function quantitiesOf(robot) {
-  const metres = robot.reach < 0.1 ? 4 : 3; // a robot for the table is told to a tenth of a millimetre
+  const metres = robot.reach < 0.1 ? 4 : 3; // of a tabletop robot to a tenth of a millimetre
   const find = (kind) => robot.sensors.findIndex((sensor) => sensor.kind === kind && sensor.size === 1);
   const [compass, gyro] = [find("compass"), find("gyro")];
   // A receiver at the base point measures the pose itself; elsewhere its readings are rows of their own.

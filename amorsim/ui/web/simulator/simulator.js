@@ -134,7 +134,7 @@ export class Simulator {
     if (frame.states !== this.states) {
       this.askState();
       if (frame.states & FLAG.ended) this.hint(isRecorded ? "This is the end of the recording." : "The scenario's duration is over. To run goes on all the same.");
-      if (frame.states & FLAG.running) this.hint(""); // whoever runs it knows how
+      if (frame.states & FLAG.running) this.hint(""); // no need to say how to run it
       if (this.states === undefined && !frame.tick && !(frame.states & FLAG.running)) this.hint("Press Space to run, ? for all keys.");
     }
     this.states = frame.states;
