@@ -24,6 +24,7 @@ from amorsim.ui.editor.changes import apply, own_table
 from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.inspector import inspect
 from amorsim.ui.editor.looking import FaultAt, Looked
+from amorsim.ui.editor.passing import PassingFolder
 from amorsim.ui.editor.projects import ASKS, Projects
 from amorsim.ui.editor.reader import Reader
 from amorsim.ui.editor.work import ChangedError, Work
@@ -100,7 +101,7 @@ class EditSession:
         self._news = asyncio.Event()
         self._wanted = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
-        self._folder = tempfile.TemporaryDirectory(prefix="amorsim-edit-", ignore_cleanup_errors=True)
+        self._folder = PassingFolder()
 
     def start(self) -> None:
         """Start reading the document and watching its files."""
@@ -119,7 +120,11 @@ class EditSession:
             self.reader.close()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         self.work.close()
-        self._folder.cleanup()
+        self.forget_files()
+
+    def forget_files(self) -> None:
+        """Remove what was written for other processes; calling it again does nothing."""
+        self._folder.remove()
 
     async def __aenter__(self) -> Self:
         self.start()
@@ -170,7 +175,7 @@ class EditSession:
         AmorsimError, OSError
             If a file cannot be written where that process finds it.
         """
-        folder = Path(self._folder.name) / "files"
+        folder = self._folder.path / "files"
         view = self.work.view(folder)
         name = f"{self.work.name}.toml"
         return {"text": view.text, "path": view.path, "shown": self.work.text, "name": name, "folder": folder}
@@ -354,7 +359,7 @@ class EditSession:
 
     async def _start_run(self) -> str:
         """Start a simulation of the document as it is now; returns the path of its page."""
-        folder = Path(self._folder.name)
+        folder = self._folder.path
         view = self.work.view(folder / "files")
         file = Path(tempfile.mkdtemp(prefix="run-", dir=folder)) / f"{self.work.name}.toml"
         view.save(file)

@@ -67,6 +67,7 @@ def edit(
 
     async def end() -> None:
         await opened.end_runs()
+        opened.forget_files()  # now: after SIGTERM, uvicorn ends the process before anything else can be done
         invitation.forget()
         rest = threading.Timer(LONGEST_REST, leave)
         rest.daemon = True
@@ -132,6 +133,11 @@ class _Opened:
         """End all simulations."""
         for _, _, runs in self._sessions:
             await runs.close()
+
+    def forget_files(self) -> None:
+        """Remove what the sessions wrote for other processes."""
+        for session, _, _ in self._sessions:
+            session.forget_files()
 
     async def close(self) -> None:
         """End all sessions and simulations."""
