@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Aim, Draws, Drive, Sensor, State, View, parameter
-from amorsim.kernels.kinematics.poses import directions
+from amorsim.kernels.sensing.heard import Senders, hear_nearest
 from amorsim.sensors.tables import table_of
 
 __all__ = ["Neighbours"]
@@ -54,40 +54,10 @@ class Neighbours(Sensor):
 
     def sense(self, view: View, aim: Aim, state: State, draws: Draws) -> tuple[Array, Mapping[str, Array]]:
         """The table `(N, 6 * slots)`; for the chain also ``slot``, ``range``, ``empty``."""
-        rows = view.rows
-        range_max: Any = self.range_max
-        values = np.zeros((rows, self.slots, 6))
-        values[:, :, :3] = np.inf
-        near = view.neighbours(range_max)
-        row, body = near.row, near.body
-        heard = near.is_robot[body] & (near.owner[body] == body)
-        row, body = row[heard], body[heard]
-        off = near.poses[body, :2] - view.body_pose[row, :2]
-        square = off[:, 0] ** 2 + off[:, 1] ** 2
-        heard = square <= range_max[row, 0] ** 2
-        row, body, square = row[heard], body[heard], square[heard]
-        order = np.lexsort((body, square, row))
-        row, body = row[order], body[order]
-        place = np.arange(len(row)) - np.searchsorted(row, row)  # among those of its row
-        first = place < self.slots
-        row, body, place = row[first], body[first], place[first]
-        pose = view.pose
-        own_c, own_s = _directions(pose[:, 2])
-        c, s = _directions(near.poses[body, 2])
-        twist = near.twists[body]
-        moved = np.stack((c * twist[:, 0] - s * twist[:, 1], s * twist[:, 0] + c * twist[:, 1]), axis=1)
-        off = near.poses[body, :2] - pose[row, :2]
-        values[row, place, 0] = np.sqrt(off[:, 0] ** 2 + off[:, 1] ** 2)
-        for column, vector in ((1, off), (3, moved)):
-            values[row, place, column] = own_c[row] * vector[:, 0] + own_s[row] * vector[:, 1]
-            values[row, place, column + 1] = own_c[row] * vector[:, 1] - own_s[row] * vector[:, 0]
-        values[row, place, 5] = near.reach[body]
+        limits: Any = self.range_max
+        near = view.neighbours(limits)
+        sends = near.is_robot & (near.owner == np.arange(len(near.owner)))
+        senders = Senders(near.own, near.first, near.body, near.poses, near.twists, near.reach, sends)
+        values = np.empty((view.rows, self.slots, 6))
+        hear_nearest(senders, view.pose, limits, values)
         return table_of(values, 0, (np.inf, np.inf, np.inf, 0.0, 0.0, 0.0))
-
-
-def _directions(headings: Array) -> tuple[Array, Array]:
-    """Cosine and sine of each heading, to the same bits for any number of them."""
-    column = np.ascontiguousarray(headings)[:, None]
-    cosine, sine = np.empty_like(column), np.empty_like(column)
-    directions(column, cosine, sine)
-    return cosine[:, 0], sine[:, 0]
