@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.progress import study_progress
 
 if TYPE_CHECKING:
     from amorsim.analysis.comparison import Comparison
@@ -47,23 +48,24 @@ def command(
 
     Draws depend on seed, replica and names alone, so each system meets the same noise: differences are taken pair by
     pair. Intervals are by the bootstrap, p-values by permutation, corrected for the number of differences (Holm).
+    Ctrl-C keeps what was simulated; the same command goes on where it stopped.
     """
     from amorsim.analysis.comparison import compare
     from amorsim.core.errors import AnalysisError
     from amorsim.runs.folder import check_free, new_folder
 
-    check_free(out)
     are_studies = [(Path(name) / "study.json").exists() for name in systems]
     if not any(are_studies) and axis is None:
         if len(systems) < 2:
             raise AnalysisError("expected two scenarios at least")
-        folder = out or new_folder("comparison")
-        studies: list[Any] = _simulated(systems, metric or ["position_error"], replicas, seeds, duration, jobs, folder)
+        studies = _simulated(systems, metric or ["position_error"], replicas, seeds, duration, jobs, out)
+        folder = studies[0].folder.parent
         found = compare(*studies, labels=[study.folder.name for study in studies])
     else:
+        check_free(out)
         found = compare(*systems, axis=axis, metrics=metric or ())
         folder = out or new_folder("comparison")
-    folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     _report(found)
     made = found.save(folder)
     if picture := _draw(found, folder):
@@ -72,37 +74,38 @@ def command(
 
 
 def _simulated(
-    systems: list[str], metrics: list[str], replicas: int, seeds: str, duration: float | None, jobs: int, folder: Path
+    systems: list[str],
+    metrics: list[str],
+    replicas: int,
+    seeds: str,
+    duration: float | None,
+    jobs: int,
+    out: Path | None,
 ) -> list[Study]:
-    """A study of each scenario, with the same seeds and replicas."""
+    """A study of each scenario, with the same seeds and replicas; goes on with what was begun before."""
+    from amorsim.analysis.comparison import ABOUT
     from amorsim.core.errors import AnalysisError
     from amorsim.runs.asked import look_up
-    from amorsim.sweeps.sweep import sweep
+    from amorsim.sweeps.several import Several
 
     try:
-        numbers = [int(part) for part in seeds.split(",")]
+        numbers = tuple(int(part) for part in seeds.split(","))
     except ValueError:
         raise AnalysisError(f"--seeds: expected whole numbers, as 1,2,3, got {seeds!r}") from None
     for name in systems:
         look_up(name)
     compile_once(lambda: None)
-    stems = [Path(name).stem for name in systems]
-    labels = [stem if stems.count(stem) == 1 else f"{stem}-{number}" for number, stem in enumerate(stems, start=1)]
+    several = Several(
+        scenarios=tuple(systems), metrics=tuple(metrics), replicas=replicas, seeds=numbers, duration=duration
+    )
+    folder = several.folder(out, "comparison", ended=ABOUT)
     studies = []
-    for name, label in zip(systems, labels, strict=True):
-        tables: dict[str, Any] = {
-            "format": 1,
-            "scenario": name,
-            "replicas": replicas,
-            "seeds": numbers,
-            "metrics": {metric: {"use": metric} for metric in metrics},
-        }
-        if duration is not None:
-            tables["duration"] = duration
+    for place, label in enumerate(several.labels):
         say(f"{label}: {len(numbers)} x {replicas} replicas")
-        study = sweep(tables, folder / label, jobs=jobs)
+        with study_progress() as progress:
+            study = several.sweep(place, folder, jobs=jobs, progress=progress)
         if not study.is_complete:
-            complain("interrupted; the same command with another --out begins again")
+            complain(f"interrupted; what is done is in {folder}. The same command goes on")
             raise typer.Exit(130)
         for _, error in study.failures[:1]:
             raise AnalysisError(f"{label}: {error}")

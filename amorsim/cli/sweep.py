@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
-import sys
-import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
+from amorsim.cli.progress import study_progress
 
 if TYPE_CHECKING:
-    from amorsim.sweeps.sweep import Progress
     from amorsim.sweeps.table import Study
 
 __all__ = ["command"]
-
-_EVERY = 30.0  # [s] between lines about the progress where there is no terminal
 
 
 def command(
@@ -59,7 +53,7 @@ def command(
         say(f"{study}: {count}{'s' if len(plan.seeds) > 1 else ''} x {plan.replicas} replicas")
     from amorsim.sweeps.sweep import sweep
 
-    with _progress(quiet) as progress:
+    with study_progress(quiet) as progress:
         found = sweep(study, out, jobs=jobs, dask=dask, keep=chosen, progress=progress)
     if not quiet:
         _report(found)
@@ -75,51 +69,6 @@ def _look(study: Path) -> None:
     from amorsim.sweeps.read import read_plan
 
     check_words(read_plan(study).scenario)
-
-
-@contextlib.contextmanager
-def _progress(quiet: bool) -> Iterator[Callable[[Progress], None] | None]:
-    if quiet:
-        yield None
-        return
-    if not sys.stdout.isatty():
-        yield _Lines()
-        return
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
-    from rich.progress import Progress as Bar
-
-    columns = (TextColumn("simulating"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}"))
-    with Bar(*columns, transient=True) as bar:
-        task = bar.add_task("simulating", total=1, left="")
-
-        def draw(progress: Progress) -> None:
-            bar.update(task, completed=progress.done, total=progress.total, left=_words(progress))
-
-        yield draw
-
-
-class _Lines:
-    """Lines in place of a bar, where there is no terminal."""
-
-    def __init__(self) -> None:
-        self._said_at = time.monotonic()
-
-    def __call__(self, progress: Progress) -> None:
-        if progress.left is None and progress.done and progress.done < progress.total:
-            say(f"{progress.done} of {progress.total} were done before")
-        elif (now := time.monotonic()) - self._said_at > _EVERY and progress.done < progress.total:
-            say(f"{progress.done} of {progress.total} done, {_words(progress)}")
-            self._said_at = now
-
-
-def _words(progress: Progress) -> str:
-    """The time left, and how many have failed."""
-    failed = f", {progress.failed} failed" if progress.failed else ""
-    if progress.left is None:
-        return failed.removeprefix(", ")
-    seconds = round(progress.left)
-    left = f"{seconds} s" if seconds < 120 else f"{seconds // 60} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
-    return f"about {left} left{failed}"
 
 
 def _report(found: Study) -> None:

@@ -18,7 +18,7 @@ from amorsim.scenario.write import table_text, with_copies
 from amorsim.sweeps.chunk import Outcome
 from amorsim.sweeps.plan import Plan
 
-__all__ = ["ABOUT", "FORMAT", "StudyFolder", "read_study_about"]
+__all__ = ["ABOUT", "FORMAT", "StudyFolder", "inputs_of", "read_study_about"]
 
 FORMAT = 1
 ABOUT = "study.json"
@@ -46,7 +46,7 @@ class StudyFolder:
     def __init__(self, path: Path, plan: Plan, scenario: Scenario) -> None:
         self.path = path
         self._plan = plan
-        inputs = _inputs(plan, scenario)
+        inputs = inputs_of(plan, scenario)
         if (path / ABOUT).exists():
             self.about = read_study_about(path)
             self._check_same(inputs)
@@ -196,7 +196,7 @@ def read_study_about(folder: Path) -> dict[str, Any]:
     return about
 
 
-def _inputs(plan: Plan, scenario: Scenario) -> dict[str, str]:
+def inputs_of(plan: Plan, scenario: Scenario) -> dict[str, str]:
     """A fingerprint of the study, and of each file that it depends on."""
     study = json.dumps(plan.tables, sort_keys=True, default=str).encode()
     found = {"study": hashlib.blake2b(study, digest_size=16).hexdigest()}

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import amorsim as am
+from amorsim.sweeps import spread
 from tests.cli.conftest import Command
 from tests.sweeps.studies import TRACK, study_file, tables
 
@@ -81,3 +83,84 @@ def test_scenarios_are_simulated_and_compared(amorsim: Command, file: Path, tmp_
     assert amorsim("compare", "s/small.toml").status == 2
     wrong = amorsim("compare", "s/small.toml", "s/other.toml", "--seeds", "a", "--out", "d")
     assert "--seeds: expected whole numbers" in wrong.err
+
+
+@pytest.fixture
+def pair(file: Path, tmp_path: Path) -> tuple[str, str]:
+    """Two scenarios, relative to the present folder."""
+    small = tmp_path / "s" / "small.toml"
+    (tmp_path / "s" / "other.toml").write_text(small.read_text().replace("scale = 1.0", "scale = 1.1"))
+    return "s/small.toml", "s/other.toml"
+
+
+class Interrupted:
+    """Computes chunks; Ctrl-C is pressed during the one of a number."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.done, self.last = 0, -1
+        self._run = spread.run_chunk
+        monkeypatch.setattr(spread, "run_chunk", self)
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self.done == self.last:
+            raise KeyboardInterrupt
+        self.done += 1
+        return self._run(*arguments)
+
+
+OF_FOUR = ("--replicas", 2, "--seeds", "1,2", "--duration", 0.5)
+
+
+@pytest.mark.parametrize("after", [1, 3])
+def test_a_comparison_goes_on_after_ctrl_c(
+    amorsim: Command, pair: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
+) -> None:
+    assert amorsim("compare", *pair, *OF_FOUR, "--out", "whole").status == 0
+    chunks = Interrupted(monkeypatch)
+    chunks.last = after
+    result = amorsim("compare", *pair, *OF_FOUR, "--out", "c")
+    assert result.status == 130
+    assert result.err == "interrupted; what is done is in c. The same command goes on\n"
+    chunks.last = -1
+    result = amorsim("compare", *pair, *OF_FOUR, "--out", "c")
+    assert result.status == 0, result.err
+    assert chunks.done == 4
+    for name in ("comparison.json", "comparison.csv"):
+        assert (tmp_path / "c" / name).read_text() == (tmp_path / "whole" / name).read_text()
+
+
+def test_without_a_named_folder_the_one_that_was_begun_is_found(
+    amorsim: Command, pair: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chunks = Interrupted(monkeypatch)
+    runs = tmp_path / "amorsim-runs"
+    chunks.last = 2
+    assert amorsim("compare", *pair, *OF_FOUR).status == 130
+    chunks.last = -1
+    assert amorsim("compare", *pair, *OF_FOUR, "--metric", "path_length").status == 0
+    assert (runs / "comparison-002" / "comparison.json").exists()
+    assert not (runs / "comparison-001" / "comparison.json").exists()
+    chunks.done = 0
+    assert amorsim("compare", *pair, *OF_FOUR).status == 0
+    assert chunks.done == 2
+    assert (runs / "comparison-001" / "comparison.json").exists()
+    assert amorsim("compare", *pair, *OF_FOUR).status == 0
+    assert (runs / "comparison-003" / "comparison.json").exists()
+
+
+def test_a_folder_of_another_comparison_is_refused(amorsim: Command, pair: tuple[str, str], tmp_path: Path) -> None:
+    assert amorsim("compare", *pair, *OF_FOUR, "--out", "c").status == 0
+    result = amorsim("compare", *pair, *OF_FOUR[:-1], 0.6, "--out", "c")
+    assert result.status == 2
+    assert (
+        "c: the comparison that was begun here differs in: duration; take back the change, or name another"
+        in result.err
+    )
+    path = tmp_path / pair[1]
+    path.write_text(path.read_text().replace("scale = 1.1", "scale = 1.2"))
+    result = amorsim("compare", *pair, *OF_FOUR, "--out", "c")
+    assert result.status == 2
+    assert "c: the comparison that was begun here differs in: scenario of other;" in result.err
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "a").touch()
+    assert "full: the folder holds files already" in amorsim("compare", *pair, *OF_FOUR, "--out", "full").err

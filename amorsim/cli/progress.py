@@ -1,0 +1,64 @@
+"""How far a study is: a bar in a terminal, else a line now and then."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from amorsim.cli.console import say
+
+if TYPE_CHECKING:
+    from amorsim.sweeps.sweep import Progress
+
+__all__ = ["study_progress"]
+
+_EVERY = 30.0  # [s] between lines about the progress where there is no terminal
+
+
+@contextlib.contextmanager
+def study_progress(quiet: bool = False) -> Iterator[Callable[[Progress], None] | None]:
+    """What `sweep` calls to show how far a study is; None where nothing is to be shown."""
+    if quiet:
+        yield None
+        return
+    if not sys.stdout.isatty():
+        yield _Lines()
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("simulating"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[left]}"))
+    with Bar(*columns, transient=True) as bar:
+        task = bar.add_task("simulating", total=1, left="")
+
+        def draw(progress: Progress) -> None:
+            bar.update(task, completed=progress.done, total=progress.total, left=_words(progress))
+
+        yield draw
+
+
+class _Lines:
+    """Lines in place of a bar, where there is no terminal."""
+
+    def __init__(self) -> None:
+        self._told = time.monotonic()
+
+    def __call__(self, progress: Progress) -> None:
+        if progress.left is None and progress.done and progress.done < progress.total:
+            say(f"{progress.done} of {progress.total} were done before")
+        elif (now := time.monotonic()) - self._told > _EVERY and progress.done < progress.total:
+            say(f"{progress.done} of {progress.total} done, {_words(progress)}")
+            self._told = now
+
+
+def _words(progress: Progress) -> str:
+    """The time left, and how many have failed."""
+    failed = f", {progress.failed} failed" if progress.failed else ""
+    if progress.left is None:
+        return failed.removeprefix(", ")
+    seconds = round(progress.left)
+    left = f"{seconds} s" if seconds < 120 else f"{seconds // 60} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+    return f"about {left} left{failed}"
