@@ -90,7 +90,9 @@ if TYPE_CHECKING:
     from amorsim.core.shapes import Shape
     from amorsim.plugins.hooks import hookimpl
     from amorsim.plugins.registry import Registry
+    from amorsim.render.plan_picture import draw_plan
     from amorsim.reports.report import report
+    from amorsim.runs.drawing import draw
     from amorsim.runs.reproduce import reproduce
     from amorsim.runs.run import run
     from amorsim.runs.session import RunSession, RunSummary, record
@@ -170,7 +172,9 @@ _MODULES = {
     ),
     "amorsim.simulation.estimator_runner": "EstimatorRunner",
     "amorsim.simulation.events": "Event",
+    "amorsim.render.plan_picture": "draw_plan",
     "amorsim.reports.report": "report",
+    "amorsim.runs.drawing": "draw",
     "amorsim.runs.reproduce": "reproduce",
     "amorsim.runs.run": "run",
     "amorsim.runs.session": "RunSession RunSummary record",
@@ -283,6 +287,8 @@ __all__ = [
     "check_code",
     "compose",
     "controllers",
+    "draw",
+    "draw_plan",
     "drives",
     "estimated_map",
     "estimators",
@@ -324,6 +330,8 @@ def __getattr__(name: str) -> Any:
         value = getattr(importlib.import_module(_HOME[name]), name)
     elif name in _PACKAGES:
         value = importlib.import_module(f"amorsim.{name}")
+    elif name == "__version__":
+        value = importlib.import_module("amorsim.core.version").version()
     else:
         raise AttributeError(f"module 'amorsim' has no attribute {name!r}")
     globals()[name] = value
@@ -331,4 +339,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return [*__all__, "__version__"]

@@ -11,8 +11,11 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
+
+import amorsim as am
 
 __all__ = ["make"]
 
@@ -59,6 +62,14 @@ def make(folder: Path) -> None:
             ("monday/plots/monday-rover-seed1-error.png", "first-run-error.png"),
         ):
             _save_small(work / source, folder / target)
+        am.draw(*_of_notebook(), replica=2, title="replica 2 after a minute").save(work / "notebook.png")
+        _save_small(work / "notebook.png", folder / "notebook.png")
+
+
+def _of_notebook() -> tuple[am.Simulation, dict[str, Any]]:
+    """What is drawn on the page "Work in a notebook"."""
+    simulation = am.Simulation(am.load("demo"), replicas=20)
+    return simulation, simulation.run(60, keep=("true_pose", "estimated_pose"))
 
 
 def _amorsim(work: Path, *arguments: str) -> None:

@@ -92,9 +92,9 @@ app.add_typer(plugins.app, name="plugins", short_help="List all components, or s
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from importlib import metadata
+        from amorsim.core.version import version
 
-        typer.echo(f"amorsim {metadata.version('amorsim')}")
+        typer.echo(f"amorsim {version()}")
         raise typer.Exit
 
 

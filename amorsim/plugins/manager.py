@@ -14,6 +14,7 @@ from typing import Any
 import pluggy
 
 from amorsim.core.errors import PluginError, did_you_mean
+from amorsim.core.version import version
 from amorsim.plugins.hooks import GROUP, Hooks
 from amorsim.plugins.registry import Plugin, Registry
 
@@ -63,7 +64,7 @@ def make_registry(
         entry_points = importlib.metadata.entry_points(group=GROUP)
     found: list[tuple[Plugin, Callable[[], Any]]] = [
         (
-            Plugin(name="builtin", distribution=GROUP, version=_version()),
+            Plugin(name="builtin", distribution=GROUP, version=version()),
             lambda: importlib.import_module(_BUILTIN),
         )
     ]
@@ -102,13 +103,6 @@ def _tell(hook: str, simulation: Any, registry: Registry) -> None:
 
 def _given(module: Any) -> Any:
     return module
-
-
-def _version() -> str:
-    try:
-        return importlib.metadata.version(GROUP)
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
 
 
 def _plugin_of(point: importlib.metadata.EntryPoint) -> Plugin:

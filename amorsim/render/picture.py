@@ -168,7 +168,7 @@ class Page:
     def items(self) -> Sequence[Item]:
         """The entries of the legend."""
         return items_of(
-            [path.name for path in self._paths],
+            [path.name for path in self._paths if len(path.true) or len(path.estimated)],
             true=any(len(path.true) for path in self._paths),
             estimated=any(len(path.estimated) for path in self._paths),
             zones=len(self._zones),

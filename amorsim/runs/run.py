@@ -9,6 +9,7 @@ from amorsim.kernels.cache_folder import mark_warm
 from amorsim.runs.folder import new_folder
 from amorsim.runs.interrupt import Interrupt
 from amorsim.runs.session import RunSession, RunSummary, steps_of
+from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.simulation import Simulation
 
@@ -16,7 +17,7 @@ __all__ = ["RunSummary", "new_folder", "run"]
 
 
 def run(
-    scenario: Scenario,
+    scenario: Scenario | str | os.PathLike[str],
     folder: str | os.PathLike[str] | None = None,
     *,
     seed: int | None = None,
@@ -34,7 +35,7 @@ def run(
     Parameters
     ----------
     scenario
-        The scenario to simulate.
+        The scenario to simulate, or its file, or the name of a bundled one.
     folder
         New or empty; without it, ``amorsim-runs/<scenario>-<number>``.
     seed, replicas
@@ -51,6 +52,8 @@ def run(
     ScenarioError
         If the scenario cannot be simulated; nothing is written then.
     """
+    if isinstance(scenario, str | os.PathLike):
+        scenario = load(scenario)
     if simulation is None:
         simulation = Simulation(scenario, seed=seed, replicas=replicas)
     duration = simulation.scenario.duration if duration is None else duration

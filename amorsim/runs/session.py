@@ -22,7 +22,7 @@ from amorsim.plugins.manager import default_registry, run_finished, run_started
 from amorsim.render.picture import draw_run
 from amorsim.runs.estimated_maps import write_estimated_maps
 from amorsim.runs.folder import ABOUT, FORMAT, RunFolder, circumstances, fingerprints, last_time
-from amorsim.runs.traces import Traces
+from amorsim.runs.traces import Traces, collisions_of
 from amorsim.runs.worlds import fingerprints_of_worlds
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, with_copies, write_table
@@ -270,14 +270,14 @@ class RunSession:
 
     def _sum_up(self, status: str, steps: int, *, is_whole: bool) -> RunSummary:
         simulation = self._simulation
-        names = simulation.names
+        names, first = simulation.names, simulation.replicas[0]
         return RunSummary(
             folder=self.folder,
             steps=steps,
             digests={replica: simulation.digest(replica) for replica in simulation.replicas} if is_whole else {},
             distance=dict(zip(names, self._traces.distance.tolist(), strict=True)),
             final_error=dict(zip(names, self._traces.errors().tolist(), strict=True)),
-            collisions={name: len(self._traces.collisions(name)) for name in names},
+            collisions={name: len(collisions_of(simulation, name, first)) for name in names},
             seconds=time.perf_counter() - self._started,
             is_complete=status == "finished",
         )

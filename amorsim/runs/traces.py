@@ -1,4 +1,4 @@
-"""The paths of the first replica's robots, kept in memory for a run's picture and summary."""
+"""The paths of robots as pictures want them; those of a run's first replica are kept in memory for its summary."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from amorsim.render.picture import RobotPath, Thing
 from amorsim.scenario.colours import robot_colours
 from amorsim.simulation.simulation import Simulation
 
-__all__ = ["Traces"]
+__all__ = ["Traces", "collisions_of", "paths_of", "things_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -108,58 +108,71 @@ class Traces:
         apart: Array = np.hypot(self._last[:, 0] - self._last[:, 2], self._last[:, 1] - self._last[:, 3])
         return apart
 
-    def collisions(self, name: str) -> Array:
-        """Where a robot of the first replica met something [m] `(K, 2)`."""
-        first = self._simulation.replicas[0]
-        points = [
-            event.point
-            for event in self._simulation.events
-            if event.kind == "collision" and event.name == name and event.replica == first and event.point
-        ]
-        return np.array(points, dtype=np.float64).reshape(-1, 2)
-
     def paths(self) -> list[RobotPath]:
         """The paths as pictures want them, in order of the robots' names."""
         self._settle()
         points = np.array([*self._kept, self._last])
-        robots = {robot.name: robot for robot in self._simulation.scenario.robots}
-        colours = robot_colours(self._simulation.scenario.robots)
-        found = []
-        for i, name in enumerate(self._simulation.names):
-            handle = self._simulation.robot(name, self._simulation.replicas[0])
-            found.append(
-                RobotPath(
-                    name=name,
-                    true=points[:, i, :2],
-                    estimated=points[:, i, 2:],
-                    outline=_placed(robots[name].shape, self._simulation.true_pose[i : i + 1]),
-                    collisions=self.collisions(name),
-                    parts=[_placed(part.shape, handle.parts[part.name][None]) for part in handle.true.drive.parts],
-                    colour=colours[name],
-                )
-            )
-        return found
+        return paths_of(self._simulation, self._simulation.replicas[0], points[..., :2], points[..., 2:])
 
     def things(self) -> list[Thing]:
-        """The obstacles of the first replica where they are now, the landmarks and the lamps, as pictures want them."""
-        scenario = self._simulation.scenario
-        found = []
-        for obstacle in scenario.obstacles:
-            pose = self._simulation.obstacle(obstacle.name, self._simulation.replicas[0]).true_pose
-            outline = _placed(obstacle.shape, pose[np.newaxis])
-            found.append(Thing(kind="obstacle", place=pose[:2], outline=outline, colour=obstacle.colour))
-        labelled = len(scenario.landmarks) <= MOST_LABELS
-        found += [
-            Thing(
-                kind="landmark",
-                place=(mark.x, mark.y),
-                radius=mark.radius,
-                colour=mark.colour,
-                label=str(mark.id) if labelled else "",
+        """What stands about in the first replica now, as pictures want it."""
+        return things_of(self._simulation, self._simulation.replicas[0])
+
+
+def paths_of(simulation: Simulation, replica: int, true: Array, estimated: Array) -> list[RobotPath]:
+    """Paths `(T, M, 2)` [m] of a replica's M robots as pictures want them, in order of the robots' names.
+
+    The robots' outlines are where they are now, and so are the collisions.
+    """
+    robots = {robot.name: robot for robot in simulation.scenario.robots}
+    colours = robot_colours(simulation.scenario.robots)
+    found = []
+    for i, name in enumerate(simulation.names):
+        handle = simulation.robot(name, replica)
+        found.append(
+            RobotPath(
+                name=name,
+                true=true[:, i],
+                estimated=estimated[:, i],
+                outline=_placed(robots[name].shape, handle.true_pose[None]),
+                collisions=collisions_of(simulation, name, replica),
+                parts=[_placed(part.shape, handle.parts[part.name][None]) for part in handle.true.drive.parts],
+                colour=colours[name],
             )
-            for mark in scenario.landmarks
-        ]
-        return found + [Thing(kind="lamp", place=(light.x, light.y)) for light in scenario.lights]
+        )
+    return found
+
+
+def collisions_of(simulation: Simulation, name: str, replica: int) -> Array:
+    """Where a robot of a replica met something [m] `(K, 2)`."""
+    points = [
+        event.point
+        for event in simulation.events
+        if event.kind == "collision" and event.name == name and event.replica == replica and event.point
+    ]
+    return np.array(points, dtype=np.float64).reshape(-1, 2)
+
+
+def things_of(simulation: Simulation, replica: int) -> list[Thing]:
+    """The obstacles of a replica where they are now, the landmarks and the lamps, as pictures want them."""
+    scenario = simulation.scenario
+    found = []
+    for obstacle in scenario.obstacles:
+        pose = simulation.obstacle(obstacle.name, replica).true_pose
+        outline = _placed(obstacle.shape, pose[np.newaxis])
+        found.append(Thing(kind="obstacle", place=pose[:2], outline=outline, colour=obstacle.colour))
+    labelled = len(scenario.landmarks) <= MOST_LABELS
+    found += [
+        Thing(
+            kind="landmark",
+            place=(mark.x, mark.y),
+            radius=mark.radius,
+            colour=mark.colour,
+            label=str(mark.id) if labelled else "",
+        )
+        for mark in scenario.landmarks
+    ]
+    return found + [Thing(kind="lamp", place=(light.x, light.y)) for light in scenario.lights]
 
 
 def _placed(shape: Shape, pose: Array) -> Array:

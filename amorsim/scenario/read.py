@@ -7,6 +7,7 @@ true poses that differ from the nominal ones, are known to `amorsim.Simulation` 
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,9 @@ __all__ = [
 _MODEL = {"drive", "shape"}
 
 
-def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registry | None = None) -> Scenario:
+def load(
+    source: str | os.PathLike[str], overrides: Iterable[str] = (), *, registry: Registry | None = None
+) -> Scenario:
     """The scenario in a file, or the bundled one of that name.
 
     Nothing of a user's runs: of controllers and motions in files the text is checked. `Simulation` loads them.
@@ -68,7 +71,9 @@ def load(source: str | Path, overrides: Iterable[str] = (), *, registry: Registr
     return _read(tables, book, registry, path, is_map_alone=book.is_foreign)
 
 
-def _find(source: str | Path, overrides: Iterable[str], registry: Registry) -> tuple[Path, Book, dict[str, Any]]:
+def _find(
+    source: str | os.PathLike[str], overrides: Iterable[str], registry: Registry
+) -> tuple[Path, Book, dict[str, Any]]:
     """The file that is meant by a path or by the name of a registered scenario, and what it says, with settings.
 
     The book has the faults of lines that are no TOML, and of the settings. Nothing else has been looked at.

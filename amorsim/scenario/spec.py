@@ -246,6 +246,11 @@ class Robot:
     height: float = parameter(0.3, unit="m", gt=0, help="above the ground, to its top; for cameras")
     colour: str | None = parameter(None, help="a name of CSS or '#rrggbb', for cameras and pictures")
 
+    def __repr__(self) -> str:
+        software = [*self.estimators, *([type(self.controller).__name__] if self.controller else ())]
+        parts = [self.model or type(self.drive).__name__, *self.sensors, *software]
+        return f"<Robot {self.name!r}: {', '.join(parts)}>"
+
     def __attrs_post_init__(self) -> None:
         check_colour(self.colour)
         if self.pose is not None and self.start is not None:
@@ -381,6 +386,15 @@ class Scenario:
     source: Path | None = None
     resolved: Mapping[str, Any] | None = None
     remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        name, (width, height) = self.source.stem if self.source else "", self.map.size
+        names = [robot.name for robot in self.robots] + [obstacle.name for obstacle in self.obstacles]
+        things, more = ", ".join(map(repr, names[:6])), len(names) - 6
+        return (
+            f"<Scenario {name!r}: {things}{f' and {more} more' if more > 0 else ''} in {self.map.name!r} ({width:g} x "
+            f"{height:g} m), {self.duration:g} s in steps of {self.dt:g} s, seed {self.seed}>"
+        )
 
     def __attrs_post_init__(self) -> None:
         if not self.robots:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import amorsim as am
-from amorsim.algorithms.cells import free_cells
+from amorsim.algorithms.cells import free_cells, usual_side
 from amorsim.kernels.search.octile import GOING_ON
 from amorsim.planners.grid_planner import GridPlanner, run_search
 from amorsim.plugins.manager import make_registry
@@ -115,6 +115,30 @@ def test_cells_of_another_size(name):
     assert plan.length == pytest.approx(1.6, abs=1e-9)
     with pytest.raises(am.PlanError, match=r"expected 50000000 at most: set the planner's cell to 0\.0004 m or more"):
         cls(cell=0.0001).plan(rooms(), LEFT, RIGHT)
+
+
+@pytest.mark.parametrize(
+    ("resolution", "size", "side"),
+    [
+        (0.1, (2000.0, 2000.0), 0.1),  # however many
+        (0.03, (70.0, 50.0), 0.03),
+        (0.001, (2.0, 2.0), 0.001),  # four million
+        (0.001, (2.002, 2.0), 0.002),
+        (0.001, (24.0, 16.0), 0.01),
+        (0.001, (100.0, 100.0), 0.05),
+        (0.02, (500.0, 500.0), 0.05),  # as coarse as it gets
+    ],
+)
+def test_maps_finer_than_a_planner_needs_get_coarser_cells(resolution, size, side):
+    world = am.Map.from_segments(np.empty((0, 4)), resolution=resolution, extent=(0.0, 0.0, *size))
+    assert usual_side(world) == side
+
+
+def test_a_plan_on_the_map_of_the_demo_needs_no_settings():
+    demo = am.load("demo")
+    plan = am.planners.AStar().plan(demo.map, (1.4, 8.2), (20.5, 6.0), footprint=demo.robots[0].shape)
+    assert plan.status == "found"
+    assert 19.2 < plan.length < 21.0  # the straight line is 19.2 m long
 
 
 def test_a_search_pauses_for_the_keyboard_and_stops_at_its_budget():
