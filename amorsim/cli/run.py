@@ -39,7 +39,7 @@ def command(
     seed: Seed = None,
     duration: Duration = None,
     replicas: Annotated[
-        int | None, typer.Option(metavar="N", help="How many replicas to simulate, each with draws of its own.")
+        int | None, typer.Option(metavar="N", help="How many replicas to simulate; each draws its own noise.")
     ] = None,
     threads: Annotated[
         int, typer.Option(metavar="N", help="How many threads share the work; pays from about a hundred robots up.")
@@ -71,7 +71,7 @@ def command(
     """Simulate a scenario and write what happened into a folder.
 
     The folder holds the scenario with its map, text files of all that was true, measured and estimated, and a
-    picture of the paths. Ctrl-C ends the run with its files whole.
+    picture of the paths. Ctrl-C ends the run; its files are complete up to then.
     """
     from amorsim.controllers.navigate import Navigate
     from amorsim.core.errors import AmorsimError
