@@ -229,13 +229,15 @@ def _report(simulation: Simulation, summary: RunSummary) -> None:
         for event in simulation.events
         if event.kind == "controller_ended" and event.replica == numbers[0]
     }
+    driverless = {robot.name for robot in simulation.scenario.robots if robot.controller is None}
     for name in names[:5]:
         count = summary.collisions[name]
         hits = "no collision" if count == 0 else "1 collision" if count == 1 else f"{count} collisions"
         if name in ended:
             hits += f", which ended its controller at {ended[name]:.1f} s"
+        idle = " (it has no controller)" if name in driverless else ""
         say(
-            f"{name}{of}: drove {summary.distance[name]:.2f} m in {time_:g} s, {hits}; "
+            f"{name}{of}: drove {summary.distance[name]:.2f} m in {time_:g} s{idle}, {hits}; "
             f"at the end the estimate is off by {summary.final_error[name]:.3f} m"
         )
     if len(names) > 5:
