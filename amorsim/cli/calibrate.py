@@ -44,7 +44,7 @@ def command(
     ],
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-<what>-<number>]"),
+        typer.Option(metavar="DIR", help="Folder for the results. [default: amorsim-runs/<name>-<what>-<number>]"),
     ] = None,
     robot: RobotName = None,
     sensor: Annotated[
@@ -54,7 +54,7 @@ def command(
         int | None,
         typer.Option(metavar="N", help="For range: which beam or transducer. [default: the one that looks ahead]"),
     ] = None,
-    runs: Annotated[int, typer.Option(metavar="N", help="How often the experiment is made, twice at least.")] = 10,
+    runs: Annotated[int, typer.Option(metavar="N", help="How many times the experiment is run, at least twice.")] = 10,
     seed: Seed = None,
     changes: Changes = None,
 ) -> None:

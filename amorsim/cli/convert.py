@@ -33,7 +33,7 @@ def command(
     ],
     use: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="OUT's format, where its ending tells another: mobilesim for a .map."),
+        typer.Option(metavar="NAME", help="OUT's format if its ending means another one: mobilesim for a .map."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
     resolution: Resolution = None,

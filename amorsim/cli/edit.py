@@ -23,15 +23,15 @@ def command(
     allow_code: Annotated[
         bool,
         typer.Option(
-            "--allow-code", help="With another --host: let scenarios run that have programs of their own all the same."
+            "--allow-code", help="With another --host: also run scenarios that have controllers or motions in files."
         ),
     ] = False,
 ) -> None:
     """Open the Editor in the browser: draw a world, place robots and other things, and run it.
 
-    Without a scenario it begins with an empty page. Of a bundled scenario, a copy is edited, which is saved in the
-    present folder. The address is printed on a line of its own, and works once; then another one is printed, for
-    another browser. Ctrl-C ends it.
+    Without a scenario it begins with an empty page. A bundled scenario is copied, and the copy is saved in the current
+    folder. The address is printed on a separate line and works once; then a new one is printed, for another browser.
+    Ctrl-C ends the Editor.
     """
     from amorsim.ui.simulator.show import check_extra
 

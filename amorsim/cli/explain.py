@@ -25,7 +25,7 @@ def command(
     scenario: Studied,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-errors-<number>]"),
+        typer.Option(metavar="DIR", help="Folder for the results. [default: amorsim-runs/<name>-errors-<number>]"),
     ] = None,
     robot: RobotName = None,
     sensor: Annotated[
@@ -38,9 +38,9 @@ def command(
 ) -> None:
     """Show what each error does to odometry, or to a sensor's readings: each alone, and all together.
 
-    Each entry of the robot's errors, each element of its ground and each one of its encoder's noise is an error.
-    Of a sensor, each entry of the robot's errors that touches it and each element of its noise is one.
-    All draw the same alone as in company, so that their shares add up.
+    For odometry, the errors are the entries of the robot's errors and the elements of its ground and of its encoder's
+    noise. For a sensor, they are the entries of the robot's errors that concern it and the elements of its noise. Each
+    error draws the same numbers alone and together with the others, so the shares add up.
     """
     from amorsim.runs.folder import check_free
     from amorsim.studies.attribution import attribute_errors

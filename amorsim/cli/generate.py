@@ -19,7 +19,7 @@ def command(
         typer.Argument(metavar="KIND", help="A world generator: office, maze, cave ... `amorsim plugins` lists them."),
     ],
     target: Annotated[
-        Path, typer.Option("-o", "--out", metavar="FILE", help="The file to write; its ending tells the format.")
+        Path, typer.Option("-o", "--out", metavar="FILE", help="The file to write; its ending gives the format.")
     ],
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed; the same one gives the same cells.")] = 0,
     size: Annotated[
@@ -42,7 +42,7 @@ def command(
 ) -> None:
     """Make a random world and write it as a map, in any format that can be written.
 
-    The file is read back, and what its format loses is said, as by convert.
+    The file is read back, and what its format loses is reported, as by convert.
     """
     settings = [f"size=[{size[0]!r}, {size[1]!r}]", *(changes or ())] if size else list(changes or ())
     if replica is not None:

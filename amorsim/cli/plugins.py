@@ -55,7 +55,8 @@ def show(
     found = [entry for entry in registry.entries(kind or None) if entry.name == short]
     if not found:
         known = sorted({entry.name for entry in registry.entries()})
-        raise PluginError(f"nothing is registered as {name!r}; known: {', '.join(known)}.{did_you_mean(short, known)}")
+        hint = did_you_mean(short, known)
+        raise PluginError(f"nothing is registered as {name!r}.{hint} `amorsim plugins` lists all, kind by kind")
     for number, entry in enumerate(found):
         if number:
             say("")

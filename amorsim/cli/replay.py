@@ -16,8 +16,8 @@ def command(
 ) -> None:
     """Open a recorded run in the Simulator: its time line, events and beliefs. Nothing is simulated.
 
-    The address is printed on a line of its own, and works once; then another one is printed, for another browser.
-    Ctrl-C ends it. A run that was broken off can be shown too, up to its last whole lines.
+    The address is printed on a separate line and works once; then a new one is printed, for another browser. Ctrl-C
+    ends it. A run that was broken off can be shown too, up to its last complete line.
     """
     from amorsim.runs.about import read_about
     from amorsim.ui.simulator.recipe import Recipe

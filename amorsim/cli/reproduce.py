@@ -14,7 +14,7 @@ __all__ = ["command"]
 
 def command(
     folder: RunFolder,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing; only the exit status tells.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing; the exit status says it.")] = False,
 ) -> None:
     """Run a run again, from what its folder holds, and compare all exact results.
 

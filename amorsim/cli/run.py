@@ -39,7 +39,7 @@ def command(
     seed: Seed = None,
     duration: Duration = None,
     replicas: Annotated[
-        int | None, typer.Option(metavar="N", help="How many replicas to simulate, each with draws of its own.")
+        int | None, typer.Option(metavar="N", help="How many replicas to simulate; each draws its own noise.")
     ] = None,
     threads: Annotated[
         int, typer.Option(metavar="N", help="How many threads share the work; pays from about a hundred robots up.")
@@ -71,7 +71,7 @@ def command(
     """Simulate a scenario and write what happened into a folder.
 
     The folder holds the scenario with its map, text files of all that was true, measured and estimated, and a
-    picture of the paths. Ctrl-C ends the run with its files whole.
+    picture of the paths. Ctrl-C ends the run; its files are complete up to then.
     """
     from amorsim.controllers.navigate import Navigate
     from amorsim.core.errors import AmorsimError
@@ -229,13 +229,15 @@ def _report(simulation: Simulation, summary: RunSummary) -> None:
         for event in simulation.events
         if event.kind == "controller_ended" and event.replica == numbers[0]
     }
+    driverless = {robot.name for robot in simulation.scenario.robots if robot.controller is None}
     for name in names[:5]:
         count = summary.collisions[name]
         hits = "no collision" if count == 0 else "1 collision" if count == 1 else f"{count} collisions"
         if name in ended:
             hits += f", which ended its controller at {ended[name]:.1f} s"
+        idle = " (it has no controller)" if name in driverless else ""
         say(
-            f"{name}{of}: drove {summary.distance[name]:.2f} m in {time_:g} s, {hits}; "
+            f"{name}{of}: drove {summary.distance[name]:.2f} m in {time_:g} s{idle}, {hits}; "
             f"at the end the estimate is off by {summary.final_error[name]:.3f} m"
         )
     if len(names) > 5:

@@ -29,22 +29,22 @@ def command(
     scenario: Studied,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Folder for what is found. [default: amorsim-runs/<name>-umbmark-<number>]"),
+        typer.Option(metavar="DIR", help="Folder for the results. [default: amorsim-runs/<name>-umbmark-<number>]"),
     ] = None,
     robot: RobotName = None,
     side: Annotated[float, typer.Option(metavar="METRES", help="Side of the square.")] = 4.0,
-    speed: Annotated[float, typer.Option(metavar="M/S", help="At which it drives, 0.2 m/s at most.")] = 0.2,
-    runs: Annotated[int, typer.Option(metavar="N", help="Squares each way round, two at least.")] = 5,
+    speed: Annotated[float, typer.Option(metavar="M/S", help="Speed of the robot, at most 0.2 m/s.")] = 0.2,
+    runs: Annotated[int, typer.Option(metavar="N", help="Squares in each direction, at least two.")] = 5,
     in_its_world: Annotated[
         bool, typer.Option("--in-its-world", help="Drive on the scenario's map, from the robot's start.")
     ] = False,
     seed: Seed = None,
     changes: Changes = None,
 ) -> None:
-    """Measure the systematic errors of a differential drive by squares both ways round, and correct them.
+    """Measure the systematic errors of a differential drive by squares in both directions, and correct them.
 
-    This is UMBmark (Borenstein and Feng 1996): the robot drives by its odometry, and where it really ends less where
-    it believes to be tells how unequal its wheels are (Ed) and how wrong its track is (Eb).
+    This is UMBmark (Borenstein and Feng 1996). The robot drives by its odometry. From the true end of each square less
+    the estimated one follow how unequal its wheels are (Ed) and how wrong its track is (Eb).
     """
     from amorsim.runs.folder import check_free
     from amorsim.studies.umbmark import umbmark

@@ -29,9 +29,9 @@ def command(
 ) -> None:
     """Open the Simulator in the browser: what is true next to what the robot knows.
 
-    Its address is printed on a line of its own. It works once, for anyone who has it, token included; then another one
-    is printed, for another browser. Ctrl-C ends it, with the files of --out whole. What is saved in the window goes
-    into the present folder. Of a scenario file with faults, the window shows the faults until the file is mended.
+    The address is printed on a separate line. It works once, for anyone who has all of it; then a new one is printed,
+    for another browser. Ctrl-C ends the Simulator; the files of --out are complete up to then. What you save in the
+    window goes into the current folder. If the scenario file has faults, the window shows them until you mend it.
     """
     from amorsim.core.errors import ScenarioError
     from amorsim.ui.faults.lines import FaultsError, lines_of

@@ -169,7 +169,7 @@ class UserController(UserCode, Controller):
             If the user's code raises, or does not return a command.
         """
         caller = self.asker(state)
-        answers = _Answers(robot, self.source, joints_of(robot, readings))
+        answers = _Answers(robot, self.title, joints_of(robot, readings))
         times = zip(clock.tick[:, 0].tolist(), clock.time[:, 0].tolist(), strict=True)
         for row, (read, (tick, time)) in enumerate(zip(_by_robot(readings, robot.rows), times, strict=True)):
             arguments = (
@@ -211,10 +211,10 @@ def _by_robot(readings: Mapping[str, Measurement], rows: int) -> Iterator[_Robot
 class _Answers:
     """Collects the returned values of all rows into one command."""
 
-    def __init__(self, robot: RobotModel, source: str, joints: Array) -> None:
+    def __init__(self, robot: RobotModel, title: str, joints: Array) -> None:
         self._robot = robot
         self._joints = joints
-        self._source = source
+        self._title = title
         self._rates = np.zeros((robot.rows, len(robot.channels)))
         self._twists = np.zeros((robot.rows, 3))
         self._speeds = np.zeros((robot.rows, 2))
@@ -276,7 +276,7 @@ class _Answers:
     def _wrong(self, row: int, answer: Any, problem: str) -> ControllerError:
         channels = ", ".join(self._robot.channels)
         return ControllerError(
-            f"controller {self._source!r} of {self._robot.who(row)} returned {in_words(answer)}: {problem}. Expected "
+            f"{self._title} of {self._robot.who(row)} returned {in_words(answer)}: {problem}. Expected "
             f"am.Twist(forward, turn), am.WheelSpeeds(left, right) in m/s, rad/s for each of ({channels}) in "
             "order or by name, or None to stop",
             robot=self._robot.names[row] if self._robot.names else "",

@@ -53,7 +53,7 @@ class UserCode:
         `who` gives the name of a row's robot or obstacle for messages. Raises the exception of `failed` if the code
         cannot be called, or an object cannot be made or lacks the method.
         """
-        what = f"{self.kind} {self.source!r}"
+        what = self.title
         if not callable(self.function):
             raise self.failed(f"{what}: expected a function or a class, got {in_words(self.function)}", "")
         if not inspect.isclass(self.function):
@@ -79,6 +79,11 @@ class UserCode:
         return {"objects": objects}
 
     @property
+    def title(self) -> str:
+        """What messages call it: its kind and where it comes from, or the name of a script's own function."""
+        return f"{self.kind} {self.source or getattr(self.function, '__name__', type(self.function).__name__)!r}"
+
+    @property
     def _method(self) -> str:
         return self.signature.partition("(")[0]
 
@@ -93,7 +98,7 @@ class UserCode:
 
     def raised(self, error: BaseException, who: str, time: float, name: str) -> AmorsimError:
         """The exception to raise for one that the user's code raised."""
-        return self.failed(f"{self.kind} {self.source!r} of {who} at {time:g} s raised {error_in_words(error)}", name)
+        return self.failed(f"{self.title} of {who} at {time:g} s raised {error_in_words(error)}", name)
 
 
 def present_folder() -> str | None:

@@ -95,7 +95,7 @@ class UserMotion(UserCode, Motion):
             parts = []
         if len(parts) not in (2, 3) or not all(abs(part) <= FASTEST for part in parts):
             raise ComponentError(
-                f"motion {self.source!r} of {who} returned {in_words(answer)}; expected the velocity (x, y) [m/s] in "
+                f"{self.title} of {who} returned {in_words(answer)}; expected the velocity (x, y) [m/s] in "
                 f"the world, (x, y, turn) with rad/s, each at most {FASTEST:g}, or None to stand"
             )
         x, y, turn = (*parts, 0.0)[:3]

@@ -45,12 +45,14 @@ def by_name(kind: type, example: str) -> Validator:
 
 def many(name: str, kind: type[Thing], given: Iterable[Thing]) -> tuple[Thing, ...]:
     """The things of a kind that a field called `name` was given, of any iterable."""
-    if isinstance(given, (str, kind)) or not isinstance(given, Iterable):
-        raise ParameterError(name, f"expected a list of {kind.__name__}, got {given!r}")
+    if isinstance(given, kind):
+        raise ParameterError(name, f"expected a list of {kind.__name__}, got one alone; put it in brackets: [...]")
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ParameterError(name, f"expected a list of {kind.__name__}, got {in_words(given)}")
     things = tuple(given)
     for thing in things:
         if not isinstance(thing, kind):
-            raise ParameterError(name, f"expected a list of {kind.__name__}, got one with {thing!r}")
+            raise ParameterError(name, f"expected a list of {kind.__name__}, got one with {in_words(thing)}")
     return things
 
 

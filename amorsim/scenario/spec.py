@@ -22,6 +22,7 @@ from amorsim.core.distributions import Distribution
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.core.shapes import Shape
+from amorsim.core.trouble import in_words
 from amorsim.motions.user import UserMotion
 from amorsim.plugins.checks import check_name
 from amorsim.scenario.columns import column_problem, not_for_sensors
@@ -100,10 +101,12 @@ def _chain(given: Iterable[NoiseElement | Noise]) -> tuple[NoiseElement, ...]:
     """A chain whose bare elements are called after their classes, numbered where one comes again."""
     made: list[NoiseElement] = []
     if isinstance(given, (str, Mapping)) or not isinstance(given, Iterable):
-        raise ParameterError("noise", f"expected a list of noises, as [am.noise.Gaussian(std=0.01)], got {given!r}")
+        raise ParameterError(
+            "noise", f"expected a list of noises, as [am.noise.Gaussian(std=0.01)], got {in_words(given)}"
+        )
     for element in given:
         if not isinstance(element, (Noise, NoiseElement)):
-            raise ParameterError("noise", f"expected a list of noises, got one with {element!r}")
+            raise ParameterError("noise", f"expected a list of noises, got one with {in_words(element)}")
         if isinstance(element, Noise):
             name = type(element).__name__.lower()
             count = sum(other.name.partition("_")[0] == name for other in made)
@@ -180,7 +183,7 @@ def _check_errors(_: Any, __: Any, value: Any) -> None:
     for path, deviation in value.items():
         if not isinstance(deviation, Deviation):
             raise ParameterError(
-                "errors", f"{path}: expected a Deviation, as in Deviation(scale=1.02), got {deviation!r}"
+                "errors", f"{path}: expected a Deviation, as in Deviation(scale=1.02), got {in_words(deviation)}"
             )
 
 
@@ -188,7 +191,7 @@ def _controller(given: Controller | Callable[..., Any] | None) -> Controller | N
     if given is None or isinstance(given, Controller):
         return given
     if not callable(given) or (isinstance(given, type) and issubclass(given, Controller)):
-        raise ParameterError("controller", f"expected a controller, a function or a class, got {given!r}")
+        raise ParameterError("controller", f"expected a controller, a function or a class, got {in_words(given)}")
     return UserController(source="", function=given)
 
 
@@ -266,7 +269,7 @@ def _motion(given: Motion | Callable[..., Any] | None) -> Motion | None:
     if given is None or isinstance(given, Motion):
         return given
     if not callable(given) or (isinstance(given, type) and issubclass(given, Motion)):
-        raise ParameterError("motion", f"expected a motion, a function or a class, got {given!r}")
+        raise ParameterError("motion", f"expected a motion, a function or a class, got {in_words(given)}")
     return UserMotion(source="", function=given)
 
 

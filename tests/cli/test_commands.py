@@ -94,7 +94,10 @@ def test_plugins_lists_and_shows(amorsim: Command) -> None:
     assert "wheel_radius_left = 0.0825" in amorsim("plugins", "show", "pioneer2dx").out
     result = amorsim("plugins", "show", "lasr")
     assert result.status == 2
-    assert "Did you mean 'laser'?" in result.err
+    assert (
+        result.err
+        == "nothing is registered as 'lasr'. Did you mean 'laser'? `amorsim plugins` lists all, kind by kind\n"
+    )
 
 
 def test_reproduce_tells_a_difference_by_its_exit_status(amorsim: Command, study: Path, tmp_path: Path) -> None:

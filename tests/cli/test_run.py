@@ -211,6 +211,12 @@ def test_many_robots_are_summed_up(amorsim: Command, tmp_path: Path) -> None:
     assert f"off by {rms:.3f} m (root mean square), {worst}'s the most, by {errors[worst]:.3f} m" in line
 
 
+def test_a_robot_that_stands_still_for_want_of_a_controller_is_reported(amorsim: Command, study: Path) -> None:
+    study.write_text("".join(line for line in study.read_text().splitlines(True) if "controller =" not in line))
+    out = amorsim("run", study, "--duration", "1").out
+    assert "rover: drove 0.00 m in 1 s (it has no controller), no collision; at the end the estimate" in out
+
+
 def test_a_collision_that_ended_a_controller_is_reported_with_its_time(amorsim: Command, study: Path) -> None:
     result = amorsim("run", study, "--duration", "20", "--out", "run", "--set", "robots.rover.controller.speed=1.2")
     line = (study.parent.parent / "run" / "events.csv").read_text().splitlines()[1]

@@ -25,11 +25,11 @@ def make_robot(rows, devices=()):
 class Runner:
     """A user's controller over rows, with a reading of each row's own."""
 
-    def __init__(self, function, rows=1, **options):
+    def __init__(self, function, rows=1, source="mine.py:go", **options):
         self.rows = rows
         self.robot = make_robot(rows)
         self.controller = stack(
-            [UserController(source="mine.py:go", function=function, options=tuple(options.items()))] * rows
+            [UserController(source=source, function=function, options=tuple(options.items()))] * rows
         )
         context = Context(rows=rows, dt=0.1, robot=self.robot, pose=np.zeros((rows, 3)))
         self.state = dict(self.controller.start(context))
@@ -166,6 +166,24 @@ def test_what_a_function_raises_is_reported_with_its_traceback():
     assert "there is no sensor 'lidar', but: laser. Did you mean 'laser'?" in str(caught.value)
     assert isinstance(caught.value.__cause__, KeyError)
     assert caught.value.__cause__.__traceback__ is not None
+
+
+def test_a_function_of_a_script_is_called_by_its_own_name_in_messages():
+    def swerve(readings, estimate, clock):
+        return 1 / 0
+
+    class Lost:
+        pass
+
+    for function, message in (
+        (swerve, "'swerve' of row 0 at 0.5 s raised Zero"),
+        (lambda *_: 3, "'<lambda>' of row 0"),
+    ):
+        runner = Runner(function, source="")
+        with pytest.raises(ControllerError, match=f"^controller {message}"):
+            runner.command()
+    with pytest.raises(ControllerError, match=r"^controller 'Lost': the class Lost has no method"):
+        Runner(Lost, source="")
 
 
 def test_a_function_that_leaves_python_is_reported_as_well():
