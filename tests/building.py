@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -120,3 +121,16 @@ def scenario(*robots: Robot, **changes: Any) -> Scenario:
     """A scenario of these robots (or the one of `robot`) in the room."""
     given: dict[str, Any] = {"map": room(), "robots": robots or (robot(),), "seed": 3}
     return Scenario(**(given | changes))
+
+
+def rover_text(*lines: str) -> str:
+    """The file of a scenario: a Pioneer in `room.wld`, and lines that say more of it."""
+    head = ("format = 1", "[world]", 'map = "room.wld"', "", "[[robots]]", 'name = "rover"', 'model = "pioneer2dx"')
+    return "".join(f"{line}\n" for line in (*head, "pose = { x = 1.0, y = 1.5 }", *lines))
+
+
+def write_rover(folder: Path, *lines: str) -> Path:
+    """The same as a file, with its room."""
+    (folder / "room.wld").write_text("width 4000\nheight 3000\n", encoding="utf-8")
+    (folder / "one.toml").write_text(rover_text(*lines), encoding="utf-8")
+    return folder / "one.toml"

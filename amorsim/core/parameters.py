@@ -67,7 +67,8 @@ class Parameter:
     a run's folder gets a copy of the file. `frame` says where points are: ``"world"``, ``"body"`` (the frame of the
     robot or of what it is part of), or ``""`` for what is no point. `refers` says what a text is the name of: one of
     the robot's ``"sensors"``, ``"estimators"`` or ``"joints"``. `component` is the kind of a value that is a component
-    itself, one of `COMPONENTS`; files give it as a table with ``use = NAME``.
+    itself, one of `COMPONENTS`; files give it as a table with ``use = NAME``. Annotated with ``| None``, there may be
+    none.
     """
 
     name: str
@@ -93,6 +94,17 @@ class Parameter:
         return self.default is _REQUIRED
 
     @property
+    def is_optional(self) -> bool:
+        """Whether its value may be None."""
+        return types.NoneType in typing.get_args(self.type)
+
+    @property
+    def contract(self) -> Any:
+        """The class of the components that it may be: its type, without None."""
+        options = [option for option in typing.get_args(self.type) if option is not types.NoneType]
+        return options[0] if self.is_optional and len(options) == 1 else self.type
+
+    @property
     def is_angle(self) -> bool:
         """Whether files give it in degrees, in a key that ends in ``_deg``."""
         return self.unit.split("/")[0] == "rad"
@@ -106,7 +118,8 @@ class Parameter:
     def file_type_name(self) -> str:
         """The same, with the keys of tables in files."""
         if self.component:
-            return f"a table with use = the name of a {self.component}"
+            table = f"a table with use = the name of a {self.component}"
+            return f'{table}, or "none"' if self.is_optional else table
         return _type_name(self.type, in_file=True)
 
     @property
@@ -154,7 +167,8 @@ def parameter(
     float), finite, within bounds or among `choices`. Whatever the bounds, no number is larger than `LARGEST`, and none
     that must be above 0 smaller than `SMALLEST`. Annotations may be `float`, `int`, `bool`, `str`, any of these
     ``| None``, a tuple of them, another attrs class with such fields, or a tuple of those (the elements of a ring). A
-    field that is a component itself names its kind in `component` and is annotated with a contract, as `am.Planner`.
+    field that is a component itself names its kind in `component` and is annotated with a contract, as `am.Planner`, or
+    `am.Planner | None` where there may be none.
     """
     metadata = {
         "unit": unit,

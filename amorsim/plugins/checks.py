@@ -176,8 +176,9 @@ def _check_component(parameter: Parameter) -> Iterator[str]:
     contract = dict(zip(COMPONENTS, contracts, strict=True)).get(parameter.component)
     if contract is None:
         yield f"field {parameter.name!r}: component: expected {' or '.join(COMPONENTS)}, found {parameter.component!r}"
-    elif not (isinstance(parameter.type, type) and issubclass(parameter.type, contract)):
-        yield f"field {parameter.name!r}: expected {contract.__name__} or a class of it, found {parameter.type}"
+    elif not (isinstance(parameter.contract, type) and issubclass(parameter.contract, contract)):
+        words = f"{contract.__name__} or a class of it, or one of these | None"
+        yield f"field {parameter.name!r}: expected {words}, found {parameter.type}"
 
 
 def _is_frozen(cls: type) -> bool:

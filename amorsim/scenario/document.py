@@ -19,6 +19,7 @@ from amorsim.scenario.copies import Copies
 from amorsim.scenario.editing import Editor
 from amorsim.scenario.elsewhere import copied, named_files, near
 from amorsim.scenario.faults import shown
+from amorsim.scenario.fields import NONE
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.journal import Journal
 from amorsim.scenario.layout import MISSING, Path_, found_at
@@ -272,6 +273,8 @@ class Document:
                     raise DocumentError(index, ".".join(map(str, (*at, part))))
                 place, at = place[index], (*at, index)
                 continue
+            if place == NONE:  # in the place of a component that may be chosen
+                place = MISSING
             if place is not MISSING and not isinstance(place, dict):
                 problem = f"there is nothing under {'.'.join(map(str, at))}: it is {shown(place)}"
                 raise DocumentError(problem, ".".join(map(str, (*at, part))))

@@ -123,7 +123,10 @@ def _read(node: Node, key: str, parameter: Parameter) -> Any:
 def _read_component_of(node: Node, parameter: Parameter) -> Any:
     """The component that a table with ``use = NAME`` means, for a field that is one."""
     kind, registry = parameter.component, default_registry()
-    if not node.expect_table(f"a table with use = one of: {', '.join(registry.names(kind))}"):
+    if parameter.is_optional and node.value == NONE:
+        return None
+    table = f"a table with use = one of: {', '.join(registry.names(kind))}"
+    if not node.expect_table(f'{table}, or "{NONE}"' if parameter.is_optional else table):
         return _BAD
     name = node.child("use").text(f"the name of a {kind}")
     if name is None:
@@ -133,8 +136,8 @@ def _read_component_of(node: Node, parameter: Parameter) -> Any:
     except PluginError as error:
         node.child("use").fault(str(error))
         return _BAD
-    if not issubclass(cls, parameter.type):
-        fitting = [other for other in registry.names(kind) if issubclass(registry.get(kind, other), parameter.type)]
+    if not issubclass(cls, parameter.contract):
+        fitting = [other for other in registry.names(kind) if issubclass(registry.get(kind, other), parameter.contract)]
         node.child("use").fault(f"the {kind} {name!r} cannot be used here; expected one of: {', '.join(fitting)}")
         return _BAD
     found = read_component(cls, node, beside=("use",))
@@ -231,7 +234,7 @@ def default_in_file(parameter: Parameter) -> Any:
     if parameter.is_required:
         return None
     if parameter.default is None:
-        return NONE if types.NoneType in typing.get_args(parameter.type) else None
+        return NONE if parameter.is_optional else None
     return _write_value(parameter.default, parameter)
 
 

@@ -13,7 +13,7 @@ from amorsim.core.parameters import Parameter
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.faults import Book, Source
 from amorsim.scenario.field_at import field_at
-from amorsim.scenario.fields import default_in_file, file_fields
+from amorsim.scenario.fields import NONE, default_in_file, file_fields
 from amorsim.scenario.layout import MISSING, Path_, found_at, without
 from amorsim.scenario.lines import line_at
 from amorsim.scenario.models import MODEL_KEYS, merge_models
@@ -155,27 +155,28 @@ class Origins:
                 continue
             if at[length:] == ("use",):
                 return path[: length - len(begin)], {}
-            if not field.is_required:
+            if not field.is_required and field.default is not None:
                 return path[: length - len(begin)], _without_defaults(default_in_file(field), field)
         return None
 
-    def is_default(self, values: dict[str, Any], path: Path_) -> bool:
-        """Whether a file says at a path the component that would hold there by default."""
+    def is_needless(self, values: dict[str, Any], path: Path_) -> bool:
+        """Whether a file says at a path the component that a model says, or that would hold there by default."""
         said = found_at(values, path)
-        if not isinstance(said, dict) or self._inherited_source(values, path) != "default":
+        if not isinstance(said, dict) or "use" not in said:
             return False
+        under = self._inherited(without(values, path), path)
+        if under is None:
+            return False
+        if under.source != "default":
+            return are_same(under.value, found_at(self.merged(values, path), path))
         root, at = lifted(values), (*KINDS[kind_of(values)], *path)
         field = field_at(self._lifted_merged(root, at), at, self._registry, self._file.parent)
         if field is None or not field.component or field.is_required:
             return False
         default = default_in_file(field)
-        if said.get("use") != default["use"]:
+        if default == NONE or said.get("use") != default["use"]:
             return False
         return are_same(_without_defaults(said, field), _without_defaults(default, field))
-
-    def _inherited_source(self, values: dict[str, Any], path: Path_) -> str:
-        found = self._inherited(without(values, path), path)
-        return "" if found is None else found.source
 
     def _default(self, merged: dict[str, Any], at: Path_) -> Any:
         field = field_at(merged, at, self._registry, self._file.parent)

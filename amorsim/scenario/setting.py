@@ -6,6 +6,7 @@ from typing import Any
 
 from amorsim.scenario.bodies import SHAPES
 from amorsim.scenario.editing import Editor
+from amorsim.scenario.fields import NONE
 from amorsim.scenario.layout import MISSING, Path_, changed, found_at, without
 from amorsim.scenario.models import are_of_one_kind
 from amorsim.scenario.neutral import error_over, errors_in, is_error, meaning_of
@@ -65,7 +66,9 @@ class Setter:
                 self._editor.set(at[:length], plain(changed(there, at[length:], value)))
                 return
         holder, there = found_at(merged, at[:-1]), found_at(merged, at)
-        if isinstance(holder, dict) and _is_another(at, holder, value):
+        if holder == NONE and at[-1] == "use":  # a component where there was none
+            self._set(at[:-1], {"use": value})
+        elif isinstance(holder, dict) and _is_another(at, holder, value):
             self._editor.set(at[:-1], {at[-1]: value})
         elif isinstance(value, dict) and isinstance(written, dict):
             self._set_table(at, written, value)
@@ -99,12 +102,11 @@ class Setter:
                 return
 
     def _drop_component(self, at: Path_) -> None:
-        """Leave out the component that a path leads into, where it is the default of its field again."""
+        """Leave out the component that a path leads into, where it is the model's or its field's default again."""
         for length in range(self.models_begin + 1, len(at) + 1):
             component = at[:length]
-            if found_at(self._opened, component) is MISSING and self._origins.is_default(
-                self._editor.values, component
-            ):
+            is_new = found_at(self._opened, component) is MISSING
+            if is_new and self._origins.is_needless(self._editor.values, component):
                 self._drop(component)
                 return
 

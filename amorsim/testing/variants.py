@@ -30,7 +30,8 @@ def example(cls: type[T], **given: Any) -> T:
     """
     for name, parameter in describe(cls).items():
         if parameter.is_required and name not in given:
-            given[name] = AStar() if parameter.component == "planner" else _value(cls, parameter, parameter.type)
+            is_planner = parameter.component == "planner" and not parameter.is_optional
+            given[name] = AStar() if is_planner else _value(cls, parameter, parameter.type)
     try:
         return cls(**given)
     except ValueError as error:

@@ -11,6 +11,7 @@ from amorsim.controllers.planning import Ways
 from amorsim.core.parameters import ParameterError
 from amorsim.kernels.avoidance.memory import Window
 from amorsim.scenario.resolved import resolved_table
+from tests.building import write_rover
 from tests.controllers.test_dwa import ROOM, make, said, simulate
 
 WALL = (3.0, -3.0, 3.0, 1.5)  # a door of 1.5 m at the top
@@ -117,22 +118,15 @@ def test_it_needs_a_goal():
 
 
 def test_a_file_names_planner_and_avoider(tmp_path):
-    (tmp_path / "room.wld").write_text("0 0 9000 0\n9000 0 9000 9000\n9000 9000 0 9000\n0 9000 0 0\n")
-    text = """format = 1
-[world]
-map = "room.wld"
-[[robots]]
-name = "rover"
-model = "pioneer2dx"
-pose = { x = 4.0, y = 4.0 }
-[robots.controller]
-use = "navigate"
-goals = [[1.0, 2.0], [3.0, 4.0]]
-planner = { use = "theta_star", lazy = true }
-avoider = { use = "dwa", turn_rate_deg = 90.0 }
-"""
-    path = tmp_path / "one.toml"
-    path.write_text(text)
+    path = write_rover(
+        tmp_path,
+        "[robots.controller]",
+        'use = "navigate"',
+        "goals = [[1.0, 2.0], [3.0, 2.5]]",
+        'planner = { use = "theta_star", lazy = true }',
+        'avoider = { use = "dwa", turn_rate_deg = 90.0 }',
+    )
+    text = path.read_text()
     controller = am.load(path).robots[0].controller
     assert controller.planner == am.planners.ThetaStar(lazy=True)
     assert controller.avoider == am.controllers.Dwa(turn_rate=math.radians(90.0))

@@ -22,6 +22,7 @@ import amorsim as am
 from amorsim.plugins.manager import make_registry
 from amorsim.plugins.registry import Registry
 from amorsim.testing import check_component
+from tests.installed import write_info
 
 ROOT = Path(__file__).parents[2]
 HOW_TO = ROOT / "docs" / "how-to"
@@ -72,14 +73,10 @@ def install(folder: Path, site: Path) -> importlib.metadata.Distribution:
     """What pip does with a project of one module, as far as amorsim can see it."""
     project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     name, version = project["name"], project["version"]
-    info = site / f"{name.replace('-', '_')}-{version}.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", encoding="utf-8")
-    lines = ["[amorsim]"] + [f"{key} = {module}" for key, module in project["entry-points"]["amorsim"].items()]
-    (info / "entry_points.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    found = write_info(site, name, version, project["entry-points"]["amorsim"])
     for module in folder.glob("*.py"):
         (site / module.name).write_text(module.read_text(encoding="utf-8"), encoding="utf-8")
-    return importlib.metadata.Distribution.at(info)
+    return found
 
 
 @pytest.fixture

@@ -321,6 +321,7 @@ def test_a_field_that_is_a_component_names_its_kind_and_its_contract():
         unit: ClassVar[str] = "m"
         way: Planner = parameter(component="planner")
         next_one: Estimator = parameter(component="estimator")
+        spare: Planner | None = parameter(None, component="planner")
 
     assert check_class("sensor", Sensor, Owner) == ()
 
@@ -337,4 +338,13 @@ def test_a_field_that_is_a_component_names_its_kind_and_its_contract():
         unit: ClassVar[str] = "m"
         way: Planner = parameter(component="controller")
 
-    assert "expected Controller or a class of it, found" in only(check_class("sensor", Sensor, Wrong))
+    assert "expected Controller or a class of it, or one of these | None, found" in only(
+        check_class("sensor", Sensor, Wrong)
+    )
+
+    @frozen
+    class Either(GoodMethods, Sensor):
+        unit: ClassVar[str] = "m"
+        way: Planner | Estimator | None = parameter(None, component="planner")
+
+    assert "expected Planner or a class of it" in only(check_class("sensor", Sensor, Either))

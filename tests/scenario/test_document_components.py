@@ -5,30 +5,21 @@ from __future__ import annotations
 import pytest
 
 import amorsim as am
+from tests.building import rover_text, write_rover
 
-TEXT = """\
-format = 1
-[world]
-map = "room.wld"
-
-[[robots]]
-name = "rover"
-model = "pioneer2dx"
-pose = { x = 1.0, y = 1.5 }
-
-[robots.controller]
-use = "navigate"
-goals = [[3.0, 2.0]]
-planner = { use = "theta_star", cell = 0.1 }  # fine
-"""
+LINES = (
+    "[robots.controller]",
+    'use = "navigate"',
+    "goals = [[3.0, 2.0]]",
+    'planner = { use = "theta_star", cell = 0.1 }  # fine',
+)
+TEXT = rover_text(*LINES)
 CONTROLLER = "robots.rover.controller"
 
 
 @pytest.fixture
 def document(tmp_path):
-    (tmp_path / "room.wld").write_text("width 4000\nheight 3000\n")
-    (tmp_path / "way.toml").write_text(TEXT)
-    return am.open_document(tmp_path / "way.toml")
+    return am.open_document(write_rover(tmp_path, *LINES))
 
 
 def test_a_component_in_a_field_has_the_defaults_of_its_class(document):

@@ -19,9 +19,9 @@ PAGE = "document.querySelector('.amorsim')?.editor"
 class Editor:
     """The Editor in a browser of its own."""
 
-    def __init__(self, browser: Any, folder: Path, *words: str) -> None:
+    def __init__(self, browser: Any, folder: Path, *words: str, **env: str) -> None:
         self.folder = folder
-        self.server = Server(folder / "x", words=("edit", *words), env={"AMORSIM_STATE": str(folder / ".state")})
+        self.server = Server(folder / "x", words=("edit", *words), env={"AMORSIM_STATE": str(folder / ".state"), **env})
         self.page = new_user(browser).new_page()
         self.window = Window(self.page)
         self.page.goto(self.server.address)

@@ -40,16 +40,7 @@ def crossing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 def switch_all_off(window: Window, labels: list[str]) -> None:
     """Each switch takes something away from the picture; with all off, nobody asks."""
-    buttons = window.page.locator(BUTTONS)
-    assert buttons.all_inner_texts() == labels
-    before = window.see("stage.control.canvas.toDataURL()")
-    for button in buttons.all():
-        button.click()
-        assert button.get_attribute("aria-pressed") == "false"
-        window.drawn()
-        after = window.see("stage.control.canvas.toDataURL()")
-        assert after != before
-        before = after
+    window.switch_off("what is drawn of what it intends", labels)
     key = window.see("stage.intended.key")
     window.do(do="step", steps=5)
     window.page.wait_for_timeout(500)

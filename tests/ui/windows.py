@@ -181,6 +181,19 @@ class Window:
                 button.click()
         self.drawn()
 
+    def switch_off(self, label: str, names: list[str]) -> None:
+        """Take away what each of the switches of a group, with these names, shows in the controller's pane."""
+        buttons = self.page.locator(f".panel.control [aria-label='{label}'] button")
+        assert buttons.all_inner_texts() == names
+        before = self.see("stage.control.canvas.toDataURL()")
+        for button in buttons.all():
+            button.click()
+            assert button.get_attribute("aria-pressed") == "false"
+            self.drawn()
+            after = self.see("stage.control.canvas.toDataURL()")
+            assert after != before, button.inner_text()
+            before = after
+
     def drawn(self) -> None:
         """Wait until what has come is drawn."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, TypedDict
 
 import attrs
@@ -11,6 +11,7 @@ from amorsim.core.errors import AmorsimError
 from amorsim.core.parameters import describe
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.chains import chain_at, paths_of_chains, tables_of
+from amorsim.scenario.fields import NONE
 from amorsim.scenario.spec import Robot
 from amorsim.ui.forms.description import Choice, FieldForm, choices_of
 
@@ -68,16 +69,23 @@ def chains_of(robot: Robot, scenario: Robot) -> list[ChainForm]:
     return found
 
 
-def noises_for(robot: Robot, path: str) -> list[Choice]:
-    """The noises that can stand in a chain, with forms as files spell them, in the unit of the sensor."""
+def noises_for(robot: Robot, path: str, said: Mapping[str, Any] | None = None) -> list[Choice]:
+    """The noises that can stand in a chain, with forms as files spell them, in the unit of the sensor.
+
+    `said` is the table of an element that is being made, which fills the form of its noise.
+    """
     registry = default_registry()
     sensor = None if path == "ground" else chain_owner(robot, path)
-    choices = choices_of("noise", registry, spelling="file", sensor_unit="m" if sensor is None else sensor.unit)
+    unit = "m" if sensor is None else sensor.unit
+    choices = choices_of("noise", registry, said=said, spelling="file", sensor_unit=unit)
     fitting = [one for one in choices if sensor is None or not registry.get("noise", one["name"]).for_ground]
     columns = {} if sensor is None else sensor.columns()
     for one in fitting if columns else ():
         several = len(set(columns.values())) > 1
-        one["fields"].insert(0, _column(list(columns), several and _has_unit(registry.get("noise", one["name"]))))
+        field = _column(list(columns), several and _has_unit(registry.get("noise", one["name"])))
+        if said is not None and said.get("use") == one["name"]:
+            field["value"], field["is_given"] = said.get("column"), "column" in said
+        one["fields"].insert(0, field)
     return fitting
 
 
@@ -106,12 +114,20 @@ def _column(columns: list[str], is_required: bool) -> FieldForm:
 
 
 def with_element(robot: Robot, path: str, table: dict[str, Any], index: int | None = None) -> list[dict[str, Any]]:
-    """The tables of a chain with one more, at its end or before the element of that index."""
+    """The tables of a chain with one more, at its end or before the element of that index.
+
+    What is null in its table is ``"none"``, as files say it; a column that is null is not said.
+    """
     tables = tables_of(robot, path)
-    tables.insert(
-        len(tables) if index is None else index, {key: part for key, part in table.items() if part is not None}
-    )
+    element = {key: _in_file(part) for key, part in table.items() if part is not None or key != "column"}
+    tables.insert(len(tables) if index is None else index, element)
     return tables
+
+
+def _in_file(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _in_file(part) for key, part in value.items()}
+    return NONE if value is None else value
 
 
 def without(robot: Robot, path: str) -> tuple[str, list[dict[str, Any]]]:

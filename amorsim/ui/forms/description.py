@@ -54,7 +54,7 @@ class Widget(TypedDict):
     - ``forms``: a list of tables with `fields` each;
     - ``distribution``: a number, ``{"normal": [mean, standard deviation]}`` or ``{"uniform": [low, high]}``;
     - ``component``: a component of the kind `component`, one of `choices`, with the `fields` of the one that it is; its
-      value is a table with ``use``;
+      value is a table with ``use``, or none where it `is_optional`;
     - ``either``: what one of the `options` shows.
 
     An `is_optional` value may be none. A list with a `length` has that number of items; others may grow. `frame` says
@@ -152,8 +152,16 @@ def deviation_form(
     return fields
 
 
-def choices_of(kind: str, registry: Registry, **options: Any) -> list[Choice]:
-    """The components of a kind that are registered, each with an empty form; `options` as of `form_of`."""
+def choices_of(kind: str, registry: Registry, *, said: Mapping[str, Any] | None = None, **options: Any) -> list[Choice]:
+    """The components of a kind that are registered, each with an empty form, but for the one that a table says.
+
+    Parameters
+    ----------
+    said
+        The table, with the component's name under ``use``; it fills the form of that component.
+    options
+        As of `form_of`.
+    """
     found: list[Choice] = []
     for name in registry.names(kind):
         try:
@@ -161,12 +169,15 @@ def choices_of(kind: str, registry: Registry, **options: Any) -> list[Choice]:
         except PluginError:  # it cannot be imported, as the registry's problems say
             continue
         help_ = (cls.__doc__ or "").strip().splitlines()
-        found.append({"name": name, "help": help_[0] if help_ else "", "fields": form_of(cls, **options)})
+        values = said if said is not None and said.get("use") == name else None
+        found.append({"name": name, "help": help_[0] if help_ else "", "fields": form_of(cls, values, **options)})
     return found
 
 
 def why_fixed(parameter: Parameter) -> str:
     """Why a parameter cannot change while a simulation runs; empty if it can."""
+    if parameter.component and parameter.is_optional:
+        return f"Whether there is a {parameter.component}, and which, is set when the simulation is made."
     if parameter.component:
         return f"Which {parameter.component} it is, is set when the simulation is made."
     if parameter.file:
@@ -279,7 +290,7 @@ class _Maker:
             choices = list(_fitting(parameter, self._registry))
             return {
                 "kind": "component",
-                "is_optional": False,
+                "is_optional": parameter.is_optional,
                 "component": parameter.component,
                 "choices": choices,
                 "fields": [],
@@ -343,7 +354,7 @@ def _fitting(parameter: Parameter, registry: Registry) -> dict[str, type]:
             cls = registry.get(parameter.component, name)
         except PluginError:  # it cannot be imported, as the registry's problems say
             continue
-        if issubclass(cls, parameter.type):
+        if issubclass(cls, parameter.contract):
             found[name] = cls
     return found
 

@@ -186,7 +186,8 @@ class Commands(Watching):
 
     def _noises(self, command: Table) -> Answer:
         nominal = self.player.simulation.robot(self._robot(command)).nominal
-        return {"choices": noises_for(nominal, _chain_path(command))}
+        said = command.get("value")
+        return {"choices": noises_for(nominal, _chain_path(command), said if isinstance(said, dict) else None)}
 
     def _add(self, command: Table) -> Answer:
         """Put an element into a chain of noise."""

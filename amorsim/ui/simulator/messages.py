@@ -28,7 +28,7 @@ MOST_CHANNELS = 64
 MOST_POINTS = 10_000
 MOST_STEPS = 1000
 MOST_ITEMS = 1000  # of a list or table that is a parameter's value
-DEEPEST = 4  # of lists and tables in one another
+DEEPEST = 16  # of lists and tables in one another
 
 
 def _number(low: float = -LARGEST, high: float = LARGEST) -> Kind:
@@ -131,8 +131,9 @@ COMMANDS: Mapping[str, Command] = {
     # Parameters, by their paths. `restore` without a path restores all.
     "set": Command(needs={"path": _NAME, "value": _VALUE}, may=_OF_ROBOT, controls=True),
     "restore": Command(may={**_OF_ROBOT, "path": _either(_NAME, _NOTHING)}, controls=True),
-    # Elements of noise, by the path of their chain; `add` puts one at the end, or before that of an index.
-    "noises": Command(needs={"path": _NAME}, may=_OF_ROBOT, asks=True),
+    # Elements of noise, by the path of their chain; `add` puts one at the end, or before that of an index. `value` is
+    # the table of an element, for `noises` that of one that is being made.
+    "noises": Command(needs={"path": _NAME}, may={**_OF_ROBOT, "value": _VALUE}, asks=True),
     "add": Command(
         needs={"path": _NAME, "value": _VALUE}, may={**_OF_ROBOT, "index": whole(0, MOST_ITEMS)}, controls=True
     ),

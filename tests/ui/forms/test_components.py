@@ -16,12 +16,13 @@ from amorsim.controllers.avoider import Avoider
 from amorsim.controllers.dwa import Dwa
 from amorsim.controllers.navigate import Navigate
 from amorsim.planners import AStar, ThetaStar
-from amorsim.plugins import manager
 from amorsim.plugins.manager import make_registry
 from amorsim.ui.forms.description import form_of
 from amorsim.ui.forms.live import forms_of
 from amorsim.ui.forms.origins import Origins
 from tests import building
+from tests.building import write_rover
+from tests.installed import registered
 
 
 @attrs.frozen(kw_only=True)
@@ -158,19 +159,14 @@ def test_where_a_value_of_a_component_in_a_field_comes_from_is_said() -> None:
     assert issubclass(Dwa, Avoider)
 
 
-def test_a_foreign_estimator_in_another_is_read_shown_and_run(
-    registry: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(manager, "make_registry", lambda: registry)
-    manager.default_registry.cache_clear()
-    try:
-        (tmp_path / "room.wld").write_text("width 4000\nheight 3000\n")
-        (tmp_path / "one.toml").write_text(
-            "format = 1\nworld.map = 'room.wld'\n[[robots]]\nname = 'rover'\nmodel = 'pioneer2dx'\n"
-            "pose = { x = 1, y = 1 }\nestimators.dead_reckoning = false\n"
-            "estimators.both = { use = 'shifted', inner = { use = 'shifted', inner = { use = 'dead_reckoning' } } }\n"
+def test_a_foreign_estimator_in_another_is_read_shown_and_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    with registered(monkeypatch, Foreign):
+        file = write_rover(
+            tmp_path,
+            "estimators.dead_reckoning = false",
+            "estimators.both = { use = 'shifted', inner = { use = 'shifted', inner = { use = 'dead_reckoning' } } }",
         )
-        simulation = am.Simulation(am.load(tmp_path / "one.toml"))
+        simulation = am.Simulation(am.load(file))
         forms = {form["path"]: form for form in forms_of(simulation, "rover")}
         inner = forms["estimators.both.inner.inner"]
         assert (inner["value"]["use"], inner["group"]) == ("dead_reckoning", "estimators.both.inner")
@@ -181,5 +177,3 @@ def test_a_foreign_estimator_in_another_is_read_shown_and_run(
         simulation.set("rover", "estimators.both.inner.shift", 0.25)
         simulation.step()
         assert simulation.robot("rover").estimated_pose[0] - true[0] == pytest.approx(0.75, abs=0.01)
-    finally:
-        manager.default_registry.cache_clear()

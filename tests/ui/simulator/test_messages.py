@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import json
 import re
 from pathlib import Path
@@ -65,7 +66,10 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"do": "set", "path": "x", "value": 10**400}, "value: expected a number"),
     ({"do": "set", "path": "x", "value": float("inf")}, "value: expected a number"),
     ({"do": "set", "path": "x", "value": float("nan")}, "value: expected a number"),
-    ({"do": "set", "path": "x", "value": [[[[[1.0]]]]]}, "value: expected a number"),
+    (
+        {"do": "set", "path": "x", "value": functools.reduce(lambda inner, _: [inner], range(17), 1.0)},
+        "value: expected a number",
+    ),
     ({"do": "set", "path": "x", "value": [1.0] * 1001}, "value: expected a number"),
     ({"do": "set", "path": "x", "value": {"y": 10**400}}, "value: expected a number"),
     ({"do": "add", "path": "ground"}, "value: expected"),

@@ -129,7 +129,7 @@ export class Inspector {
    * @param {string} path */
   set(path, value) {
     const [part, key] = path.split(".").slice(-2);
-    const words = key === "use" ? `choose ${value} as ${part}` : `change ${key.replace(/_deg$/, "").replaceAll("_", " ")}`;
+    const words = key === "use" ? `choose ${value} as ${part}` : value === null ? `no ${key}` : `change ${key.replace(/_deg$/, "").replaceAll("_", " ")}`;
     const place = this.placeOf(path);
     if (!place) return this.page.edit(words, [{ op: "set", path, value }]);
     const [x, y, heading] = place.pose;

@@ -4,19 +4,32 @@ import { h, say } from "./dom.js";
 import { makeField } from "./fields.js";
 
 /**
- * `value` with another value at a path of keys and numbers.
+ * `value` with another value at a path of keys and numbers; another `use` is another component, and has nothing else yet.
  * @param {string[]} path
  */
 function withValue(value, path, given) {
   const [key, ...rest] = path;
+  if (key === "use") return { use: given };
   const copy = Array.isArray(value) ? [...value] : { ...value };
   copy[key] = rest.length ? withValue(copy[key], rest, given) : given;
   return copy;
 }
 
+/**
+ * `table` without what is at a path.
+ * @param {Record<string, any>} table
+ * @param {string[]} path
+ */
+function without(table, path) {
+  const [key, ...rest] = path;
+  const { [key]: inner, ...others } = table;
+  if (!rest.length || inner === null || typeof inner !== "object") return others;
+  return { ...others, [key]: without(inner, rest) };
+}
+
 /** A component that is not yet there: which it is, and the form of its fields. Nothing is set before it is added. */
 class Draft {
-  /** @param on `{add(table): promise of {ok, error}, done()}` */
+  /** @param on `{add(table): promise of {ok, error}, choices(table): that of {ok, choices}, done()}` */
   constructor(label, choices, on) {
     this.choices = choices;
     this.on = on;
@@ -35,33 +48,43 @@ class Draft {
     this.turn();
   }
 
+  /** Another component: its form, of which nothing is said yet. */
   turn() {
     const choice = this.choices.find((one) => one.name === this.select.value) ?? this.choices[0];
-    this.table = {};
+    /** @type {Record<string, any>} */
+    this.table = { use: choice.name };
     say(this.about, choice.help);
     say(this.error, "");
-    const made = new Map(
-      choice.fields.map((parameter) => [parameter.path, makeField(parameter, { set: (path, value) => this.set(made, path, value), restore: (path) => this.drop(made, path, choice) })]),
-    );
-    this.fields.replaceChildren(...[...made.values()].map((field) => field.element));
+    const on = { set: (path, value) => this.set(path, value), restore: (path) => this.drop(path) };
+    this.made = new Map(choice.fields.map((parameter) => [parameter.path, makeField(parameter, on)]));
+    this.fields.replaceChildren(...[...this.made.values()].map((field) => field.element));
   }
 
-  set(made, path, value) {
+  set(path, value) {
     const [key, ...rest] = path.split(".");
-    const { parameter } = made.get(key);
-    this.table[key] = rest.length ? withValue(parameter.value, rest, value) : value;
-    made.get(key).update({ ...parameter, value: this.table[key], is_given: true });
-    return Promise.resolve({ ok: true });
+    const there = key in this.table ? this.table[key] : this.made.get(key).parameter.value;
+    return this.say({ ...this.table, [key]: rest.length ? withValue(there, rest, value) : value });
   }
 
-  drop(made, path, choice) {
-    delete this.table[path];
-    made.get(path).update(choice.fields.find((field) => field.path === path));
-    return Promise.resolve({ ok: true });
+  /** Leave out what is said at a path, or in the component that it leads into. */
+  drop(path) {
+    const table = without(this.table, path.split("."));
+    return this.say(table);
+  }
+
+  /** Say another table, and show the form that it has: the fields follow the components that are chosen in it. */
+  async say(table) {
+    this.table = table;
+    const said = await this.on.choices(table);
+    if (said.ok && this.table === table) {
+      const { fields } = said.choices.find((one) => one.name === table.use);
+      for (const field of fields) this.made.get(field.path).update(field);
+    }
+    return said;
   }
 
   async add() {
-    const said = await this.on.add({ use: this.select.value, ...this.table });
+    const said = await this.on.add(this.table);
     say(this.error, said.ok ? "" : said.error);
     if (said.ok) this.on.done();
   }
@@ -71,7 +94,7 @@ class Draft {
  * The rows of a chain: its elements with their fields, and a button that begins a draft.
  * @param chain a `ChainForm`
  * @param rows the elements of the fields of the element at a path
- * @param on `{noises(path), add(path, table), remove(path)}`, each a promise of {ok, error}
+ * @param on `{noises(path, table), add(path, table), remove(path)}`, each a promise of {ok, error}
  */
 export function chainRows(chain, rows, on) {
   const name = chain.path.replace(/^sensors\.|\.noise$/g, "");
@@ -94,7 +117,7 @@ export function chainRows(chain, rows, on) {
   begin.addEventListener("click", async () => {
     const said = await on.noises(chain.path);
     if (!said.ok) return;
-    const draft = new Draft(name, said.choices, { add: (table) => on.add(chain.path, table), done: end });
+    const draft = new Draft(name, said.choices, { add: (table) => on.add(chain.path, table), choices: (table) => on.noises(chain.path, table), done: end });
     place.replaceChildren(draft.element);
     draft.select.focus();
   });

@@ -21,7 +21,7 @@ const NOTHING = { chains: [], targets: [] };
 export class Form {
   /**
    * @param on `{set(path, value), restore(path)}`, each a promise of {ok, error}; where noise can come and go also
-   *   `{noises(path), add(path, table), remove(path)}`. Values are in the form's units.
+   *   `{noises(path, table), add(path, table), remove(path)}`. Values are in the form's units.
    */
   constructor(on) {
     this.on = on;

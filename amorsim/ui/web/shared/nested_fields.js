@@ -33,7 +33,7 @@ export function shapeOf(fields) {
   return fields.map(({ path, widget }) => [path, { ...widget, fields: shapeOf(widget?.fields ?? []) }]);
 }
 
-/** A component: which one it is, and the fields of its own, which may be components again. */
+/** A component, or none where that may be: which one it is, and the fields of its own, which may be components again. */
 export class ComponentField extends Field {
   constructor(parameter, on, makeField) {
     super(parameter, on);
@@ -50,13 +50,15 @@ export class ComponentField extends Field {
     return [this.select];
   }
 
-  /** Which one it is; nothing where it is not chosen yet. */
+  /** Which one it is; nothing where there is none, or none is chosen yet. */
   get used() {
     return this.parameter.value?.use ?? "";
   }
 
   async choose() {
-    if (!(await this.give(this.select.value, `${this.path}.use`))) this.select.value = this.used;
+    const { value } = this.select;
+    const isSaid = value ? await this.give(value, `${this.path}.use`) : await this.give(null);
+    if (!isSaid) this.select.value = this.used;
   }
 
   update(parameter) {
@@ -73,8 +75,9 @@ export class ComponentField extends Field {
   }
 
   put(parameter) {
-    const all = [...new Set([...(this.used ? [] : [""]), ...parameter.widget.choices, this.used])];
-    this.select.replaceChildren(...all.map((word) => h("option", { value: word }, word || "choose …")));
+    const { choices, is_optional: isOptional } = parameter.widget;
+    const all = [...new Set([...(this.used && !isOptional ? [] : [""]), ...choices, this.used])];
+    this.select.replaceChildren(...all.map((word) => h("option", { value: word }, word || (isOptional ? "none" : "choose …"))));
     this.select.value = this.used;
     this.select.disabled = Boolean(parameter.fixed);
     super.put(parameter);

@@ -1,8 +1,8 @@
 // What the robot has mapped: the growing map, the scan that was matched, and the pose graph, each with a switch.
 
-import { h } from "../shared/dom.js";
 import { coloured } from "../shared/marks.js";
 import { SceneLayer } from "../shared/world.js";
+import { Asked } from "./asked.js";
 
 /** @typedef {import("../shared/layer.js").Brush} Brush */
 /** @typedef {{estimator: string, map: {extent: number[], png: string} | null, scan: number[][] | null, poses: number[][] | null, edges: number[][] | null}} One */
@@ -12,73 +12,41 @@ const SWITCHES = [
   ["scan", "matched scan", "the last scan, where its estimator lays it"],
   ["poses", "graph", "the pose graph: key poses, and what links them"],
 ];
-const EVERY = 700; // milliseconds between two looks
 const DOT = 2; // pixels
 
-/** What was mapped, as it came last, and the switches. */
-export class Mapped {
+/**
+ * What was mapped, as it came last, and the switches.
+ * @extends {Asked<One[]>}
+ */
+export class Mapped extends Asked {
   /**
    * @param {(command: object) => Promise<any>} ask
    * @param {() => void} changed
    */
   constructor(ask, changed) {
-    this.ask = ask;
-    this.changed = changed;
-    /** @type {One[]} */
-    this.found = [];
+    const look = async (robot) => {
+      const said = await ask({ do: "mapped", robot });
+      return { ok: said.ok, found: said.mapped };
+    };
+    super(look, changed, { every: 700, label: "what is drawn of its map", switches: SWITCHES, nothing: [] });
     /** @type {Map<string, {png: string, image: HTMLImageElement, extent: number[], shades: Map<string, HTMLCanvasElement>}>} */
     this.images = new Map();
-    this.key = "";
-    this.element = h("div", { class: "tools", role: "group", "aria-label": "what is drawn of its map", hidden: true });
-    this.shows = { map: true, scan: true, poses: true };
-    this.buttons = new Map(
-      SWITCHES.map(([name, label, title]) => {
-        const button = h("button", { class: "tool", "aria-pressed": "true", title, onclick: () => this.toggle(name) }, label);
-        return [name, button];
-      }),
-    );
-    setInterval(() => this.look(), EVERY);
   }
 
-  toggle(name) {
-    this.shows[name] = !this.shows[name];
-    this.buttons.get(name).setAttribute("aria-pressed", String(this.shows[name]));
-    this.changed();
+  /** @override @param {string} name */
+  has(name) {
+    return this.found.some((one) => one[name]);
   }
 
-  /** The frame that is shown now; another robot's map is not this one's.
-   * @param {{epoch: number, tick: number, selected: number}} frame */
-  setFrame(frame) {
-    this.frame = frame;
-    if (frame.selected === this.robot) return;
-    this.robot = frame.selected;
-    this.set([]);
-    this.isDone = false; // of this robot nothing is known yet
+  /** An estimator maps from its start, or never. @override @param {One[]} found */
+  isNever(found) {
+    return !found.length;
   }
 
-  /** Ask what was mapped, if that is another moment than the last time and the robot maps at all. */
-  async look() {
-    if (!this.frame || this.isAsking || document.hidden) return;
-    const { epoch, tick, selected } = this.frame;
-    const key = `${epoch} ${tick} ${selected}`;
-    if (key === this.key || this.isDone) return;
-    this.isAsking = true;
-    const said = await this.ask({ do: "mapped", robot: selected });
-    this.isAsking = false;
-    if (!said.ok || selected !== this.robot) return;
-    this.key = key;
-    this.isDone = !said.mapped.length; // an estimator maps from its start, or never
-    this.set(said.mapped);
-  }
-
-  /** @param {One[]} found */
+  /** @override @param {One[]} found */
   set(found) {
-    this.found = found;
-    const shown = SWITCHES.filter(([name]) => found.some((one) => one[name])).map(([name]) => this.buttons.get(name));
-    if (shown.length !== this.element.childElementCount) this.element.replaceChildren(...shown);
-    this.element.hidden = !shown.length;
+    super.set(found);
     for (const one of found) this.load(one);
-    this.changed();
   }
 
   /** The picture of a map; the one before is shown until it has come.

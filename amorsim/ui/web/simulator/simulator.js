@@ -43,7 +43,7 @@ export class Simulator {
       restore: (path) => change({ do: "restore", path }),
       add: (path, value) => change({ do: "add", path, value }),
       remove: (path) => change({ do: "remove", path }),
-      noises: (path) => this.ask({ do: "noises", path, robot: this.robot.name }),
+      noises: (path, value) => this.ask({ do: "noises", path, robot: this.robot.name, ...(value ? { value } : {}) }),
     });
     this.parts = build(this);
     root.replaceChildren(this.parts.element);
