@@ -47,6 +47,9 @@ def _places(values: Mapping[str, Any], at: tuple[str | int, ...], registry: Regi
         inner = table.get(part)
         if isinstance(inner, dict):
             yield from _fields(values, (*at, part), inner, registry, folder)
+    for number, one in enumerate(_items(table.get("kidnappings"))):
+        yield from _fields(values, (*at, "kidnappings", number), one, registry, folder)
+    yield from _known(table.get("knowledge"), ".".join(map(str, (*at, "knowledge"))))
     start = table.get("start")
     if isinstance(start, dict):
         yield from _start(start, ".".join(map(str, (*at, "start"))))
@@ -75,6 +78,14 @@ def _fields(
         elif isinstance(found, list) and 0 < len(found) <= MOST and all(map(_is_point, found)):
             points = [list(point) for point in found]
             yield {"path": f"{path}.{name}", "kind": "path", "points": points, "closed": is_closed}
+
+
+def _known(knowledge: Any, path: str) -> Iterator[Place]:
+    """Landmarks that a robot knows by places of its own."""
+    for number, one in enumerate(_items(knowledge.get("landmarks") if isinstance(knowledge, dict) else None)[:MOST]):
+        point: Any = [one.get("x"), one.get("y")] if isinstance(one, dict) else one
+        if _is_point(point):
+            yield {"path": f"{path}.landmarks.{number}", "kind": "point", "points": [list(point)], "closed": False}
 
 
 def _start(start: Mapping[str, Any], path: str) -> Iterator[Place]:
