@@ -80,8 +80,8 @@ export function build({ pane, objects, inspector }) {
           "div",
           { class: "options" },
           make("says", h("span", { class: "says" })),
-          make("typing", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-length" }, "length"), field("length", "length in metres"), h("span", {}, "m"),
-            h("label", { for: "typed-angle" }, "angle"), field("angle", "angle in degrees"), h("span", {}, "°"))),
+          make("typing", h("span", { class: "both holders-only", hidden: true }, ["length", "angle"].flatMap((name) => [
+            make(`${name}Word`, h("label", { for: `typed-${name}` })), field(name, name), make(`${name}Unit`, h("span", {}))]))),
           make("openings", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-width" }, "width"), field("width", "width of the opening in metres"), h("span", {}, "m"),
             make("doors", h("select", { "aria-label": "what is put into the wall" }, DOORS.map(([value, words]) => h("option", { value }, words)))))),
           make("brushes", h("span", { class: "both holders-only", hidden: true }, h("label", { for: "typed-brush" }, "width"), field("brush", "width of the brush in metres"), h("span", {}, "m"))),
