@@ -188,3 +188,52 @@ def test_the_landmarks_that_a_robot_knows_are_chosen_and_moved(tmp_path: Path) -
         assert session.work.text == text
 
     talk("landmarks", tmp_path, say)
+
+
+def test_lines_areas_and_drops_of_the_floor_have_forms(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        text = session.work.text
+        steps = 0
+        for adding in (await sections_of(session, "floor"))["floor"]["adding"]:
+            await change(session, op="add", path=adding["path"], value=adding["value"])
+            steps += 1
+        sections = await sections_of(session, "floor")
+        assert [one["title"] for one in sections.values()] == [
+            "Floor",
+            "line 1",
+            *("area 2", "Shape of area 2", "Place of area 2"),
+            *("drop 1", "Shape of drop 1", "Place of drop 1"),
+        ]
+        assert [field["label"] for field in sections["floor.markings.0"]["fields"]][:3] == ["points", "closed", "width"]
+        assert [field["label"] for field in sections["floor.drops.0"]["fields"]] == ["depth"]
+        for what in (
+            {"op": "set", "path": "floor.reflectance", "value": 0.6},
+            {"op": "set", "path": "floor.markings.0.width", "value": 0.05},
+            {"op": "shape", "path": "floor.markings.1.shape", "value": "circle"},
+            {"op": "point", "path": "floor.drops.0.pose", "number": 0, "value": [2.0, 3.0]},
+            {"op": "remove", "path": "floor.markings.1"},
+        ):
+            await change(session, **what)
+            steps += 1
+        seen = await drawn(session)
+        assert seen["faults"] == []
+        (thing,) = (one for one in seen["things"] if one["path"] == "floor")
+        assert [place["path"] for place in thing["places"]] == ["floor.markings.0.points", "floor.drops.0.pose"]
+        floor = session.work.document.scenario().floor
+        assert (floor.reflectance, floor.markings[0].width, floor.drops[0].pose.y) == (0.6, 0.05, 3.0)
+        for _ in range(steps):
+            await do(session, do="undo")
+        assert session.work.text == text
+
+    talk("demo", tmp_path, say)
+
+
+def test_the_description_is_set(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        (field,) = (await sections_of(session, "simulation"))["description"]["fields"]
+        assert field["value"] is None
+        await change(session, op="set", path="description", value="a walk")
+        assert session.work.document.get("description") == "a walk"
+        assert (await drawn(session))["faults"] == []
+
+    talk("demo", tmp_path, say)

@@ -128,7 +128,8 @@ export class Inspector {
   /** Say a value, as a step.
    * @param {string} path */
   set(path, value) {
-    const [part, key] = path.split(".").slice(-2);
+    const key = path.split(".").at(-1);
+    const part = path.split(".").at(-2);
     const words = key === "use" ? `choose ${value} as ${part}` : `change ${key.replace(/_deg$/, "").replaceAll("_", " ")}`;
     const place = this.placeOf(path);
     if (!place) return this.page.edit(words, [{ op: "set", path, value }]);

@@ -47,5 +47,11 @@ export function kindsOfThings({ robot }) {
       group: "World", label: "zone", path: "zones", footprint: { polygon: [[-1, -1], [1, -1], [1, 1], [-1, 1]] },
       make: (pose, things) => ({ name: freeName("zone", things), shape: { rectangle: [2.0, 2.0] }, pose: poseOf(pose) }),
     },
+    { group: "Floor", label: "line on the floor", path: "floor.markings", isPath: true },
+    {
+      group: "Floor", label: "area of another brightness", path: "floor.markings", footprint: BOX,
+      make: (pose) => ({ shape: { rectangle: [0.6, 0.4] }, pose: poseOf(pose) }),
+    },
+    { group: "Floor", label: "drop in the floor", path: "floor.drops", footprint: { circle: 0.3 }, make: (pose) => ({ shape: { circle: 0.3 }, pose: poseOf(pose) }) },
   ];
 }
