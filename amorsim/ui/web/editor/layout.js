@@ -106,7 +106,7 @@ export const KEYS = [
   ["Enter", "on the canvas: select, or set a point, in its middle"],
   ["Escape", "end what was begun"],
   ["arrows", "move what is selected by a step of the grid; with Alt by 1 cm"],
-  ["[ and ]", "turn what is selected by 5°"],
+  ["[ and ]", "turn what is selected by 5°, walls about their middle"],
   ["Delete", "delete what is selected"],
   ["Ctrl + Z, Ctrl + Y", "undo, redo"],
   ["Ctrl + C, X, V", "copy, cut, paste"],

@@ -3,6 +3,8 @@
 import { Tool } from "../shared/tool.js";
 import { round } from "./geometry.js";
 import { placeChange, shifted, startsOf } from "./ghosts.js";
+import { poseChange } from "./poses.js";
+import { turn } from "./reshape.js";
 
 const STILL = 4; // pixels that a click may move
 const DEGREE = Math.PI / 180;
@@ -186,8 +188,13 @@ export class SelectTool extends Tool {
       return true;
     }
     if ((event.key === "[" || event.key === "]") && page.isHolder) {
+      const angle = (event.key === "[" ? 5 : -5) * DEGREE;
+      if (stage.chosenWalls.length) {
+        turn(page, angle);
+        return true;
+      }
       for (const thing of stage.chosenThings.filter(({ turns, pose }) => turns && pose)) {
-        stage.place(thing, [thing.pose[0], thing.pose[1], thing.pose[2] + (event.key === "[" ? 5 : -5) * DEGREE]);
+        stage.place(thing, [thing.pose[0], thing.pose[1], thing.pose[2] + angle]);
       }
       this.commit("turn");
       return true;
@@ -199,14 +206,4 @@ export class SelectTool extends Tool {
     }
     return false;
   }
-}
-
-/** What the document has to say for a thing to stand at a pose: x, y [m], heading [°] from −180 to 180, null where it stays.
- * @param {import("./stage.js").Thing} thing
- * @param {number[]} pose */
-export function poseChange({ path, pose: before }, [x, y, heading]) {
-  const turned = heading - before[2];
-  const degrees = Math.round(((((heading / DEGREE) % 360) + 360) % 360) * 1e4) / 1e4;
-  const value = [x, y, Math.abs(turned) < 1e-9 ? null : degrees > 180 ? Math.round((degrees - 360) * 1e4) / 1e4 : degrees];
-  return { op: "pose", path, value };
 }
