@@ -162,6 +162,9 @@ def _of_body(values: Mapping[str, Any], body: Path_, rest: Path_, registry: Regi
             return _At(InitialBelief, tuple(inner))
         case ("kidnappings", int(), *inner):
             return _At(Kidnapping, tuple(inner))
+        case ("knowledge", "map", *inner) if isinstance(found_at(values, (*body, "knowledge", "map")), dict):
+            known = (*body, "knowledge", "map")
+            return _of_use(values, known, "world_generator", registry, tuple(inner), key="generate")
         case ("knowledge", *inner):
             return _of_map(values, (*body, "knowledge"), tuple(inner), registry, folder)
     if body[0] == "zones":

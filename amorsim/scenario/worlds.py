@@ -136,7 +136,7 @@ def _make(source: MapFile | MadeWorld | DrawnWorld) -> Map:
 def _read_landmark(node: Node) -> tuple[int, float, float] | None:
     """A landmark that a robot knows, as [x, y] or { id, x, y }; id 0 for none."""
     if node.is_table:
-        mark = read_component(_Known, node)
+        mark = read_component(KnownLandmark, node)
         return None if mark is None else (mark.id, mark.x, mark.y)
     pair = node.value
     if not (isinstance(pair, list) and len(pair) == 2 and all(is_number(number, below=_FAR) for number in pair)):
@@ -146,7 +146,7 @@ def _read_landmark(node: Node) -> tuple[int, float, float] | None:
 
 
 @attrs.frozen(kw_only=True)
-class _Known:
+class KnownLandmark:
     """A landmark that a robot knows, with its id."""
 
     id: int = parameter(ge=1, le=2**31 - 1, help="what is written on it")

@@ -12,21 +12,18 @@ import numpy.typing as npt
 
 from amorsim.core.draws import check_collisions
 from amorsim.core.errors import Fault, ScenarioError
-from amorsim.core.map import Map
 from amorsim.core.rows import signature
 from amorsim.core.starts import overlap_with_walls
 from amorsim.scenario.spec import Obstacle, Robot, Scenario
-from amorsim.scenario.worlds import start_of
 from amorsim.simulation.alike import group_key
 from amorsim.simulation.contact.resolve import WALL, Movement
 from amorsim.simulation.events import Event
 from amorsim.simulation.first_beliefs import BELIEF
 from amorsim.simulation.group import Group
 from amorsim.simulation.obstacles import ObstacleGroup
-from amorsim.simulation.placing import draw_starts, with_start
-from amorsim.simulation.world.surroundings import Surroundings
-from amorsim.simulation.world.terrain import Terrain, Terrains
-from amorsim.simulation.world.world import World
+from amorsim.simulation.placing import with_start
+from amorsim.simulation.starting import bodies_of, starts_in, world_of
+from amorsim.simulation.world.terrain import Terrains
 from amorsim.simulation.zones import zone_streams
 from amorsim.worlds.drawn import origin_of
 
@@ -79,10 +76,7 @@ class Fleet:
         self.events: list[Event] = []
         self.terrains = Terrains(replicas) if terrains is None else terrains
         terrain = self.terrains.of(scenario.map)
-        robots = sorted(scenario.robots, key=lambda robot: robot.name)
-        if len(terrain.maps) == 1:
-            robots = [_placed(robot, terrain.maps[0]) for robot in robots]
-        obstacles = sorted(scenario.obstacles, key=lambda obstacle: obstacle.name)
+        robots, obstacles = bodies_of(scenario, terrain)
         self.names = tuple(robot.name for robot in robots)
         self.kidnappings = _kidnappings(robots, scenario.dt)
         zones = zone_streams(scenario.zones)
@@ -90,24 +84,9 @@ class Fleet:
         bodies: list[Robot | Obstacle] = [*robots, *obstacles]
         streams += [(obstacle.name, "motion") for obstacle in obstacles]
         check_collisions(seed, [*streams, *((body.name, "start") for body in bodies if body.start is not None)])
-        parts = [(number, part) for number, robot in enumerate(robots) for part in robot.drive.parts]
-        owners = [number for number, _ in parts]
-        names = [body.name for body in bodies] + [f"{robots[owner].name}.{part.name}" for owner, part in parts]
-        shapes = [body.shape for body in bodies] + [part.shape for _, part in parts]
-        around = Surroundings.of(bodies, scenario.landmarks, scenario.lights, owners, scenario.floor)
-        self.world = World(
-            terrain,
-            names,
-            shapes,
-            len(replicas),
-            threads,
-            robots=len(robots),
-            surroundings=around,
-            owners=owners,
-        )
+        self.world = world_of(scenario, robots, obstacles, terrain, threads)
         source = str(scenario.source) if scenario.source else ""
-        given = _given(terrain, bodies, len(replicas))
-        self._starts = draw_starts(self.world, bodies, given, seed, replicas, source)
+        self._starts = starts_in(self.world, bodies, seed, replicas, source)
         try:
             self.groups = [
                 Group(*self._rows(members), world=self.world, seed=seed, dt=self.dt, zones=scenario.zones)
@@ -245,24 +224,6 @@ class Fleet:
         group, row = self.row_of(index * self.world.count + self.names.index(name))
         assert isinstance(group, Group)
         return group, row
-
-
-def _placed(robot: Robot, map_: Map) -> Robot:
-    if robot.pose is not None or robot.start is not None:
-        return robot
-    return attrs.evolve(robot, pose=start_of(map_, robot))
-
-
-def _given(terrain: Terrain, bodies: Sequence[Robot | Obstacle], replicas: int) -> Array:
-    """Start poses `(R, B, 3)` of robots and obstacles in all replicas; 0 where they are drawn."""
-    given: Array = np.zeros((replicas, len(bodies), 3))
-    for number, body in enumerate(bodies):
-        if body.pose is not None:
-            given[:, number] = body.pose.x, body.pose.y, body.pose.heading
-        elif body.start is None and isinstance(body, Robot):
-            poses = [start_of(map_, body) for map_ in terrain.maps]
-            given[:, number] = np.array([(pose.x, pose.y, pose.heading) for pose in poses])[terrain.of_replica]
-    return given
 
 
 def _kidnappings(robots: Sequence[Robot], dt: float) -> dict[int, list[tuple[str, tuple[float, ...]]]]:

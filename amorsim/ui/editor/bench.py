@@ -1,4 +1,4 @@
-"""Short experiments on the robot that is edited: its errors on a square, and the scatter of a sensor's readings."""
+"""Short experiments on what is edited: errors on a square, the scatter of readings, starts that are drawn."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import AmorsimError
+from amorsim.scenario.partial import Partial
 from amorsim.scenario.spec import Robot, Scenario
+from amorsim.simulation.starting import drawn_starts
 from amorsim.studies.preview import preview_noise, preview_square
 
-__all__ = ["noise_bars", "square_paths"]
+__all__ = ["noise_bars", "square_paths", "starts_by_name"]
 
 Array = npt.NDArray[np.float64]
 
@@ -58,6 +60,19 @@ def noise_bars(scenario: Scenario, name: str, sensor: str) -> dict[str, Any]:
         "mean": float(errors.mean()),
         "std": float(errors.std()),
     }
+
+
+def starts_by_name(partial: Partial) -> dict[str, list[float]]:
+    """Where a run would let those start that are placed at random: x, y [m] and heading [rad]. No program is run.
+
+    Raises
+    ------
+    AmorsimError
+        If it has faults, or some find no place.
+    """
+    if partial.faults or partial.map is None:
+        raise AmorsimError("it has faults; mend them first")
+    return drawn_starts(partial, partial.map, partial.seed)
 
 
 def _robot(scenario: Scenario, name: str) -> Robot:

@@ -12,6 +12,7 @@ from amorsim.scenario.fields import NONE
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.toml_values import parse
 from amorsim.ui.editor.bitmaps import cropped, filled, painted
+from amorsim.ui.editor.knowing import know_landmarks, know_map
 from amorsim.ui.editor.sections import SHAPES
 from amorsim.ui.editor.work import Work
 from amorsim.ui.serve.wire import shown
@@ -35,6 +36,7 @@ def apply(work: Work, changes: Sequence[Change]) -> list[str]:
     - ``{op: "point", path, number, value}``: one of the points of a place, x, y [m]; ``insert`` makes it one more.
     - ``{op: "mount", path, value}``: where a sensor sits on its robot, x, y [m] and heading [deg]; null is what stays.
     - ``{op: "shape", path, value}``: another kind of shape.
+    - ``{op: "know_map" | "know_landmarks", path, value}``: what a robot knows (see `amorsim.ui.editor.knowing`).
     - ``{op: "toml", path, text}``: all that the file says in a table, as TOML.
     - ``{op: "text", text}``: the whole text of the scenario.
     - ``{op: "paint", spans, occupied}``: cells of a bitmap, as ``[row, first column, one after the last]``.
@@ -306,6 +308,8 @@ _OPS: Mapping[str, Callable[[Work, Change], str | None]] = {
     "point": _point,
     "mount": _mount,
     "shape": _shape,
+    "know_map": lambda work, change: know_map(work, _path(change), change.get("value")),
+    "know_landmarks": lambda work, change: know_landmarks(work, _path(change), change.get("value")),
     "toml": _toml,
     "text": _text,
     "walls": _walls,

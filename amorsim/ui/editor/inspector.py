@@ -18,6 +18,8 @@ from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.ui.editor.errors import deviations, fields_of, targets
+from amorsim.ui.editor.ground import described, floor
+from amorsim.ui.editor.knowing import kidnappings, knowledge
 from amorsim.ui.editor.sections import SHAPES, Section, toml_of
 from amorsim.ui.forms.description import FieldForm, form_of
 
@@ -84,6 +86,9 @@ class _Inspector:
                 yield self._section("Light", (), self._form(Light, ()))
             case ("simulation",):
                 yield self._section("Simulation", (), self._form(Scenario, (), ("dt", "duration", "seed")))
+                yield described(self)
+            case ("floor",):
+                yield from floor(self)
             case ("world",):
                 yield from self._world()
             case ("recording",):
@@ -110,8 +115,8 @@ class _Inspector:
         yield from self._shape()
         yield from self._errors(names)
         yield self._section("Initial belief", ("initial_belief",), self._form(InitialBelief, ("initial_belief",)))
-        yield self._as_toml("Kidnappings", ("kidnappings",))
-        yield self._as_toml("Knowledge", ("knowledge",))
+        yield from kidnappings(self)
+        yield from knowledge(self)
 
     def _sensor(self, name: str) -> Iterator[Section]:
         at = ("sensors", name)

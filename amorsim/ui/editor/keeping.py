@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from amorsim.core.errors import AmorsimError
+from amorsim.core.errors import AmorsimError, MapError
 from amorsim.core.map import Map
 from amorsim.plugins.registry import Registry
 from amorsim.render.picture import draw_map
@@ -35,9 +35,11 @@ def write_world(world: Map | None, target: Path, *, is_trial: bool, force: bool,
     if target.exists() and not force:
         raise AmorsimError(f"{target.name} is there already; name another file")
     with tempfile.TemporaryDirectory(prefix="amorsim-world-") as folder:
-        again, lost = write_map(
-            world, Path(folder) / target.name if is_trial else target, force=True, registry=registry
-        )
+        file = Path(folder) / target.name if is_trial else target
+        try:
+            again, lost = write_map(world, file, force=True, registry=registry)
+        except MapError as error:
+            raise MapError(str(error).replace(f"{file.parent}/", "")) from None
         rows, columns = again.shape
         words = [f"{columns} × {rows} cells of {again.resolution:g} m", lost_in_words(lost), *_unkept(world, target)]
         return {"words": words, "is_lossy": not lost.is_nothing, "options": needed_options(again)}

@@ -42,11 +42,24 @@ def _places(values: Mapping[str, Any], at: tuple[str | int, ...], registry: Regi
     if at == ("floor",):
         for number, marking in enumerate(_items(table.get("markings"))):
             yield from _fields(values, (*at, "markings", number), marking, registry, folder)
+        for key in ("markings", "drops"):
+            for number, one in enumerate(_items(table.get(key))):
+                pose = one.get("pose") if isinstance(one, dict) else None
+                if isinstance(pose, dict) and _is_length(pose.get("x")) and _is_length(pose.get("y")):
+                    path = f"floor.{key}.{number}.pose"
+                    yield {"path": path, "kind": "point", "points": [[pose["x"], pose["y"]]], "closed": False}
         return
     for part in ("controller", "motion"):
         inner = table.get(part)
         if isinstance(inner, dict):
             yield from _fields(values, (*at, part), inner, registry, folder)
+    for part in ("sensors", "estimators"):
+        parts = table.get(part)
+        for name, inner in parts.items() if isinstance(parts, dict) else ():
+            yield from _fields(values, (*at, part, name), inner, registry, folder)
+    for number, one in enumerate(_items(table.get("kidnappings"))):
+        yield from _fields(values, (*at, "kidnappings", number), one, registry, folder)
+    yield from _known(table.get("knowledge"), ".".join(map(str, (*at, "knowledge"))))
     start = table.get("start")
     if isinstance(start, dict):
         yield from _start(start, ".".join(map(str, (*at, "start"))))
@@ -75,6 +88,17 @@ def _fields(
         elif isinstance(found, list) and 0 < len(found) <= MOST and all(map(_is_point, found)):
             points = [list(point) for point in found]
             yield {"path": f"{path}.{name}", "kind": "path", "points": points, "closed": is_closed}
+    for name, parameter in fields.items():
+        if parameter.component:
+            yield from _fields(values, (*at, name), table.get(name), registry, folder)
+
+
+def _known(knowledge: Any, path: str) -> Iterator[Place]:
+    """Landmarks that a robot knows by places of its own."""
+    for number, one in enumerate(_items(knowledge.get("landmarks") if isinstance(knowledge, dict) else None)[:MOST]):
+        point: Any = [one.get("x"), one.get("y")] if isinstance(one, dict) else one
+        if _is_point(point):
+            yield {"path": f"{path}.landmarks.{number}", "kind": "point", "points": [list(point)], "closed": False}
 
 
 def _start(start: Mapping[str, Any], path: str) -> Iterator[Place]:

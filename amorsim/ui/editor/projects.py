@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import AmorsimError
 from amorsim.plugins.manager import default_registry
-from amorsim.scenario.elsewhere import near
 from amorsim.ui.editor.files import PROGRAM
+from amorsim.ui.editor.formats import map_files
 from amorsim.ui.editor.reader import Reader
 from amorsim.ui.editor.recent import recent_files
 from amorsim.ui.editor.work import Work
+from amorsim.ui.editor.world_map import take_map
 from amorsim.ui.serve.wire import shown
 from amorsim.ui.simulator.project import place_for
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ASKS", "Projects"]
 
-ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "code", "worlds")
+ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "starts", "code", "worlds")
 MOST_LISTED = 200  # files of the project that are listed
 LONGEST_BENCH = 240.0  # [s] of an experiment, or of writing a world: their kernels may have to be compiled
 LONGEST_CODE = 1_000_000  # letters
@@ -67,6 +68,8 @@ class Projects:
                 return {"ok": True, "files": await asyncio.to_thread(self._maps)}
             case {"do": "write_world", "name": name, "is_trial": bool(is_trial)}:
                 return await self._write_world(name, is_trial, use=command.get("use") is True)
+            case {"do": "make_lines", "is_trial": bool(is_trial)}:
+                return await self._make_lines(is_trial)
             case {"do": "save_model", "path": str(path), "name": name}:
                 sensor = command.get("sensor", "")
                 parent = self._parent(path, str(sensor))
@@ -77,6 +80,11 @@ class Projects:
                 return {"ok": True, **await self._experiment("square", robot=robot)}
             case {"do": "histogram", "robot": str(robot), "sensor": str(sensor)}:
                 return {"ok": True, **await self._experiment("noise", robot=robot, sensor=sensor)}
+            case {"do": "starts"}:
+                return {
+                    "ok": True,
+                    "starts": await asyncio.to_thread(self._bench.ask, "starts", **self._session.asked()),
+                }
             case {"do": "code", "file": name}:
                 held = work.program(self._program(name))
                 return {"ok": True, "text": held.text or _template(), "is_saved": held.text == held.saved}
@@ -148,9 +156,7 @@ class Projects:
 
     def _maps(self) -> list[str]:
         """Files of the project that a loader may know."""
-        endings = {ending for name in default_registry().names("map_loader") for ending in _endings(name)}
-        folder = self._session.work.folder
-        return [path.name for path in sorted(folder.glob("*")) if path.suffix.lower() in endings][:MOST_LISTED]
+        return map_files(self._session.work.folder, default_registry())
 
     def _zip(self) -> str:
         """The scenario as it is now, with all files that it names, in base 64."""
@@ -174,9 +180,27 @@ class Projects:
         await asyncio.to_thread(self._bench.ask, "look", **self._session.asked())
         found = await asyncio.to_thread(self._bench.ask, "write_world", target=target, is_trial=is_trial, force=False)
         if use and not is_trial:
-            work.edit(f"take {target.name} as the world", lambda work: _take(work, target, found["options"]))
+            work.edit(
+                f"take {target.name} as the world", lambda work: take_map(work.document, target, found["options"])
+            )
             self._session.touched()
         return {"ok": True, "file": target.name, **found}
+
+    async def _make_lines(self, is_trial: bool) -> Answer:
+        """Make the world's walls a line world that can be drawn in, as one step; a save writes it."""
+        work = self._session.work
+        if not work.world.walls_fixed:
+            raise AmorsimError("walls can be drawn in this world as it is")
+        path = work.world.free_file()
+        await asyncio.to_thread(self._bench.ask, "look", **self._session.asked())
+        with tempfile.TemporaryDirectory(prefix="amorsim-world-") as folder:
+            target = Path(folder) / path.name
+            found = await asyncio.to_thread(self._bench.ask, "write_world", target=target, is_trial=False, force=False)
+            text = await asyncio.to_thread(target.read_text, encoding="utf-8")
+        if not is_trial:
+            work.edit("make the walls a file", lambda work: work.world.become_lines(path, text, found["options"]))
+            self._session.touched()
+        return {"ok": True, "file": path.name, **found}
 
     def _parent(self, path: str, sensor: str) -> str:
         """The model that a robot or a sensor builds on: its name, or the path of its file."""
@@ -235,28 +259,9 @@ def _first_name(text: str) -> str:
     return found[1] if found else "drive"
 
 
-def _take(work: Work, file: Path, options: Mapping[str, Any]) -> None:
-    """Let a file be the world's map, read with these options."""
-    document = work.document
-    said = document.values.get("world")
-    for key in said if isinstance(said, dict) else ():
-        if key != "map" and key not in options:
-            document.remove(f"world.{key}")
-    document.set("world.map", near(file, document.path.absolute().parent))
-    for key, value in options.items():
-        document.set(f"world.{key}", value)
-
-
 def _is_scenario(path: Path) -> bool:
     try:
         head = path.read_text(encoding="utf-8", errors="replace")[:20_000]
     except OSError:
         return False
     return "[world]" in head or "[[robots]]" in head
-
-
-def _endings(loader: str) -> tuple[str, ...]:
-    try:
-        return tuple(default_registry().get("map_loader", loader).extensions)
-    except Exception:  # a plugin's class, which may be anything
-        return ()

@@ -109,6 +109,12 @@ class _Functions:
 
         return noise_bars(Document(text, path, registry=self._registry).scenario(), robot, sensor)
 
+    def starts(self, text: str, path: Path, **_: Any) -> Any:
+        """Where a run would let those start that are placed at random, by name."""
+        from amorsim.ui.editor.bench import starts_by_name
+
+        return starts_by_name(Document(text, path, registry=self._registry).partial())
+
     def _partial(self) -> Partial:
         if self._seen is None or self._seen.partial is None:
             raise AmorsimError("it cannot be read; mend its faults first")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
 from amorsim.scenario.toml_values import as_toml
 from amorsim.ui.forms.description import FieldForm
@@ -20,6 +20,7 @@ class Use(TypedDict):
     value: str
     choices: list[str]
     is_optional: bool
+    op: NotRequired[str]  # the change that makes the choice, where that is one of its own
 
 
 class Adding(TypedDict):
@@ -30,6 +31,7 @@ class Adding(TypedDict):
     kind: str
     choices: list[str]
     is_list: bool
+    value: NotRequired[dict[str, Any]]  # what is added, where nothing is to be chosen
 
 
 class Section(TypedDict):

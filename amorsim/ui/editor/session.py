@@ -22,6 +22,7 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.changes import apply, own_table
 from amorsim.ui.editor.files import PROGRAM
+from amorsim.ui.editor.formats import written_endings
 from amorsim.ui.editor.inspector import inspect
 from amorsim.ui.editor.looking import FaultAt, Looked
 from amorsim.ui.editor.passing import PassingFolder
@@ -319,7 +320,7 @@ class EditSession:
             case {"do": "menu"}:
                 kinds = ("robot", "motion", "controller", "world_generator")
                 names = {kind: list(self._registry.names(kind)) for kind in kinds}
-                return {"ok": True, **names}
+                return {"ok": True, **names, "writers": written_endings(self._registry)}
             case {"do": "image", "name": str(name)}:
                 picture = await asyncio.to_thread(self.reader.ask, "picture", name=name)
                 return {"ok": True, "png": base64.b64encode(picture).decode()}

@@ -101,8 +101,7 @@ def things_of(document: Document, partial: Partial, registry: Registry) -> list[
                 thing |= {"footprint": outline_of(shape), "pose": [one.x, one.y, 0.0], "moves": True}
             found.append(thing)
     found.insert(2, _thing("recording", "settings", "recording", "what a run writes"))
-    if isinstance(values.get("floor"), dict):
-        found.append(_thing("floor", "settings", "floor", ""))
+    found.insert(3, _thing("floor", "settings", "floor", "lines, areas, drops"))
     for thing in found:
         if thing["kind"] in ("robot", "obstacle") or thing["path"] == "floor":
             thing["places"] = places_at(values, thing["path"], registry, folder)

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import DocumentError
+from amorsim.scenario.document import Document
+from amorsim.scenario.elsewhere import near
 from amorsim.ui.editor.bitmaps import SUFFIXES, shape_of
 from amorsim.ui.editor.files import FilesError
 from amorsim.ui.editor.walls import EMPTY_WORLD, WallsError, world_of
@@ -14,7 +16,18 @@ from amorsim.ui.editor.walls import EMPTY_WORLD, WallsError, world_of
 if TYPE_CHECKING:
     from amorsim.ui.editor.work import Work
 
-__all__ = ["WorldMap"]
+__all__ = ["WorldMap", "take_map"]
+
+
+def take_map(document: Document, file: Path, options: Mapping[str, Any]) -> None:
+    """Let a file be the world's map, read with these options."""
+    said = document.values.get("world")
+    for key in said if isinstance(said, dict) else ():
+        if key != "map" and key not in options:
+            document.remove(f"world.{key}")
+    document.set("world.map", near(file, document.path.absolute().parent))
+    for key, value in options.items():
+        document.set(f"world.{key}", value)
 
 
 class WorldMap:
@@ -56,7 +69,7 @@ class WorldMap:
     def walls_fixed(self) -> str:
         """Why walls cannot be changed, or nothing."""
         if self._is_generated:
-            return "the world is generated; write it into a file with amorsim generate, and draw in that"
+            return "the world is generated; make its walls a file first, and draw in that"
         try:
             if self.file is not None:
                 world_of(self.table, self.file.name)
@@ -82,7 +95,7 @@ class WorldMap:
             raise WallsError(self.walls_fixed)
         path = self.file
         if path is None:
-            path = self._free_file()
+            path = self.free_file()
             self._work.files.begin(path, EMPTY_WORLD)
             self._work.document.set("world.map", path.name)
         held = self._work.held(path)
@@ -90,7 +103,14 @@ class WorldMap:
             held.text, add=list(add), change=dict(change or {}), remove=set(remove)
         )
 
-    def _free_file(self) -> Path:
+    def become_lines(self, path: Path, text: str, options: Mapping[str, Any]) -> None:
+        """Take a line world of this text as the map, read with these options. Its file is written when all is saved."""
+        self._work.files.begin(path, "")
+        self._work.files[path].text = text
+        take_map(self._work.document, path, options)
+
+    def free_file(self) -> Path:
+        """A line world next to the scenario that is not there yet."""
         work = self._work
         number, path = 1, work.here / f"{work.name}.wld"
         while path.exists() or path in work.files:

@@ -143,6 +143,11 @@ def test_the_world_is_written_after_it_is_said_what_is_lost(tmp_path: Path) -> N
         assert (await drawn(session))["faults"] == []
         refused = await session.request({"do": "write_world", "name": "world.png", "is_trial": True})
         assert "there already" in refused["error"]
+        refused = await session.request({"do": "write_world", "name": "world.dxf", "is_trial": True})
+        assert refused["error"] == "world.dxf: cannot be written: maps cannot be written as .dxf"
+        writers = (await do(session, do="menu"))["writers"]
+        assert {".wld", ".png", ".svg", ".geojson", ".map", ".yaml"} <= set(writers)
+        assert not {".dxf", ".maz"} & set(writers)
         await do(session, do="undo")
         assert session.work.text == file.read_text()
 
@@ -163,6 +168,35 @@ def test_a_generated_world_is_made_into_walls_that_can_be_drawn(tmp_path: Path) 
         await do(session, do="write_world", name="office.wld", is_trial=False, use=True)
         assert not session.state()["walls_fixed"]
         await do(session, do="edit", label="wall", changes=[{"op": "walls", "add": [[1, 1, 2, 1]]}])
+
+    talk("", tmp_path, say)
+
+
+def test_a_generated_world_becomes_a_file_in_one_step_and_is_written_by_a_save(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        world = {"map": {"generate": "office", "seed": 3}}
+        await do(session, do="edit", label="office", changes=[{"op": "set", "path": "world", "value": world}])
+        text = session.work.text
+        tried = await do(session, do="make_lines", is_trial=True)
+        assert any("cells" in words for words in tried["words"])
+        assert session.work.text == text
+        generated = await drawn(session)
+        said = await do(session, do="make_lines", is_trial=False)
+        assert said["file"] == session.work.document.get("world.map") == "untitled.wld"
+        assert (await drawn(session))["still"]["extent"] == generated["still"]["extent"]
+        await do(session, do="edit", label="wall", changes=[{"op": "walls", "add": [[1, 1, 2, 1]]}])
+        assert list(tmp_path.iterdir()) == []
+        await do(session, do="save_as", name="mine")
+        assert len(am.load_map(tmp_path / "untitled.wld").segments) > 10
+        for _ in range(2):
+            await do(session, do="undo")
+        assert session.work.document.get("world.map") == world["map"]
+        refused = await session.request({"do": "make_lines", "is_trial": True})
+        assert refused["ok"]
+        for _ in range(2):
+            await do(session, do="redo")
+        refused = await session.request({"do": "make_lines", "is_trial": True})
+        assert "as it is" in refused["error"]
 
     talk("", tmp_path, say)
 
@@ -416,5 +450,18 @@ def test_errors_and_noise_are_previewed(tmp_path: Path) -> None:
         assert sum(bars["counts"]) == bars["of"] > 500
         assert bars["unit"] == "m"
         assert 0.001 < bars["std"] < 0.1
+
+    talk("demo", tmp_path, say)
+
+
+def test_starts_at_random_are_drawn_as_a_run_draws_them(tmp_path: Path) -> None:
+    async def say(session: EditSession) -> None:
+        fleet = {"name": "f", "model": "pioneer2dx", "count": 4, "start": {"random": [1.0, 1.0, 5.0, 5.0]}}
+        await do(session, do="edit", label="add", changes=[{"op": "add", "path": "robots", "value": fleet}])
+        starts = (await do(session, do="starts"))["starts"]
+        simulation = am.Simulation(session.work.document.scenario())
+        assert starts == {f"f{n}": list(simulation.robot(f"f{n}").true_pose) for n in range(4)}
+        await do(session, do="edit", label="break", changes=[{"op": "set", "path": "robots.0.model", "value": "x"}])
+        assert "faults" in (await session.request({"do": "starts"}))["error"]
 
     talk("demo", tmp_path, say)

@@ -3,6 +3,7 @@
 import { h } from "../shared/dom.js";
 import { PlaceTool } from "./draw_tools.js";
 import { askFleet, fleetKinds } from "./fleets.js";
+import { PathTool } from "./path_tool.js";
 import { kindsOfThings } from "./things.js";
 import { BoxTool } from "./wall_tools.js";
 
@@ -31,8 +32,22 @@ export function startPlacing(page, label) {
       page.take("select");
       askFleet(page, kind, box);
     }), "box");
-  } else page.hold(new PlaceTool(page, kind, (pose) => add(page, kind, pose)), "place");
+  } else if (kind.isPath) page.hold(new PathTool(page, "line's points", (points) => addLine(page, kind, points)), "path");
+  else page.hold(new PlaceTool(page, kind, (pose) => add(page, kind, pose)), "place");
   page.stage.pane.canvas.focus();
+}
+
+/** Add a line through points, and show what it is a part of.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {any} kind
+ * @param {number[][]} points */
+async function addLine(page, kind, points) {
+  if (points.length < 2) {
+    page.hint("a line needs two points at least");
+    return;
+  }
+  const said = await page.edit(`add a ${kind.label}`, [{ op: "add", path: kind.path, value: { points } }]);
+  if (said.ok) page.choose([kind.path.split(".")[0]]);
 }
 
 /** Add a thing of a kind at a pose, and select it.
@@ -41,6 +56,6 @@ export function startPlacing(page, label) {
  * @param {number[]} pose */
 async function add(page, kind, pose) {
   const said = await page.edit(`add ${kind.label}`, [{ op: "add", path: kind.path, value: kind.make(pose, page.stage.things) }]);
-  if (said.ok) page.choose(said.added);
+  if (said.ok) page.choose(kind.path.includes(".") ? [kind.path.split(".")[0]] : said.added);
   page.take("select");
 }

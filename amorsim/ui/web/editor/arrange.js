@@ -5,7 +5,7 @@ import { h, say } from "../shared/dom.js";
 import { numberIn } from "../shared/field.js";
 import { copyOf, pasted } from "./clipboard.js";
 import { round } from "./geometry.js";
-import { poseChange } from "./select_tool.js";
+import { poseChange } from "./poses.js";
 
 const MOST = 500; // copies
 

@@ -79,6 +79,9 @@ export class DrawTool extends Tool {
 }
 
 export class LineTool extends DrawTool {
+  /** @type {[string, string][]} */
+  typing = [["length", "m"], ["angle", "°"]];
+
   /** @param {import("./editor.js").EditorPage} page
    * @param {boolean} goesOn whether each wall begins where the one before ended */
   constructor(page, goesOn) {
@@ -114,8 +117,21 @@ export class LineTool extends DrawTool {
 }
 
 export class RectangleTool extends DrawTool {
+  /** @type {[string, string][]} */
+  typing = [["across", "m"], ["up", "m"]];
+
   get says() {
-    return "Click one corner, and the opposite one: four walls. Alt: no snapping.";
+    return "Click one corner, and the opposite one: four walls. Or type the sides. Alt: no snapping.";
+  }
+
+  /** The corner at typed distances [m] from the first, on the side of the pointer; one alone is both. */
+  typed(across, up) {
+    const from = this.points[0];
+    const [wide, high] = [across, Number.isFinite(up) ? up : across];
+    if (!from || !(wide > 0) || !(high > 0)) return false;
+    const [right, above] = [(this.last?.x ?? from[0]) < from[0] ? -1 : 1, (this.last?.y ?? from[1]) < from[1] ? -1 : 1];
+    this.point({ x: round(from[0] + right * wide), y: round(from[1] + above * high), kind: "" });
+    return true;
   }
 
   /** @param {number[]} from
@@ -155,8 +171,11 @@ const FEWEST = 12;
 const sidesOf = (radius) => Math.max(FEWEST, 4 * Math.ceil(Math.PI / Math.acos(Math.max(0, 1 - ERROR / radius)) / 4));
 
 export class CircleTool extends DrawTool {
+  /** @type {[string, string][]} */
+  typing = [["radius", "m"]];
+
   get says() {
-    return "Click the centre, then a point of the circle. It is made of straight walls. Or type the radius as length.";
+    return "Click the centre, then a point of the circle; or type the radius. It is made of straight walls.";
   }
 
   /** @param {number[]} middle
@@ -191,16 +210,17 @@ export class CircleTool extends DrawTool {
 
 export class MeasureTool extends DrawTool {
   get says() {
-    return "Click two points to measure distance and angle. At the pointer: the distance to the nearest wall.";
+    return "Click two points: distance and angle, and how far the pointer is from the nearest wall.";
   }
 
   about(mark) {
     const [from, to] = this.points;
     const clear = this.stage.walls.clearance(mark.x, mark.y);
-    if (!from) return Number.isFinite(clear) ? { words: `nearest wall ${clear.toFixed(3)} m`, at: [mark.x, mark.y] } : {};
+    const far = Number.isFinite(clear) ? `nearest wall ${clear.toFixed(3)} m` : "";
+    if (!from) return far ? { words: far, at: [mark.x, mark.y] } : {};
     const end = to ?? [mark.x, mark.y];
     const wall = [from[0], from[1], end[0], end[1]];
-    return { walls: [wall], words: this.page.lengthOf(wall), at: end };
+    return { walls: [wall], words: to || !far ? this.page.lengthOf(wall) : `${this.page.lengthOf(wall)}, ${far}`, at: end };
   }
 
   point({ x, y }) {

@@ -8,15 +8,18 @@ import { showMenu } from "./adding.js";
 import { copyOf, lastCopy, pasted } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
+import { Ghosts } from "./ghosts.js";
 import { Inspector } from "./inspector.js";
 import { listen } from "./keys.js";
 import { DOINGS, build } from "./layout.js";
 import { ObjectList, counts, faultButtons } from "./list.js";
-import { showOutside, showPen, showTools } from "./outside.js";
+import { WALL_TOOLS, showOutside, showPen, showTools } from "./outside.js";
 import { showMounts } from "./mounting.js";
 import { BrushTool, FillTool, cropTool } from "./paint_tools.js";
+import { askLines } from "./project.js";
 import { SelectTool } from "./select_tool.js";
 import { EditStage } from "./stage.js";
+import { showTyping } from "./typing.js";
 import { takeUp } from "./underlay.js";
 import { DoorTool, RoomTool, TrimTool } from "./wall_tools.js";
 
@@ -30,6 +33,7 @@ export class EditorPage {
     this.stage = new EditStage(root);
     this.inspector = new Inspector(this);
     this.objects = new ObjectList(this);
+    this.ghosts = new Ghosts(this);
     this.parts = build({ pane: this.stage.pane.element, objects: this.objects.element, inspector: this.inspector });
     root.replaceChildren(this.parts.element);
     this.grid = 0.1;
@@ -48,6 +52,7 @@ export class EditorPage {
     /** What was read last. @type {any} */
     this.drawn = null;
     this.fitsNext = false; // whether all of the next world is to be seen
+    this.wantedTool = ""; // which is taken once walls can be drawn
     this.outside = ""; // what is said of files that were changed by something else
     /** What can be added. @type {any[]} */
     this.kinds = [];
@@ -143,6 +148,7 @@ export class EditorPage {
     if (this.fitsNext) stage.fit();
     this.fitsNext = false;
     this.showCodeFaults?.();
+    this.ghosts.ask();
   }
 
   /** Select a thing once it is there. @param {string[]} paths */
@@ -232,23 +238,22 @@ export class EditorPage {
 
   /** Take a tool in hand. @param {string} name */
   take(name) {
-    if (this.parts.tools.get(name)?.hidden) return;
-    if (this.parts.tools.get(name)?.disabled) {
-      this.hint(this.watching ? "another window holds the pen" : this.wallsFixed);
-      return;
-    }
-    for (const [other, button] of this.parts.tools) button.setAttribute("aria-pressed", String(other === name));
-    this.hold(this.tools[name], name);
+    const { hidden, disabled } = this.parts.tools.get(name);
+    if (hidden) return;
+    if (disabled) this.hint("another window holds the pen");
+    else if (this.wallsFixed && WALL_TOOLS.includes(name)) askLines(this, name);
+    else this.hold(this.tools[name], name);
   }
 
   /** @param {any} tool */
   hold(tool, name = "") {
+    for (const [other, button] of this.parts.tools) button.setAttribute("aria-pressed", String(other === name));
     this.stage.pane.take(tool);
     this.stage.preview = null;
     this.stage.redraw();
     this.toolName = name;
     this.showTool(tool);
-    this.parts.typing.hidden = !["line", "polyline", "circle"].includes(name);
+    showTyping(this.parts, tool);
     this.parts.openings.hidden = !["room", "door"].includes(name);
     this.parts.doors.hidden = name !== "door";
     this.parts.brushes.hidden = !["brush", "eraser", "cells"].includes(name);
@@ -274,7 +279,6 @@ export class EditorPage {
   }
 
   // ------------------------------------------------------------------------------------------------------------ words
-
   /** @param {string} text */
   hint(text) {
     say(this.parts.hint, text);

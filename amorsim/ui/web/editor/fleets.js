@@ -4,7 +4,7 @@ import { open } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
 import { numberIn } from "../shared/field.js";
 import { round } from "./geometry.js";
-import { freeName } from "./things.js";
+import { freeName, walking } from "./things.js";
 
 const MOST = 10_000;
 
@@ -28,7 +28,7 @@ export function askFleet(page, kind, box) {
       say(problem, `Expected a whole number from 1 to ${MOST}.`);
       return;
     }
-    const said = await page.edit(`add ${many} × ${kind.what}`, [{ op: "add", path: kind.path, value: { ...kind.table(model.value, page.stage.things), count: many, start: start(box, many, stands.value) } }]);
+    const said = await page.edit(`add ${many} × ${kind.what}`, [{ op: "add", path: kind.path, value: { ...kind.table(model.value, page.stage.things, box), count: many, start: start(box, many, stands.value) } }]);
     if (!said.ok) {
       say(problem, said.error);
       return;
@@ -71,5 +71,9 @@ export const fleetKinds = (models) => [
   {
     group: "Many", label: "field of posts…", what: "posts", path: "obstacles", isMany: true,
     table: (_, things) => ({ name: freeName("posts", things), shape: { circle: 0.15 } }),
+  },
+  {
+    group: "Many", label: "crowd of people…", what: "people", path: "obstacles", isMany: true,
+    table: (_, things, [x0, y0, x1, y1]) => ({ name: freeName("people", things), shape: { circle: 0.22 }, motion: walking([[x0, (y0 + y1) / 2], [x1, (y0 + y1) / 2]]) }),
   },
 ];

@@ -12,7 +12,8 @@ const ARM = 44; // pixels from a sensor's mount to the grip that turns it
 
 /**
  * A grip at a point [m]. `drag` shows what it would do, `drop` is the change of the document and what it is called.
- * @typedef {{x: number, y: number, shape: "round" | "small" | "square", thing: import("./stage.js").Thing, place?: PlaceOf, number?: number,
+ * One that `isWhole` moves its thing as any other place of the thing does.
+ * @typedef {{x: number, y: number, shape: "round" | "small" | "square", thing: import("./stage.js").Thing, place?: PlaceOf, number?: number, isWhole?: boolean,
  *   drag: (to: {x: number, y: number}, isFree: boolean) => void, drop: () => {label: string, change: any} | null}} Grip
  */
 
@@ -60,9 +61,31 @@ function pointGrips(stage, thing, place) {
     const drop = () => to && { label: `${isNew ? "add" : "move"} a point of ${thing.name}`, change: { op: "point", path: place.path, number, value: to, ...(isNew ? { insert: true } : {}) } };
     return /** @type {Grip} */ ({ x, y, shape: isNew ? "small" : "round", thing, place, number, drag, drop });
   };
+  if (place.kind === "box") return boxGrips(stage, thing, place);
   const points = place.points.map((point, n) => grip(n, point, false));
   if (place.kind !== "path") return points;
   return [...points, ...legs(place).map(({ a, b, number }) => grip(number, [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], true))];
+}
+
+/** The corners of a box, and its middle, which moves all of it.
+ * @param {import("./stage.js").EditStage} stage
+ * @param {import("./stage.js").Thing} thing
+ * @param {PlaceOf} place
+ * @returns {Grip[]} */
+function boxGrips(stage, thing, place) {
+  const [[x0, y0], [x1, y1]] = place.points;
+  let to = null;
+  const show = (a, b, c, d) => {
+    to = [Math.min(a, c), Math.min(b, d), Math.max(a, c), Math.max(b, d)].map(round);
+    stage.bend(place.path, [to.slice(0, 2), to.slice(2)]);
+    stage.preview = { words: `${round(to[2] - to[0])} × ${round(to[3] - to[1])} m`, at: to.slice(2) };
+  };
+  const drop = () => to && { label: `move the box of ${thing.name}`, change: { op: "set", path: place.path, value: to } };
+  const grip = (x, y, shape, drag) => /** @type {Grip} */ ({ x, y, shape, thing, place, number: 0, drag, drop });
+  return [
+    ...[[x0, y0, x1, y1], [x1, y0, x0, y1], [x1, y1, x0, y0], [x0, y1, x1, y0]].map(([x, y, u, v]) => grip(x, y, "round", (point) => show(point.x, point.y, u, v))),
+    { ...grip((x0 + x1) / 2, (y0 + y1) / 2, "square", () => {}), isWhole: true },
+  ];
 }
 
 /** @param {import("./stage.js").EditStage} stage

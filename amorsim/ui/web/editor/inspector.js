@@ -9,9 +9,9 @@ import { reshaping } from "./reshape.js";
 
 /**
  * A table of a thing, as `Section` in amorsim/ui/editor/inspector.py.
- * @typedef {{title: string, path: string, depth: number, use: {kind: string, value: string, choices: string[], is_optional: boolean} | null,
+ * @typedef {{title: string, path: string, depth: number, use: {kind: string, value: string, choices: string[], is_optional: boolean, op?: string} | null,
  *   fields: any[], toml: string | null, can_go: boolean, origin: string,
- *   adding: {label: string, path: string, kind: string, choices: string[], is_list: boolean}[]}} Section
+ *   adding: {label: string, path: string, kind: string, choices: string[], is_list: boolean, value?: any}[]}} Section
  */
 
 const FIRST = ["Controller", "Motion"]; // sections that are open from the beginning
@@ -205,6 +205,7 @@ export class Inspector {
       const { value } = select;
       const what = title.toLowerCase();
       if (use.kind === "world_generator") await page.edit(`choose the generator ${value}`, [{ op: "set", path, value: { generate: value, seed: 1 } }]);
+      else if (use.op) await page.edit(`${what}: ${value || "none"}`, [{ op: use.op, path, value }]);
       else if (use.kind === "shape") await page.edit(`choose a ${value}`, [{ op: "shape", path, value }]);
       else if (!value) await page.edit(`no ${what}`, [{ op: "remove", path }]);
       else await page.edit(`choose ${value} as ${what}`, [{ op: "set", path: `${path}.use`, value }]);
@@ -231,10 +232,12 @@ export class Inspector {
     return h("div", { class: "toml" }, area, problem, buttons);
   }
 
-  /** A component more. */
-  adding({ label, path, kind, choices, is_list: isList }) {
+  /** A component more.
+   * @param {Section["adding"][0]} what */
+  adding({ label, path, kind, choices, is_list: isList, value }) {
     const { page } = this;
     if (page.watching) return "";
+    if (value) return h("div", { class: "row" }, h("button", { class: "tool", onclick: () => page.edit(label, [{ op: "add", path, value }]) }, label));
     const id = `add-${path}`;
     const select = h("select", { id }, choices.map((name) => h("option", { value: name }, name)));
     const add = () => {

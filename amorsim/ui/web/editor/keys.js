@@ -10,6 +10,7 @@ import { KEYS } from "./layout.js";
 import { play } from "./play.js";
 import { MENU } from "./project.js";
 import { holdSensor } from "./mounting.js";
+import { typed } from "./typing.js";
 
 /** @param {import("./editor.js").EditorPage} page */
 export function listen(page) {
@@ -48,19 +49,10 @@ export function listen(page) {
   });
   for (const name of ["length", "angle"]) {
     parts[name].addEventListener("keydown", (event) => {
-      if (event.key === "Enter") typedLength(page);
+      if (event.key === "Enter") typed(page);
     });
   }
   globalThis.addEventListener("keydown", (event) => press(page, event));
-}
-
-/** The end of the line that is being drawn, as typed. */
-function typedLength(page) {
-  const { length, angle } = page.parts;
-  const tool = page.tools[page.toolName];
-  if (!tool?.typed) return;
-  if (tool.typed(numberIn(length.value), numberIn(angle.value))) length.value = angle.value = "";
-  else page.hint("click where the wall begins first, then type a length");
 }
 
 const plain = (page) => ({

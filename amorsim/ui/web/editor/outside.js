@@ -3,20 +3,25 @@
 import { tell } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
 
-const WALL_TOOLS = ["line", "polyline", "rectangle", "circle", "room", "door", "trim"];
+export const WALL_TOOLS = ["line", "polyline", "rectangle", "circle", "room", "door", "trim"];
 const PAINT_TOOLS = ["brush", "eraser", "cells", "fill", "crop"];
 
 /** The tools for the world as it is: of lines, or a bitmap.
  * @param {import("./editor.js").EditorPage} page */
-export function showTools({ parts, state, watching }) {
+export function showTools(page) {
+  const { parts, state, watching } = page;
   for (const name of WALL_TOOLS) {
-    parts.tools.get(name).disabled = watching || Boolean(state.walls_fixed);
+    parts.tools.get(name).disabled = watching;
     parts.tools.get(name).hidden = Boolean(state.cells);
   }
   for (const name of PAINT_TOOLS) {
     parts.tools.get(name).disabled = watching;
     parts.tools.get(name).hidden = !state.cells;
   }
+  if (page.wantedTool && !state.walls_fixed && !watching) {
+    page.take(page.wantedTool); // for which the walls were made a file
+    page.wantedTool = "";
+  } else if (WALL_TOOLS.includes(page.toolName) && (state.walls_fixed || state.cells)) page.take("select");
 }
 
 /** Show which window holds the pen, and the button that asks for it.

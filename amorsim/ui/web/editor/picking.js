@@ -3,6 +3,7 @@
 import { NEAR } from "../shared/pick.js";
 import { reach } from "../shared/marks.js";
 import { holds } from "./geometry.js";
+import { startAt } from "./ghosts.js";
 
 /** What lies at a point: the smallest body, or else a wall.
  * @param {import("./stage.js").EditStage} stage
@@ -20,7 +21,7 @@ export function thingAt(stage, { x, y }) {
     (thing) => stage.isFree(thing.kind) && thing.places.some(({ points }) => points.some(([u, v]) => Math.hypot(u - x, v - y) <= near)),
   );
   if (onPath) return stage.chosenOf(onPath);
-  const crowd = seriesAt(stage, x, y, near);
+  const crowd = seriesAt(stage, x, y, near) ?? startAt(stage, x, y, near);
   if (crowd) return stage.chosenOf(crowd);
   const n = stage.isFree("wall") ? stage.walls.nearest(x, y, near) : -1;
   if (n >= 0) return stage.chosenWall(n);

@@ -13,6 +13,7 @@ export const MENU = [
   { name: "saveAs", words: "save as…", does: saveAs },
   { name: "world", words: "take another world…", does: askWorld },
   { name: "writeWorld", words: "save the world as…", does: askFormat },
+  { name: "makeLines", words: "make the walls a file to draw in…", does: (page) => askLines(page) },
   { name: "underlay", words: "a picture to trace from…", does: askUnderlay },
   { name: "png", words: "the world as a picture (PNG)", does: (page) => picture(page, "png") },
   { name: "svg", words: "the world as lines (SVG)", does: (page) => picture(page, "svg") },
@@ -77,9 +78,10 @@ async function askWorld(page) {
 
 /** Save the world in a format, after saying what is lost.
  * @param {import("./editor.js").EditorPage} page */
-export function askFormat(page) {
+export async function askFormat(page) {
+  const menu = await page.connection.ask({ do: "menu" });
   const ending = page.wallsFixed ? "wld" : "png";
-  askName("Save the world as", "file", `${stem(page)}-world.${ending}`, "the ending tells the format: .wld, .png, .bmp, .svg, .dxf, .geojson, .yaml (ROS), .map, .maz", async (name) => {
+  askName("Save the world as", "file", `${stem(page)}-world.${ending}`, `the ending tells the format: ${(menu.writers ?? []).join(", ")}`, async (name) => {
     const tried = await page.connection.ask({ do: "write_world", name, is_trial: true });
     if (tried.ok) confirmWorld(page, name, tried);
     return tried;
@@ -102,6 +104,34 @@ function confirmWorld(page, name, { words }) {
     h("button", { onclick: () => write(false) }, "save it"),
     h("button", { class: "main", onclick: () => write(true) }, "save it and take it as the world"),
   ]);
+}
+
+/** Make the walls of a world of any kind a file that can be drawn in, after saying what is lost; then take a tool.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {string} tool */
+export async function askLines(page, tool = "line") {
+  page.hint("reading the walls …");
+  const tried = await page.connection.ask({ do: "make_lines", is_trial: true });
+  page.hint(tried.ok ? "" : tried.error);
+  if (!tried.ok) return;
+  const problem = h("p", { class: "error", role: "alert" });
+  const make = async () => {
+    const said = await page.connection.ask({ do: "make_lines", is_trial: false });
+    if (!said.ok) {
+      say(problem, said.error);
+      return;
+    }
+    dialog.close();
+    page.wantedTool = tool;
+    page.hint(`the walls are in ${said.file} now, which is written when you save`);
+  };
+  const dialog = open(
+    `Draw in ${tried.file}`,
+    h("div", {}, h("p", {}, `${page.wallsFixed[0].toUpperCase()}${page.wallsFixed.slice(1)}.`),
+      h("p", {}, `Its walls as they are now become ${tried.file}, the world of this scenario. Undo takes that back.`),
+      h("ul", {}, tried.words.map((one) => h("li", {}, one))), problem),
+    [h("button", { onclick: () => dialog.close() }, "cancel"), h("button", { class: "main", onclick: make }, "make the walls a file")],
+  );
 }
 
 async function picture(page, kind) {

@@ -4,7 +4,7 @@ import { open } from "../shared/dialogs.js";
 import { h, say } from "../shared/dom.js";
 import { numberIn } from "../shared/field.js";
 import { round } from "./geometry.js";
-import { poseChange } from "./select_tool.js";
+import { poseChange } from "./poses.js";
 import { joined, offset, split } from "./wall_work.js";
 
 /** The buttons for what is selected: a line for walls, a line for where things stand.
@@ -98,7 +98,7 @@ function askTurn(page) {
 
 /** Turn what is selected about its middle by an angle [rad].
  * @param {import("./editor.js").EditorPage} page */
-function turn(page, angle) {
+export function turn(page, angle) {
   const { stage } = page;
   const all = boxes(page).map(({ box }) => box);
   if (!all.length) return null;

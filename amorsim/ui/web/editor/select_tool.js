@@ -2,6 +2,9 @@
 
 import { Tool } from "../shared/tool.js";
 import { round } from "./geometry.js";
+import { placeChange, shifted, startsOf } from "./ghosts.js";
+import { poseChange } from "./poses.js";
+import { turn } from "./reshape.js";
 
 const STILL = 4; // pixels that a click may move
 const DEGREE = Math.PI / 180;
@@ -57,6 +60,10 @@ export class SelectTool extends Tool {
     // Of a body that stands on a point of its own path, the body is meant.
     if (!this.grip || (this.grip.place && thing?.pose && Math.hypot(thing.pose[0] - this.grip.x, thing.pose[1] - this.grip.y) < near / 2)) return false;
     const { place: list, number, shape } = this.grip;
+    if (this.grip.isWhole) {
+      this.found = this.stage.chosenOf(this.grip.thing);
+      return true;
+    }
     if (event.ctrlKey && list?.kind === "path" && shape === "round") {
       this.doing = "";
       if (list.points.length > 1) this.page.edit(`remove a point of ${this.grip.thing.name}`, [{ op: "remove", path: `${list.path}.${number}` }]);
@@ -105,13 +112,15 @@ export class SelectTool extends Tool {
     const { stage } = this;
     const things = stage.chosenThings.filter(({ moves, pose }) => moves && pose);
     const walls = this.page.wallsFixed ? [] : stage.chosenWalls;
-    const base = things[0]?.pose ?? stage.walls.walls[walls[0]];
+    const starts = stage.chosenOnes.flatMap((thing) => startsOf(thing));
+    const base = things[0]?.pose ?? stage.walls.walls[walls[0]] ?? starts[0]?.points[0];
     if (!base) return;
     const grid = isFree ? 0 : this.page.grid;
     // What is moved along one axis keeps its place along the other, be it on the grid or not.
     const onto = (value, shift) => (!grid ? shift : Math.abs(shift) < grid / 2 ? 0 : Math.round((value + shift) / grid) * grid - value);
     const [right, up] = [round(onto(base[0], dx)), round(onto(base[1], dy))];
     for (const thing of things) stage.place(thing, [round(thing.pose[0] + right), round(thing.pose[1] + up), thing.pose[2]]);
+    for (const place of starts) stage.bend(place.path, shifted(place, right, up));
     const lines = walls.map((n) => stage.walls.walls[n].map((value, k) => round(value + (k % 2 ? up : right))));
     stage.preview = { walls: lines, numbers: walls, words: `${round(right)}, ${round(up)} m`, at: [base[0] + right, base[1] + up] };
     stage.redraw();
@@ -150,10 +159,14 @@ export class SelectTool extends Tool {
       const pose = stage.moved.get(thing.path);
       if (pose) changes.push(poseChange(thing, pose));
     }
+    for (const place of stage.chosenOnes.flatMap((thing) => startsOf(thing))) {
+      const points = stage.bent.get(place.path);
+      if (points) changes.push(placeChange(place, points));
+    }
     const { preview } = stage;
     if (doing === "end" && preview?.wall) changes.push({ op: "walls", change: [[stage.chosenWalls[0], preview.wall]] });
     else if (preview?.numbers?.length) changes.push({ op: "walls", change: preview.numbers.map((n, k) => [n, preview.walls[k]]) });
-    const [thing, ...others] = stage.chosenThings;
+    const [thing, ...others] = stage.chosenOnes;
     const what = thing && !others.length && !preview?.numbers?.length ? thing.name : !thing && stage.chosenWalls.length === 1 ? "a wall" : "what was selected";
     if (changes.length) this.page.edit(`${doing === "turn" ? "turn" : "move"} ${what}`, changes);
     else stage.putBack();
@@ -175,8 +188,13 @@ export class SelectTool extends Tool {
       return true;
     }
     if ((event.key === "[" || event.key === "]") && page.isHolder) {
+      const angle = (event.key === "[" ? 5 : -5) * DEGREE;
+      if (stage.chosenWalls.length) {
+        turn(page, angle);
+        return true;
+      }
       for (const thing of stage.chosenThings.filter(({ turns, pose }) => turns && pose)) {
-        stage.place(thing, [thing.pose[0], thing.pose[1], thing.pose[2] + (event.key === "[" ? 5 : -5) * DEGREE]);
+        stage.place(thing, [thing.pose[0], thing.pose[1], thing.pose[2] + angle]);
       }
       this.commit("turn");
       return true;
@@ -188,14 +206,4 @@ export class SelectTool extends Tool {
     }
     return false;
   }
-}
-
-/** What the document has to say for a thing to stand at a pose: x, y [m], heading [°] from −180 to 180, null where it stays.
- * @param {import("./stage.js").Thing} thing
- * @param {number[]} pose */
-export function poseChange({ path, pose: before }, [x, y, heading]) {
-  const turned = heading - before[2];
-  const degrees = Math.round(((((heading / DEGREE) % 360) + 360) % 360) * 1e4) / 1e4;
-  const value = [x, y, Math.abs(turned) < 1e-9 ? null : degrees > 180 ? Math.round((degrees - 360) * 1e4) / 1e4 : degrees];
-  return { op: "pose", path, value };
 }

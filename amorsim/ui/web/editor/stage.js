@@ -5,6 +5,7 @@ import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still
 import { BodiesLayer, NamesLayer } from "../shared/world.js";
 import { Carried } from "./carried.js";
 import { Walls, isIn } from "./geometry.js";
+import { GhostsLayer } from "./ghosts.js";
 import { gripsOf } from "./grips.js";
 import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
 import { thingAt } from "./picking.js";
@@ -53,6 +54,8 @@ export class EditStage extends StillStage {
     this.carried = null;
     /** What was painted and is no part of the map's picture yet. @type {{cells: any, isKept: boolean, isRead: boolean}[]} */
     this.strokes = [];
+    /** Where those start that are placed at random, by name. @type {Map<string, number[]>} */
+    this.ghosts = new Map();
     this.sensor = ""; // whose mount can be dragged
     this.hidden = new Set(); // kinds of things that are hidden
     this.locked = new Set(); // and those that cannot be picked
@@ -60,7 +63,7 @@ export class EditStage extends StillStage {
     this.underlay = new UnderlayLayer();
     this.pane.layers.unshift(this.underlay);
     const bodies = this.pane.layers.findIndex((layer) => layer instanceof BodiesLayer);
-    this.pane.layers.splice(bodies, 0, atRest(new ViewsLayer(this, false)), atRest(new PlacesLayer(this, false)));
+    this.pane.layers.splice(bodies, 0, atRest(new ViewsLayer(this, false)), atRest(new PlacesLayer(this, false)), atRest(new GhostsLayer(this)));
     const above = new Carried(this);
     this.pane.layers.push(
       atRest(new MarksLayer(this, false)),

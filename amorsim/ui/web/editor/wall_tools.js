@@ -8,6 +8,10 @@ const REACH = 22; // pixels
 
 /** Two corners, and where the opening is: Escape leaves the room closed. */
 export class RoomTool extends RectangleTool {
+  typed(across, up) {
+    return !this.corner && super.typed(across, up);
+  }
+
   get says() {
     return this.corner ? "Click where the opening is; Escape: none." : "Click one corner of the room, and the opposite one.";
   }

@@ -15,7 +15,7 @@ export class ListField extends Field {
     this.unit = unit;
     this.factor = factor;
     this.items = h("div", { class: "items" });
-    this.grow = h("button", { class: "tool", onclick: () => this.give([...this.values, this.another()]) }, "add");
+    this.grow = h("button", { class: "tool", onclick: () => this.give(this.more()) }, "add");
     this.summary = h("summary", {}, this.legend(parameter));
     this.element.append(
       h("details", { role: "group", "aria-labelledby": `${this.id}-legend` }, this.summary, this.items, h("div", { class: "line" }, this.grow, this.back)),
@@ -46,6 +46,12 @@ export class ListField extends Field {
     return item.kind === "number" ? 0 : item.kind === "flag" ? false : "";
   }
 
+  /** The list with an item more, or all items of one that has a length. */
+  more() {
+    const { length } = this.parameter.widget;
+    return length ? Array.from({ length }, () => this.another()) : [...this.values, this.another()];
+  }
+
   /** Whether items can come and go. */
   get grows() {
     const { widget, fixed, grows } = this.parameter;
@@ -57,7 +63,7 @@ export class ListField extends Field {
     this.shownCount = values.length;
     const legend = this.summary.firstChild;
     legend.lastChild.textContent = `${parameter.label} (${values.length})`;
-    this.grow.hidden = !this.grows;
+    this.grow.hidden = !this.grows && (parameter.fixed || parameter.grows === false || values.length > 0);
     this.items.replaceChildren(...this.rows(parameter, values.slice(0, MOST)));
     if (values.length > MOST) this.items.append(h("p", { class: "note" }, `and ${values.length - MOST} more`));
     super.put(parameter);

@@ -84,6 +84,15 @@ export class ComponentField extends Field {
   }
 }
 
+const WORDS = { number: "a number", flag: "yes or no", text: "a text", name: "a name", file: "a file", list: "numbers", forms: "tables" };
+
+/** What a kind of value is called. */
+function wordsOf({ kind, choices = [], frame }) {
+  if (kind === "choice") return choices.length === 1 ? choices[0] : "a word";
+  if (kind === "table") return frame ? "points" : "rows";
+  return WORDS[kind] ?? kind;
+}
+
 /** What one of several kinds of value is shown by. */
 export class EitherField extends Field {
   constructor(parameter, on, makeField) {
@@ -93,7 +102,7 @@ export class EitherField extends Field {
     this.select = h(
       "select",
       { id: this.id, "aria-label": `kind of ${parameter.label}`, onchange: () => this.turn(Number(this.select.value)) },
-      options.map((option, n) => h("option", { value: String(n) }, option.kind)),
+      options.map((option, n) => h("option", { value: String(n) }, wordsOf(option))),
     );
     this.holder = h("div", {});
     this.element.append(h("div", { class: "line either" }, this.select), this.holder);
