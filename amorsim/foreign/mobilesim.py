@@ -239,9 +239,9 @@ class MobileSimMap(MapLoader):
         width, height = world.size
         farthest = max(map(abs, extent_of(world)))
         if farthest > _FARTHEST_MM / 1000.0:
+            most = _FARTHEST_MM / 1000.0
             raise MapError(
-                f"it reaches to {farthest:.7g} m from the origin; expected {_FARTHEST_MM / 1000.0:g} m at most in a map "
-                "of MobileSim"
+                f"it reaches to {farthest:.7g} m from the origin; expected {most:g} m at most, as in MobileSim"
             )
         lines, points = world.segments, np.empty((0, 2))
         if lines is None:
