@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import MapLoader, ScenarioDocument, ScenarioLoader
+from amorsim.core.cell_lines import extent_of
 from amorsim.core.errors import MapError, ScenarioError
 from amorsim.core.map import Map
 from amorsim.core.numbers import millimetres
@@ -123,10 +124,15 @@ class _Reader:
             self._head(number, text)
         else:
             count = 4 if self._section == "LINES" else 2
-            self._rows[self._section].extend(self._numbers(number, text.split(), count) or ())
+            self._rows[self._section].extend(self._metres(number, text.split(), count) or ())
+
+    def _metres(self, line: int, words: list[str], count: int) -> list[float] | None:
+        """So many numbers of millimetres, in metres."""
+        found = self._numbers(line, words, count)
+        return None if found is None else [number / 1000.0 for number in found]
 
     def _numbers(self, line: int, words: list[str], count: int) -> list[float] | None:
-        """So many numbers; those of millimetres, and in metres then."""
+        """So many numbers."""
         if len(words) != count:
             self._faults.add(line, f"expected {count} numbers, got {len(words)}: {' '.join(words)[:60]!r}")
             return None
@@ -136,7 +142,7 @@ class _Reader:
             if not abs(value) <= _FARTHEST_MM:
                 self._faults.add(line, f"expected a number of at most {_FARTHEST_MM:g} mm, got {word[:40]!r}")
                 return None
-            found.append(value / 1000.0)
+            found.append(value)
         return found
 
     def _head(self, line: int, text: str) -> None:
@@ -146,12 +152,12 @@ class _Reader:
         elif not _KNOWN.match(text):
             self._left_out[key.split()[0]] = None
         elif key.endswith("Pos"):
-            self._bounds.extend(self._numbers(line, text.partition(":")[2].split(), 2) or ())
+            self._bounds.extend(self._metres(line, text.partition(":")[2].split(), 2) or ())
         elif key in ("NumPoints", "NumLines", "Resolution"):
             words = text.partition(":")[2].split()
             found = self._numbers(line, words, 1)
             if found is not None:
-                self._said[key] = found[0] * 1000.0
+                self._said[key] = found[0]
 
     def _cairn(self, line: int, text: str) -> None:
         found = _CAIRN.fullmatch(text)
@@ -162,14 +168,14 @@ class _Reader:
             return
         kind, x, y, degrees, _, _, name, rest = found.groups()
         place = self._numbers(line, [x, y, degrees], 3)
-        ends = self._numbers(line, rest.split(), 4) if rest else None
+        ends = self._metres(line, rest.split(), 4) if rest else None
         if place is None or (rest and ends is None):
             return
         if len(self._things) == _MOST_THINGS:
             self._faults.add(line, f"expected at most {_MOST_THINGS} cairns")
             self._faults.raise_if_any()
         corners = None if ends is None else (ends[0], ends[1], ends[2], ends[3])
-        self._things.append(Thing(kind, place[0], place[1], place[2] * 1000.0, name, corners, line))
+        self._things.append(Thing(kind, place[0] / 1000.0, place[1] / 1000.0, place[2], name, corners, line))
 
     def finish(self) -> RobotMap:
         """The map, once all is read."""
@@ -231,6 +237,12 @@ class MobileSimMap(MapLoader):
         """Write the walls that a map was made from, or else a point for each occupied cell; see `amorsim.save_map`."""
         side, (left, bottom, yaw) = world.resolution, world.origin
         width, height = world.size
+        farthest = max(map(abs, extent_of(world)))
+        if farthest > _FARTHEST_MM / 1000.0:
+            most = _FARTHEST_MM / 1000.0
+            raise MapError(
+                f"it reaches to {farthest:.7g} m from the origin; expected {most:g} m at most, as in MobileSim"
+            )
         lines, points = world.segments, np.empty((0, 2))
         if lines is None:
             if yaw:

@@ -17,6 +17,7 @@ transparent pixels are unknown. In the mode raw, ``v`` is a percentage, and abov
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
@@ -70,23 +71,30 @@ class Ros(MapLoader):
             If one of them cannot be read or is damaged, or a value of the YAML file makes no sense.
         """
         about = _about(path)
-        image, remarks = _image_of(about, path)
         try:
-            picture = open_picture(path.parent / image)
-        except MapError as error:
-            raise MapError(f"{path}: line {about.lines['image']}: image {about.image}: {error}") from error
-        try:
-            classes = _classes(picture, about, self.unknown == "occupied")
+            # The picture is let go before the map is made: it is as large as its classes.
+            classes, remarks = self._read(about, path)
+            unknown = classes & UNKNOWN
+            classes &= OCCUPIED
             return Map.from_array(
-                classes & OCCUPIED,
-                unknown=classes & UNKNOWN,
+                classes,
+                unknown=unknown,
                 resolution=about.resolution if self.resolution is None else self.resolution,
                 origin=about.origin,
-                warnings=(*about.remarks, *remarks, *picture.remarks),
+                warnings=(*about.remarks, *remarks),
                 name=path.stem,
             )
         except MapError as error:
             raise MapError(f"{path}: {error}") from error
+
+    def _read(self, about: MapYaml, path: Path) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
+        """What each pixel is, (rows, columns) from the bottom, and remarks."""
+        image, remarks = _image_of(about, path)
+        try:
+            picture = open_picture(path.parent / image)
+        except MapError as error:
+            raise MapError(f"line {about.lines['image']}: image {about.image}: {error}") from error
+        return _classes(picture, about, self.unknown == "occupied"), (*remarks, *picture.remarks)
 
     def companions(self, path: Path) -> Sequence[Path]:
         """The picture."""
@@ -124,15 +132,23 @@ def _quoted(name: str) -> str:
 
 def _about(path: Path) -> MapYaml:
     try:
-        text = read_bytes(path, _MOST_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise MapError(f"{path}: byte {error.start} is no UTF-8: this is no YAML file of a ROS map") from error
+        text = _decoded(read_bytes(path, _MOST_BYTES))
     except (OSError, ValueError) as error:
         raise MapError(f"{path}: cannot be read: {reason(error)}") from error
     try:
         return parse_map_yaml(text)
     except MapError as error:
         raise MapError(f"{path}: {error}") from error
+
+
+def _decoded(data: bytes) -> str:
+    """The text: UTF-16 where it begins with its mark, else UTF-8, else Latin 1, in which every byte is a letter."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16", errors="replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
 
 
 def _image_of(about: MapYaml, path: Path) -> tuple[Path, tuple[str, ...]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import math
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,27 +17,18 @@ from amorsim.core.cell_lines import extent_of, wall_lines
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.core.reading import read_bytes, reason
 from amorsim.maps.drawing import Drawing, chord_error
+from amorsim.maps.svg_xml import Viewport, length, local, parse_svg, prepare
 
 __all__ = ["Svg"]
 
-_MOST_BYTES = 50_000_000
-_MOST_ELEMENTS = 200_000
-_DEEPEST = 100
 _UNIT = 0.01  # [m]
 _NO_UNIT = (
     f"no unit is given, and its width is in none, so a unit of its is taken for {_UNIT:g} m; say how long one is, as "
     "in unit = 0.001"
 )
 _METRES = {"mm": 0.001, "cm": 0.01, "in": 0.0254, "pt": 0.0254 / 72, "pc": 0.0254 / 6, "q": 0.00025, "m": 1.0}
-_LENGTH = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*([a-zA-Z%]*)\s*")
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-_HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
-_SVG = "{http://www.w3.org/2000/svg}"
-# Drawn only where something uses them, or not at all.
-_NO_WALLS = ("metadata", "title", "desc", "style", "script", "namedview")
-_OTHERS = {"text": "texts", "image": "images", "foreignObject": "foreign objects"}
 
 
 @attrs.frozen(kw_only=True)
@@ -87,15 +77,14 @@ class Svg(MapLoader):
 
     def _load(self, path: Path) -> Map:
         drawing = Drawing(self.chord_error)
-        root = _parse(path)
+        root, lines_of = parse_svg(path)
         box = _view_box(root)
         remarks: list[str] = []
         unit = self._unit_of(root, box, remarks)
-        _refuse_too_many_uses(root)
         found = set() if not self.layers else _keep_layers(root, set(self.layers))
         if missing := set(self.layers) - found:
             raise MapError(f"it has no group of the id or label {', '.join(map(repr, sorted(missing)))}")
-        _prune(root, drawing)
+        prepare(root, lines_of, _viewport(root, box), drawing)
         for key in ("width", "height", "viewBox", "preserveAspectRatio", "x", "y"):
             root.attrib.pop(key, None)
         lines = Drawing(self.chord_error / unit)
@@ -143,7 +132,7 @@ class Svg(MapLoader):
         """The length [m] of a unit of the drawing."""
         if self.unit is not None:
             return self.unit * self.scale
-        width = _length(root.get("width"))
+        width = length(root.get("width"))
         if width is not None and width[1].lower() in _METRES and width[0] > 0.0:
             metres = width[0] * _METRES[width[1].lower()]
             # Without a box, a unit is a pixel of CSS.
@@ -153,45 +142,13 @@ class Svg(MapLoader):
         return _UNIT * self.scale
 
 
-def _parse(path: Path) -> ET.Element:
-    try:
-        data = read_bytes(path, _MOST_BYTES)
-    except (OSError, ValueError) as error:
-        raise MapError(f"cannot be read: {reason(error)}") from error
-    if b"<!ENTITY" in data:
-        raise MapError("it declares entities, which may unpack to any size; save it as plain SVG")
-    try:
-        root = ET.fromstring(data)
-    except ET.ParseError as error:
-        raise MapError(f"line {error.position[0]}: this is no XML: {str(error).split(':')[0]}") from error
-    except (ValueError, LookupError, RecursionError) as error:
-        raise MapError(f"this is no XML: {error}") from error
-    if root.tag not in ("svg", f"{_SVG}svg"):
-        raise MapError(f"its root is {root.tag[:60]!r}; expected 'svg'")
-    depth, count = 0, 0
-    level = [root]
-    while level:
-        depth, count = depth + 1, count + len(level)
-        level = [child for element in level for child in element]
-        if depth > _DEEPEST:
-            raise MapError(f"its elements are nested more than {_DEEPEST} deep")
-    if count > _MOST_ELEMENTS:
-        raise MapError(f"it has {count} elements; expected {_MOST_ELEMENTS} at most")
-    return root
-
-
-def _length(text: str | None) -> tuple[float, str] | None:
-    found = _LENGTH.fullmatch(text or "")
-    return None if found is None else (float(found[1]), found[2])
-
-
 def _view_box(root: ET.Element) -> tuple[float, float, float, float] | None:
     """left, top, right, bottom of the drawing in its units, or None."""
     words = (root.get("viewBox") or "").replace(",", " ").split()
-    numbers = [_length(word) for word in words]
+    numbers = [length(word) for word in words]
     values = [number[0] for number in numbers if number is not None and math.isfinite(number[0])]
     if len(words) != 4:
-        sides = [_length(root.get(key)) for key in ("width", "height")]
+        sides = [length(root.get(key)) for key in ("width", "height")]
         values = [0.0, 0.0, *(side[0] for side in sides if side is not None and side[1].lower() in ("", "px"))]
     if len(values) != 4 or values[2] <= 0.0 or values[3] <= 0.0:
         return None
@@ -199,32 +156,15 @@ def _view_box(root: ET.Element) -> tuple[float, float, float, float] | None:
     return left, top, left + width, top + height
 
 
-def _local(element: ET.Element) -> str:
-    return str(element.tag).rpartition("}")[2]
-
-
-def _is_hidden(element: ET.Element) -> bool:
-    style = (element.get("style") or "").replace(" ", "")
-    display, visibility = element.get("display"), element.get("visibility")
-    return (
-        display == "none"
-        or visibility in ("hidden", "collapse")
-        or any(word in style for word in ("display:none", "visibility:hidden"))
-    )
-
-
-def _prune(root: ET.Element, drawing: Drawing) -> None:
-    """Take out what is no wall, and count it."""
-    for parent in list(root.iter()):
-        for child in list(parent):
-            name = _local(child)
-            if _is_hidden(child):
-                drawing.leave_out("hidden shapes or groups")
-            elif name in _OTHERS:
-                drawing.leave_out(_OTHERS[name])
-            elif name not in _NO_WALLS:
-                continue
-            parent.remove(child)
+def _viewport(root: ET.Element, box: tuple[float, float, float, float] | None) -> Viewport | None:
+    """What percentages are of: the box, or else the size on paper in CSS's pixels."""
+    if box is not None:
+        return Viewport(box[2] - box[0], box[3] - box[1])
+    sides = [length(root.get(key)) for key in ("width", "height")]
+    pixels = [
+        side[0] * _METRES[side[1].lower()] * 96.0 / 0.0254 for side in sides if side and side[1].lower() in _METRES
+    ]
+    return Viewport(*pixels) if len(pixels) == 2 else None
 
 
 def _keep_layers(root: ET.Element, names: set[str]) -> set[str]:
@@ -236,37 +176,16 @@ def _keep_layers(root: ET.Element, names: set[str]) -> set[str]:
         if own:
             found.update(filter(None, own))
             return True
-        if _local(element) in ("defs", "symbol", "style"):
+        if local(element) in ("defs", "symbol", "style"):
             return True
         kept = [child for child in element if keep(child)]
         for child in list(element):
             if not any(child is each for each in kept):
                 element.remove(child)
-        return any(_local(child) != "defs" for child in kept)
+        return any(local(child) != "defs" for child in kept)
 
     keep(root)
     return found
-
-
-def _refuse_too_many_uses(root: ET.Element) -> None:
-    """Raise an error if elements that use others, which use others, would unpack to too many."""
-    named = {element.get("id"): element for element in root.iter() if element.get("id")}
-    weights: dict[ET.Element, float] = {}
-
-    def weigh(element: ET.Element, depth: int) -> float:
-        if depth > 3 * _DEEPEST:
-            raise MapError("it uses an element within itself, or too deep")
-        if element not in weights:
-            weight = 1.0 + sum(weigh(child, depth + 1) for child in element)
-            if _local(element) == "use":
-                name = next((element.get(key) for key in _HREFS if element.get(key)), "") or ""
-                target = named.get(name.removeprefix("#"))
-                weight += 0.0 if target is None else weigh(target, depth + 1)
-            weights[element] = weight
-        return weights[element]
-
-    if weigh(root, 0) > _MOST_ELEMENTS:
-        raise MapError(f"it unpacks to more than {_MOST_ELEMENTS} elements, by uses of uses")
 
 
 def _shapes(data: bytes, drawing: Drawing) -> Iterator[Any]:

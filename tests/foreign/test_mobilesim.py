@@ -107,6 +107,25 @@ def test_points_say_how_fine_the_map_is(write) -> None:
     assert MobileSimMap().load(write(text.replace("0 1000\n", ""))).resolution == 0.01
 
 
+def test_a_right_count_is_not_remarked_on(write) -> None:
+    """1001 / 1000 * 1000 is not 1001."""
+    points = "".join(f"{50 * number} 0\n" for number in range(1001))
+    read = read_robot_map(write(f"2D-Map\nNumPoints: 1001\nLINES\nDATA\n{points}"))
+    assert read.remarks == ()
+
+
+def test_a_heading_is_the_files_number(write) -> None:
+    text = '2D-Map\nCairn: Goal 0 0 63.7 "" ICON "g"\nLINES\n0 0 1000 0\nDATA\n'
+    assert read_robot_map(write(text)).things[0].degrees == 63.7
+
+
+def test_a_map_too_far_away_is_not_written(tmp_path) -> None:
+    world = am.Map.from_segments([(1e6, 0.0, 1e6 + 2.0, 1.0)], resolution=0.5)
+    with pytest.raises(MapError, match=r"it reaches to 1000002 m from the origin; expected 1e\+06 m at most"):
+        am.save_map(world, tmp_path / "far.map", use="mobilesim")
+    assert not list(tmp_path.iterdir())
+
+
 def test_every_broken_row_is_reported_with_its_line(write) -> None:
     text = ROOM.replace("4000 0 4000 3000", "4000 0 4000").replace("0 3000 0 0", "0 3000 0 x")
     text = text.replace("180 ", "").replace("200 3600 500", "200 3600")

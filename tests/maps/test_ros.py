@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -200,6 +201,36 @@ def test_yaml_that_multiplies_itself_takes_no_memory(tmp_path: Path) -> None:
     path.write_text("[" * 100_000)
     with pytest.raises(MapError, match="no YAML"):
         Ros().load(path)
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16", "utf-8-sig"])
+def test_other_letters_in_a_comment_do_no_harm(tmp_path: Path, encoding: str) -> None:
+    path = write(tmp_path, [[0, 255]])
+    path.write_bytes(f"# salle à manger\n{path.read_text()}".encode(encoding))
+    assert am.load_map(path).to_array().tolist() == [[1, 0]]
+
+
+def test_no_code_in_a_file_is_run(tmp_path: Path) -> None:
+    path = write(tmp_path, [[0, 255]])
+    command = f'!!python/object/apply:os.system ["touch {tmp_path / "ran"}"]'
+    path.write_text(f"{path.read_text()}more: {command}\n")
+    assert len(Ros().load(path).warnings) == 1
+    path.write_text(path.read_text().replace("resolution: 0.5", f"resolution: {command}"))
+    with pytest.raises(MapError, match="line 2: resolution is no number"):
+        Ros().load(path)
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_large_map_takes_no_more_than_its_layers_and_its_outlines(tmp_path: Path) -> None:
+    side = 2000
+    path = write(tmp_path, np.full((side, side), 255))
+    Ros().load(path)
+    tracemalloc.start()
+    Ros().load(path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # Cells and unknown cells, a byte each; the grid and its outlines, 1.3; and 2.4 MB for bands of the picture.
+    assert peak < 1.05 * (3.3 * side * side + 2.4e6)
 
 
 def test_another_yaml_is_no_map(tmp_path: Path) -> None:

@@ -139,6 +139,70 @@ def test_what_is_wrong_is_said(tmp_path: Path, inside: str, words: str) -> None:
     assert str(caught.value).startswith(f"{path}: ")
 
 
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ('\n<path d="M0 0 L10 10 L x 5"/>', r"line 2: path: d has 'x 5', where a number was expected"),
+        ('<polygon id="a" points="0,0 5,5 ?"/>', r"line 1: polygon 'a': points has '\?', where a number"),
+        ('\n\n<svg viewBox="0 0 1 1" width="5mm" height="5"/>', "line 3: svg: width is '5mm'; expected a number"),
+    ],
+)
+def test_what_cannot_be_meant_is_said_with_its_line(tmp_path: Path, inside: str, words: str) -> None:
+    with pytest.raises(MapError, match=words):
+        Svg(unit=1.0).load(written(tmp_path, inside))
+
+
+def test_percentages_are_of_the_drawings_size(tmp_path: Path) -> None:
+    path = written(tmp_path, '<rect x="10%" width="50%" height="50%"/>')
+    assert lines(Svg(unit=1.0).load(path)) == [[1, 4, 1, 8], [1, 8, 6, 8], [6, 4, 1, 4], [6, 8, 6, 4]]
+    path = written(tmp_path, '<line x2="50%"/>', 'width="25.4mm" height="25.4mm"')
+    assert lines(Svg(unit=1.0).load(path))[0][2] == pytest.approx(48.0)
+    with pytest.raises(MapError, match="line 1: rect: width is 50 percent of a size that is not given"):
+        Svg(unit=1.0).load(written(tmp_path, '<rect width="50%" height="1"/>', ""))
+
+
+@pytest.mark.parametrize(
+    ("about", "corners"),
+    [
+        ("", (2, 2, 4, 4)),  # as large as fits, in the middle
+        ('preserveAspectRatio="none"', (2, 1, 4, 5)),
+        ('preserveAspectRatio="xMaxYMax slice"', (0, 1, 4, 5)),
+        ('transform="translate(1 0)"', (3, 2, 5, 4)),
+    ],
+)
+def test_a_drawing_in_a_drawing_has_its_place(tmp_path: Path, about: str, corners: tuple[int, ...]) -> None:
+    """The shape in it takes neither place nor size from it, as svgelements would have it."""
+    place = f'x="2" y="3" width="2" height="4" viewBox="0 0 4 4" {about}'
+    world = Svg(unit=1.0).load(written(tmp_path, f'<svg {place}><rect width="4" height="4"/></svg>'))
+    found = np.array(world.segments).reshape(-1, 2)
+    assert (*found.min(axis=0), *found.max(axis=0)) == pytest.approx(corners)
+
+
+def test_what_is_drawn_only_where_it_is_used_is_no_wall(tmp_path: Path) -> None:
+    kinds = ("mask", "marker", "pattern", "clipPath", "symbol")
+    inside = "".join(f'<{kind} id="{kind}"><line x2="5"/></{kind}>' for kind in kinds)
+    inside += '<line x2="3"/><use href="#symbol" y="1"/>'
+    assert lines(Svg(unit=1.0).load(written(tmp_path, inside))) == [[0, 7, 5, 7], [0, 8, 3, 8]]
+
+
+def test_uses_that_cannot_be_followed_are_remarked_on(tmp_path: Path) -> None:
+    inside = '<symbol id="s" viewBox="0 0 9 9"><line x2="9"/></symbol><use href="#s" width="1" height="1"/>'
+    world = Svg(unit=1.0).load(written(tmp_path, f'<line x2="3"/><use href="other.svg#a"/><use href="#b"/>{inside}'))
+    assert len(world.segments) == 1
+    expected = "left out: 2 uses of what is not in the file, 1 uses of symbols with a size of their own"
+    assert world.warnings == (expected,)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+@pytest.mark.parametrize("entity", ['a "b"', 'a SYSTEM "file:///etc/passwd"', '% a SYSTEM "file:///etc/passwd"'])
+def test_entities_are_refused_in_every_encoding(tmp_path: Path, encoding: str, entity: str) -> None:
+    path = tmp_path / "a.svg"
+    text = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE svg [<!ENTITY {entity}>]><svg><line x2="9"/></svg>'
+    path.write_bytes(text.encode(encoding))
+    with pytest.raises(MapError, match="declares entities"):
+        Svg().load(path)
+
+
 def test_entities_and_other_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.svg"
     path.write_text('<!DOCTYPE svg [<!ENTITY a "b">]><svg>&a;</svg>')
