@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import statistics
 from collections.abc import Mapping, Sequence
@@ -252,7 +253,7 @@ class MonteCarlo(Estimator):
         sizes = particles.Sizes(
             self.particles_min,
             self.kld_error,
-            statistics.NormalDist().inv_cdf(self.kld_probability),
+            _quantile(self.kld_probability),
             self.bin_size,
             max(1, round(2.0 * math.pi / self.bin_angle)),
             self.resample_below,
@@ -290,7 +291,7 @@ class MonteCarlo(Estimator):
         model = robot.sensors[self.laser]
         sensor: Any = model.sensor
         bearings, mount = sensor.bearings(), model.mount
-        which = self._which(bearings.shape[1])
+        which = _spread(self.beams, bearings.shape[1])
         scan = beams.Scan(
             ranges[:, which],
             np.broadcast_to(bearings[:, which] + mount.heading, (count, len(which))).copy(),
@@ -314,10 +315,6 @@ class MonteCarlo(Estimator):
             (rows[(hit[rows] == kind[0]) & (rest[rows] == kind[1])], sensing(self._field(known, len(which), *kind)))
             for kind in sorted(kinds)
         ]
-
-    def _which(self, offered: int) -> npt.NDArray[np.intp]:
-        """Which of a sensor's beams are used."""
-        return np.round(np.linspace(0, offered - 1, min(self.beams, offered))).astype(np.intp)
 
     def _field(self, known: Map, count: int, hit: float, rest: float) -> beams.Field:
         ends = Ends(self.hit_std, self.distance_max, hit, rest, count, self.weighting == "cubed")
@@ -354,6 +351,18 @@ class MonteCarlo(Estimator):
                 "recovery": state["figures"][:, 1].copy(),
             }
         )
+
+
+@functools.cache
+def _spread(wanted: int, offered: int) -> npt.NDArray[np.intp]:
+    """Which of a sensor's beams are used."""
+    return np.round(np.linspace(0, offered - 1, min(wanted, offered))).astype(np.intp)
+
+
+@functools.cache
+def _quantile(probability: float) -> float:
+    """The quantile of the normal distribution."""
+    return statistics.NormalDist().inv_cdf(probability)
 
 
 def _column(value: Any, rows: int) -> Array:
