@@ -30,10 +30,20 @@ _TURNS = np.array([0.02, 0.025])  # [rad] of the wheels in a step
 
 def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) -> list[Row]:
     """The rows: updates a second of each filter, side by side in each round."""
+    clouds = {
+        "amorsim": _ours_cloud(),
+        "NumPy, a particle at a time": _loop(),
+        "NumPy, all particles at once": _vector(),
+    }
+    if importlib.util.find_spec("particles") is not None:
+        clouds["particles"] = _particles()
     rows = _contest(
         f"monte_carlo, {PARTICLES} particles, {BEAMS} beams",
-        {"amorsim": _ours_cloud(), "NumPy, a particle at a time": _loop(), "NumPy, all particles at once": _vector()},
-        {"NumPy, a particle at a time": "as PythonRobotics does, with a likelihood field looked up for all beams"},
+        clouds,
+        {
+            "NumPy, a particle at a time": "as PythonRobotics does, with a likelihood field looked up for all beams",
+            "particles": "a Feynman-Kac model in NumPy, with a table of log-likelihoods",
+        },
         (rounds, 0.1 if quick else 0.5, clock, say),
     )
     replicas = REPLICAS // 10 if quick else REPLICAS
@@ -153,6 +163,7 @@ class _Cloud:
 
     def __init__(self) -> None:
         self.field, self.corner = _field()
+        self.logarithms = np.log(self.field)
         self.bearings, self.ranges = _scan()
         self.random = np.random.default_rng(1)
         self.particles = self.random.normal((1.7, 8.2, 0.0), (0.1, 0.1, 0.05), (PARTICLES, 3))
@@ -188,27 +199,57 @@ def _loop() -> Step:
     return step
 
 
+def _moved(cloud: _Cloud, poses: Array) -> Array:
+    """All particles after the next step of the wheels."""
+    cloud.sign = -cloud.sign
+    wheels = cloud.sign * _TURNS * 0.0825 + cloud.random.normal(0.0, 0.001, (PARTICLES, 2))
+    ahead, turn = wheels.mean(axis=1), (wheels[:, 1] - wheels[:, 0]) / 0.33
+    x, y, heading = poses.T
+    return np.column_stack((x + ahead * np.cos(heading), y + ahead * np.sin(heading), heading + turn))
+
+
+def _likelihoods(cloud: _Cloud, poses: Array) -> Array:
+    """The log-likelihoods of all particles, from a table of those of single beams."""
+    x, y, heading = poses.T
+    angles = heading[:, None] + cloud.bearings
+    cols = (x[:, None] + cloud.ranges * np.cos(angles) - cloud.corner[0]) / _FIELD
+    rows = (y[:, None] + cloud.ranges * np.sin(angles) - cloud.corner[1]) / _FIELD
+    cols = np.clip(cols, 0, cloud.field.shape[1] - 1).astype(int)
+    rows = np.clip(rows, 0, cloud.field.shape[0] - 1).astype(int)
+    found: Array = cloud.logarithms[rows, cols].sum(axis=1)
+    return found
+
+
 def _vector() -> Step:
     cloud = _Cloud()
 
     def step() -> None:
-        cloud.sign = -cloud.sign
-        wheels = cloud.sign * _TURNS * 0.0825 + cloud.random.normal(0.0, 0.001, (PARTICLES, 2))
-        ahead, turn = wheels.mean(axis=1), (wheels[:, 1] - wheels[:, 0]) / 0.33
-        x, y, heading = cloud.particles.T
-        x, y, heading = x + ahead * np.cos(heading), y + ahead * np.sin(heading), heading + turn
-        cloud.particles = np.column_stack((x, y, heading))
-        angles = heading[:, None] + cloud.bearings
-        cols = (x[:, None] + cloud.ranges * np.cos(angles) - cloud.corner[0]) / _FIELD
-        rows = (y[:, None] + cloud.ranges * np.sin(angles) - cloud.corner[1]) / _FIELD
-        cols = np.clip(cols, 0, cloud.field.shape[1] - 1).astype(int)
-        rows = np.clip(rows, 0, cloud.field.shape[0] - 1).astype(int)
-        logs = np.log(cloud.weights) + np.log(cloud.field[rows, cols]).sum(axis=1)
+        cloud.particles = _moved(cloud, cloud.particles)
+        logs = np.log(cloud.weights) + _likelihoods(cloud, cloud.particles)
         cloud.weights = np.exp(logs - logs.max())
         cloud.weights /= cloud.weights.sum()
         cloud.resample()
 
     return step
+
+
+def _particles() -> Step:
+    import particles
+
+    cloud = _Cloud()
+
+    class Localization(particles.FeynmanKac):  # type: ignore[misc]
+        def M0(self, N: int) -> Array:  # noqa: N802 - names of theirs
+            return cloud.particles
+
+        def M(self, t: int, xp: Array) -> Array:  # noqa: N802
+            return _moved(cloud, xp)
+
+        def logG(self, t: int, xp: Array, x: Array) -> Array:  # noqa: N802
+            return _likelihoods(cloud, x)
+
+    smc = particles.SMC(fk=Localization(T=10**9), N=PARTICLES, resampling="systematic", ESSrmin=1.0)
+    return lambda: next(smc)
 
 
 # ------------------------------------------------------------------------------------------------------ Kalman filters

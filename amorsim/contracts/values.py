@@ -31,6 +31,9 @@ class LazyBeliefs(Mapping[str, npt.NDArray[Any]]):
         found = self._arrays[name]
         return found() if callable(found) else found
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._arrays  # computes nothing
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._arrays)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +17,12 @@ from amorsim.kernels.filters.beams import Field, Place
 from amorsim.kernels.filters.particles import Free
 from amorsim.kernels.grid.distances import distances
 
-__all__ = ["MOST_CELLS", "field_of", "free_of", "map_of", "no_field", "nowhere", "place_of"]
+__all__ = ["MOST_CELLS", "Ends", "field_of", "free_of", "map_of", "no_field", "nowhere", "place_of"]
+
+Array = npt.NDArray[np.float64]
 
 MOST_CELLS = 10**8
+_LARGEST = 2**31 - 1  # sum of a scan's steps
 
 
 def map_of(who: str, robot: RobotModel) -> Map:
@@ -42,33 +46,62 @@ def place_of(known: Map) -> Place:
     return Place(x, y, math.cos(yaw), math.sin(yaw))
 
 
-@functools.lru_cache(maxsize=4)
-def field_of(known: Map, resolution: float, std: float, distance_max: float) -> Field:
-    """The likelihood field of a map: the density [1/m] of a return at each cell, by its distance to the nearest wall.
+class Ends(NamedTuple):
+    """What a beam's end says by its distance to the nearest wall: ``hit`` times a Gaussian, and ``rest`` anywhere."""
 
-    Walls beyond `distance_max` [m] count as being that far away. The field reaches beyond the map by as much.
+    std: float  # [m]
+    distance_max: float  # [m] at which all walls beyond count
+    hit: float
+    rest: float  # [1/m]
+    beams: int  # that are added up, at most
+    cubed: bool  # whether cubes of densities are added, and not logarithms
+
+
+@functools.lru_cache(maxsize=4)
+def _squares(known: Map, resolution: float, distance_max: float) -> tuple[npt.NDArray[np.int32], float, int]:
+    """The square of the distance to the nearest wall at each cell of a map, in cells; their side [m], and the margin.
+
+    Raises
+    ------
+    ComponentError
+        If there were more than `MOST_CELLS` cells.
+    """
+    resolution = max(resolution, known.resolution)
+    margin = math.ceil(distance_max / resolution)
+    width, height = known.size
+    count = (width / resolution + 2 * margin) * (height / resolution + 2 * margin)
+    if count > MOST_CELLS:
+        raise ComponentError(
+            f"monte_carlo: a likelihood field of {count:.3g} cells of {resolution:g} m is too large; expected "
+            f"{MOST_CELLS:g} at most: use a larger field_resolution"
+        )
+    cells = np.pad(known.to_array(resolution=resolution), margin)
+    away = np.empty(cells.shape)
+    distances(cells, away)
+    np.minimum(away, margin, out=away)
+    return np.rint(away * away).astype(np.int32), resolution, margin
+
+
+@functools.lru_cache(maxsize=4)
+def field_of(known: Map, resolution: float, ends: Ends) -> Field:
+    """The likelihood field of a map: what a beam that ends in a cell adds to the weight, by its distance to a wall.
+
+    The field reaches beyond the map by as much as the longest distance that counts.
 
     Raises
     ------
     ComponentError
         If it would have more than `MOST_CELLS` cells.
     """
-    resolution = max(resolution, known.resolution)
-    edge = math.ceil(distance_max / resolution)
-    width, height = known.size
-    count = (width / resolution + 2 * edge) * (height / resolution + 2 * edge)
-    if count > MOST_CELLS:
-        raise ComponentError(
-            f"monte_carlo: a likelihood field of {count:.3g} cells of {resolution:g} m is too large; expected "
-            f"{MOST_CELLS:g} at most: use a larger field_resolution"
-        )
-    cells = np.pad(known.to_array(resolution=resolution), edge)
-    away = np.empty(cells.shape)
-    distances(cells, away)
-    away = np.minimum(away * resolution, distance_max)
-    density = np.exp(-0.5 * (away / std) ** 2) / (std * math.sqrt(2.0 * math.pi))
-    density.flags.writeable = False
-    return Field(density, resolution, edge * resolution)
+    squares, resolution, margin = _squares(known, resolution, ends.distance_max)
+    away = np.minimum(np.sqrt(np.arange(margin * margin + 1)) * resolution, ends.distance_max)
+    density = ends.rest + ends.hit * (np.exp(-0.5 * (away / ends.std) ** 2) / (ends.std * math.sqrt(2.0 * math.pi)))
+    added = density**3 if ends.cubed else np.log(density)
+    base = float(added[-1])
+    unit = (float(added[0]) - base) / (_LARGEST // ends.beams) or 1.0
+    steps = np.rint((added - base) / unit).astype(np.int32)[squares.reshape(-1)]
+    steps.flags.writeable = False
+    return Field(steps, *squares.shape, resolution, margin * resolution, unit, base)
 
 
 @functools.lru_cache(maxsize=4)
@@ -91,9 +124,9 @@ def free_of(known: Map) -> Free:
 
 def no_field() -> Field:
     """A field for filters that use none."""
-    density: npt.NDArray[np.float64] = np.zeros((1, 1))
-    density.flags.writeable = False
-    return Field(density, 1.0, 0.0)
+    steps: npt.NDArray[np.int32] = np.zeros(1, dtype=np.int32)
+    steps.flags.writeable = False
+    return Field(steps, 1, 1, 1.0, 0.0, 1.0, 0.0)
 
 
 def nowhere() -> Free:

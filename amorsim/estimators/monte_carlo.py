@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import statistics
 from collections.abc import Mapping, Sequence
@@ -24,9 +25,10 @@ from amorsim.contracts import (
     parameter,
 )
 from amorsim.core.errors import ComponentError
+from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.estimators.ages import refuse_late
-from amorsim.estimators.known_map import field_of, free_of, map_of, no_field, nowhere, place_of
+from amorsim.estimators.known_map import Ends, field_of, free_of, map_of, no_field, nowhere, place_of
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.filters import beams, modes, particles
 from amorsim.kernels.kinematics.poses import compose
@@ -171,7 +173,7 @@ class MonteCarlo(Estimator):
             )
         known = map_of("monte_carlo", robot)
         if self.model == "likelihood_field":
-            field_of(known, self.field_resolution, self.hit_std, self.distance_max)
+            self._sensing(robot, np.zeros((rows, sensor.bearings().shape[1])), np.arange(rows))
         is_lost = bool(np.isnan(context.pose).any())
         if is_lost or np.any(np.asarray(self.recovery_fast) > 0.0):
             free_of(known)
@@ -221,14 +223,14 @@ class MonteCarlo(Estimator):
         far = np.sqrt(moved_by[:, :1] ** 2 + moved_by[:, 1:2] ** 2) >= self.update_distance
         far |= np.abs(moved_by[:, 2:]) >= self.update_angle
         seen = readings[self.laser].fresh[:, 0].copy()
-        rows = np.flatnonzero(begins | (far[:, 0] & seen))
+        rows = np.flatnonzero(begins | (far[:, 0] & seen)).astype(np.int64)
         if len(rows):
             self._update(rows, begins, seen, robot, readings[self.laser].measured, state, draws)
         return Estimate(state["pose"].copy(), state["covariance"].copy())
 
     def _update(
         self,
-        rows: npt.NDArray[np.intp],
+        rows: npt.NDArray[np.int64],
         begins: npt.NDArray[np.bool_],
         seen: npt.NDArray[np.bool_],
         robot: RobotModel,
@@ -247,11 +249,11 @@ class MonteCarlo(Estimator):
             np.where(start, state["pose"], state["moved"]),
             np.where(start[:, :, None], state["covariance"], state["doubt"]),
         )
-        sensing = self._sensing(robot, ranges)
+        groups = self._sensing(robot, ranges, rows)
         sizes = particles.Sizes(
             self.particles_min,
             self.kld_error,
-            statistics.NormalDist().inv_cdf(self.kld_probability),
+            _quantile(self.kld_probability),
             self.bin_size,
             max(1, round(2.0 * math.pi / self.bin_angle)),
             self.resample_below,
@@ -264,9 +266,10 @@ class MonteCarlo(Estimator):
         found = modes.Modes(state["hypotheses"], state["hypotheses_covariance"], state["hypotheses_weight"])
 
         def work(first: int, end: int) -> None:
-            some = rows[np.searchsorted(rows, first) : np.searchsorted(rows, end)].astype(np.int64)
             room = particles.work(self.particles_max, modes.bins(self.particles_max))
-            particles.update(some, cloud, motion, seen, sensing, sizes, free, numbers, room, found)
+            for some, sensing in groups:
+                some = some[np.searchsorted(some, first) : np.searchsorted(some, end)]
+                particles.update(some, cloud, motion, seen, sensing, sizes, free, numbers, room, found)
 
         draws.share(int(cloud.counts.max(initial=self.particles_min)) * self.beams // 20, work)
         state["begun"] = state["begun"].copy()
@@ -280,33 +283,42 @@ class MonteCarlo(Estimator):
             state[name] = state[name].copy()
             state[name][rows] = value
 
-    def _sensing(self, robot: RobotModel, ranges: Array) -> particles.Sensing:
-        """What weighs the particles, with the beams that are used."""
-        rows, known = robot.rows, map_of("monte_carlo", robot)
+    def _sensing(
+        self, robot: RobotModel, ranges: Array, rows: npt.NDArray[np.int64]
+    ) -> list[tuple[npt.NDArray[np.int64], particles.Sensing]]:
+        """What weighs the particles, with the beams that are used: a group of rows for each likelihood field."""
+        count, known = robot.rows, map_of("monte_carlo", robot)
         model = robot.sensors[self.laser]
         sensor: Any = model.sensor
         bearings, mount = sensor.bearings(), model.mount
-        count = min(self.beams, bearings.shape[1])
-        which = np.round(np.linspace(0, bearings.shape[1] - 1, count)).astype(np.intp)
-        angles = np.broadcast_to(bearings[:, which] + mount.heading, (rows, count))
+        which = _spread(self.beams, bearings.shape[1])
         scan = beams.Scan(
-            np.ascontiguousarray(ranges[:, which]),
-            np.ascontiguousarray(angles),
-            np.concatenate((_column(mount.x, rows), _column(mount.y, rows)), axis=1),
-            _column(sensor.range_max, rows),
+            ranges[:, which],
+            np.broadcast_to(bearings[:, which] + mount.heading, (count, len(which))).copy(),
+            np.concatenate((_column(mount.x, count), _column(mount.y, count)), axis=1),
+            _column(sensor.range_max, count),
         )
         parts: Any = self.z_hit, self.z_short, self.z_max, self.z_random, self.hit_std, self.short_rate
-        by_beams = self.model == "beam"
-        return particles.Sensing(
-            scan,
-            beams.Mixture(*(_column(part, rows) for part in parts)),
-            _column(self.tempering, rows),
-            by_beams,
-            self.weighting == "cubed",
-            no_field() if by_beams else field_of(known, self.field_resolution, self.hit_std, self.distance_max),
-            known.grid,
-            place_of(known),
-        )
+        mixture = beams.Mixture(*(_column(part, count) for part in parts))
+        tempering, place = _column(self.tempering, count), place_of(known)
+
+        def sensing(field: beams.Field) -> particles.Sensing:
+            return particles.Sensing(
+                scan, mixture, tempering, self.model == "beam", self.weighting == "cubed", field, known.grid, place
+            )
+
+        if self.model == "beam":
+            return [(rows, sensing(no_field()))]
+        hit, rest = mixture.hit[:, 0], mixture.random[:, 0] / scan.range_max[:, 0]
+        kinds = {*zip(hit.tolist(), rest.tolist(), strict=True)}
+        return [
+            (rows[(hit[rows] == kind[0]) & (rest[rows] == kind[1])], sensing(self._field(known, len(which), *kind)))
+            for kind in sorted(kinds)
+        ]
+
+    def _field(self, known: Map, count: int, hit: float, rest: float) -> beams.Field:
+        ends = Ends(self.hit_std, self.distance_max, hit, rest, count, self.weighting == "cubed")
+        return field_of(known, self.field_resolution, ends)
 
     def failed(self, state: State) -> npt.NDArray[np.bool_]:
         """Rows in which the last scan was possible from no particle; they went on with all, as likely as each other."""
@@ -339,6 +351,18 @@ class MonteCarlo(Estimator):
                 "recovery": state["figures"][:, 1].copy(),
             }
         )
+
+
+@functools.cache
+def _spread(wanted: int, offered: int) -> npt.NDArray[np.intp]:
+    """Which of a sensor's beams are used."""
+    return np.round(np.linspace(0, offered - 1, min(wanted, offered))).astype(np.intp)
+
+
+@functools.cache
+def _quantile(probability: float) -> float:
+    """The quantile of the normal distribution."""
+    return statistics.NormalDist().inv_cdf(probability)
 
 
 def _column(value: Any, rows: int) -> Array:

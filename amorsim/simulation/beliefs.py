@@ -48,7 +48,8 @@ class StepBeliefs(BeliefsByName):
     def some(self, name: str, wanted: Iterable[str]) -> Beliefs:
         """Some beliefs of one of them; what is not wanted need not be computed."""
         if name in self._kept:
-            return {belief: self._kept[name][belief] for belief in wanted}
+            found: Beliefs = chosen(self._kept[name], wanted)
+            return found
         return self._ask(name, wanted)
 
     def _ask(self, name: str, wanted: Iterable[str] | None) -> Beliefs:
@@ -92,10 +93,10 @@ class BeliefsNow(Mapping[str, Beliefs]):
 
 
 def chosen(found: Any, wanted: Iterable[str] | None) -> Any:
-    """Those of a component's beliefs that are wanted, or all, computed; what are no beliefs is left as it is."""
+    """Those of a component's beliefs that are wanted and that it has, or all, computed; no beliefs are left as is."""
     if not isinstance(found, Mapping):
         return found
-    return dict(found) if wanted is None else {belief: found[belief] for belief in wanted}
+    return dict(found) if wanted is None else {belief: found[belief] for belief in wanted if belief in found}
 
 
 def beliefs_problem(found: Any, rows: int) -> str:

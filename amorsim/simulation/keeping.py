@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Frame
+from amorsim.contracts import Beliefs, Frame
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.memory import too_large
 from amorsim.core.trouble import in_words
@@ -71,6 +71,12 @@ class Keeper:
         self._count = 0
         self._names = tuple(dict.fromkeys(names))
         self._picks = {name: _pick(simulation, name) for name in self._names if name not in _OWN}
+        self._beliefs: dict[str, list[str]] = {}  # that are kept, by whose they are
+        for name in self._picks:
+            kind, _, rest = name.partition(".")
+            if kind == "beliefs":
+                whose, _, what = rest.partition(".")
+                self._beliefs.setdefault(whose, []).append(what)
         first = self._look()
         each = sum(array.nbytes for array in first.values())
         if problem := too_large(steps, each):
@@ -94,6 +100,8 @@ class Keeper:
     def _look(self) -> dict[str, Array]:
         simulation = self._simulation
         frames = simulation.frames() if self._picks else []
+        if self._beliefs:
+            frames = [frame._replace(beliefs=_some(frame, self._beliefs)) for frame in frames]
         return {
             name: _whole(simulation, frames, self._picks[name]) if name in self._picks else getattr(simulation, name)
             for name in self._names
@@ -145,8 +153,9 @@ def _pick(simulation: Simulated, name: str) -> Pick:
         return lambda frame: getattr(frame.estimates[whose], what) if whose in frame.estimates else None
     if kind == "beliefs" and whose:
         _expect(name, whose, {each for frame in frames for each in frame.beliefs}, "estimator with beliefs")
-        known = {belief for frame in frames for belief in frame.beliefs.get(whose, {})}
-        _expect(name, what, known, "belief")
+        if not any(what in _some(frame, {whose: [what]}).get(whose, {}) for frame in frames):
+            known = {belief for frame in frames for belief in frame.beliefs.get(whose, {})}
+            _expect(name, what, known, "belief")
         return lambda frame: _belief(frame.beliefs, whose, what)
     known = {*_OWN, *_OF_FRAME, "readings.NAME", "estimates.NAME.pose", "beliefs.NAME.BELIEF"}
     raise AmorsimError(
@@ -168,6 +177,11 @@ def _reading(frame: Frame, sensor: str, what: str) -> Array | None:
         return None
     true, reading = frame.readings[sensor]
     return true if what == "true" else getattr(reading, what)
+
+
+def _some(frame: Frame, wanted: Mapping[str, list[str]]) -> dict[str, Beliefs]:
+    """The beliefs that are wanted, by whose they are, of those that there are; others need not be computed."""
+    return {whose: frame.some_beliefs(whose, names) for whose, names in wanted.items() if whose in frame.beliefs}
 
 
 def _belief(beliefs: Mapping[str, Mapping[str, Array]], estimator: str, what: str) -> Array | None:

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from amorsim.core.map import Map
-from amorsim.estimators.known_map import field_of, place_of
+from amorsim.estimators.known_map import Ends, field_of, place_of
 from amorsim.kernels.filters.beams import Mixture, Scan, beam_probability, weigh_by_beams, weigh_by_field
 
 STD = 0.2
@@ -32,9 +32,10 @@ def beluga():
 
 
 def weigh(world, poses, seen, mix, cubed=False, resolution=0.5, distance_max=2.0):
-    out = np.empty(len(poses))
-    field = field_of(world, resolution, STD, distance_max)
-    count = weigh_by_field(0, np.array(poses), seen, mix, field, place_of(world), cubed, out)
+    out, poses = np.empty(len(poses)), np.array(poses)
+    turns = np.stack((np.sin(poses[:, 2]), np.cos(poses[:, 2])))
+    ends = Ends(STD, distance_max, mix.hit[0, 0], mix.random[0, 0] / seen.range_max[0, 0], seen.ranges.shape[1], cubed)
+    count = weigh_by_field(0, poses, turns, seen, field_of(world, resolution, ends), place_of(world), cubed, out)
     return count, out
 
 
@@ -67,9 +68,9 @@ def test_the_log_likelihood_is_the_sum_over_beams():
             x, y = math.cos(0.7) * x + math.sin(0.7) * y, math.cos(0.7) * y - math.sin(0.7) * x
             col, row = math.floor(x / 0.1), math.floor(y / 0.1)
             away = min(0.1 * np.hypot(rows - row, cols - col).min(), 2.0)
-            inside = -20 <= row < 60 and -20 <= col < 80
-            total += math.log(0.5 * norm.pdf(away, scale=STD) * inside + 0.5 / 20.0)
-        assert value == pytest.approx(total, abs=1e-8)
+            total += math.log(0.5 * norm.pdf(away, scale=STD) + 0.5 / 20.0)
+        # Half a unit a beam: the peak, 3.7 above the rest, is 2**31 / 73 units high.
+        assert value == pytest.approx(total, abs=70 * 0.5 * 3.7 * 73 / 2**31)
 
 
 @pytest.mark.parametrize("expected", [3.0, 7.9, math.inf])
@@ -97,3 +98,23 @@ def test_the_beam_model_expects_what_a_laser_would_read():
     assert out[0] == pytest.approx(24 * math.log(each), rel=1e-12)  # nothing is nearer than expected
     weigh_by_beams(0, np.add(pose, (0.2, 0.1, 0.05)), seen, rest, world.grid, place_of(world), False, off)
     assert off[0] < out[0] - 5.0
+
+
+def test_a_beam_that_ends_beyond_the_field_counts_as_far_from_any_wall():
+    far = scan([15.0], [0.0])
+    _, out = weigh(beluga(), [(0.0, 0.0, 0.3)], far, mixture(), distance_max=0.5)
+    assert out[0] == pytest.approx(math.log(0.5 * norm.pdf(0.5, scale=STD) + 0.5 / 20.0), abs=1e-8)
+
+
+@pytest.mark.parametrize("beams", [1, 15, 16, 17, 64])
+def test_as_many_beams_count_as_there_are(beams):
+    ranges = np.full(beams, math.hypot(1.25, 1.25))
+    count, out = weigh(beluga(), [(0.0, 0.0, math.pi / 4)], scan(ranges, np.zeros(beams)), mixture())
+    assert count == beams
+    assert out[0] == pytest.approx(beams * math.log(0.5 * norm.pdf(0.0, scale=STD) + 0.5 / 20.0), rel=1e-8)
+
+
+def test_a_pose_that_is_no_number_weighs_as_one_far_from_any_wall():
+    count, out = weigh(beluga(), [(math.nan, 0.0, 0.0)], scan([1.0, 1.0], [0.0, 1.0]), mixture())
+    assert count == 2
+    assert out[0] == pytest.approx(2.0 * math.log(0.5 / 20.0), abs=1e-6)

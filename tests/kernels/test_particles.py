@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from amorsim.kernels.filters.gaussians import draw_around, root
+from amorsim.kernels.filters.headings import fill_turns
 from amorsim.kernels.filters.modes import Modes, bins, find_modes
 from amorsim.kernels.filters.particles import average, effective_size, kld_size, recovery_probability, resample
 
@@ -99,7 +100,8 @@ def test_the_root_of_a_covariance_gives_it_back(variances):
 def modes_of(particles, weights=None, side=0.5, turns=36, count=4):
     weights = np.full(len(particles), 1.0 / len(particles)) if weights is None else weights
     found = Modes(np.empty((1, count, 3)), np.empty((1, count, 3, 3)), np.empty((1, count)))
-    occupied = find_modes(particles, weights, side, turns, bins(len(particles)), 0, found)
+    headings = np.stack((np.sin(particles[:, 2]), np.cos(particles[:, 2])))
+    occupied = find_modes(particles, headings, weights, side, turns, bins(len(particles)), 0, found)
     return occupied, *(array[0] for array in found)
 
 
@@ -130,3 +132,13 @@ def test_a_mode_of_one_particle_has_no_spread():
     _, poses, covariances, _ = modes_of(np.array([[1.0, 2.0, 0.5]]))
     np.testing.assert_allclose(poses[0], [1.0, 2.0, 0.5], atol=1e-15)
     assert (covariances[0] == 0.0).all()
+
+
+def test_sines_and_cosines_of_headings_are_right_to_the_last_places():
+    headings = np.concatenate((np.linspace(-math.pi, math.pi, 4001), np.arange(-4, 5) * math.pi / 4.0, [1e-300, -0.0]))
+    poses = np.zeros((len(headings), 3))
+    poses[:, 2] = headings
+    out = np.empty((2, len(headings) + 5))
+    fill_turns(poses, out)
+    assert np.abs(out[0, : len(headings)] - np.sin(headings)).max() <= 6e-16
+    assert np.abs(out[1, : len(headings)] - np.cos(headings)).max() <= 6e-16

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import functools
+
+import attrs
 import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.contracts import LazyBeliefs
 from amorsim.core import memory
 from amorsim.scenario.spec import MountedSensor
 from amorsim.sensors.laser import Laser
@@ -68,6 +72,50 @@ def test_beliefs_and_estimates_are_kept() -> None:
     assert kept[belief].shape[1] == 1
     assert np.isfinite(kept[belief]).any()
     assert kept[f"estimates.{estimator}.covariance"].shape[1:] == (1, 3, 3)
+
+
+ASKED: list[str] = []
+
+
+@attrs.frozen(kw_only=True)
+class Counting(am.Estimator):
+    """Knows where it began, and notes in `ASKED` what is asked of its beliefs."""
+
+    def start(self, context):
+        return {"pose": context.pose.copy()}
+
+    def update(self, robot, readings, command, elapsed, state, draws):
+        return am.Estimate(state["pose"], np.zeros((robot.rows, 3, 3)))
+
+    def beliefs(self, state):
+        ASKED.append("beliefs")
+
+        def array(name):
+            ASKED.append(name)
+            return state["pose"][:, :1] * 1.0
+
+        return LazyBeliefs({name: functools.partial(array, name) for name in ("large", "small", "other")})
+
+
+def test_only_beliefs_that_are_kept_are_computed() -> None:
+    ASKED.clear()
+    given = building.scenario(building.robot(controller=building.Roam(), estimators={"it": Counting()}))
+    simulation = am.Simulation(given, replicas=2)
+    simulation.run(1.0, keep=("true_pose", "command", "estimates.it.pose"))
+    assert not ASKED
+    steps = simulation.steps_of(1.0)
+    kept = simulation.run(1.0, keep=("beliefs.it.small", "true_pose", "beliefs.it.other"))
+    assert set(ASKED) == {"beliefs", "small", "other"}
+    # Once a step, and some times for the names and shapes.
+    assert steps <= ASKED.count("small") <= steps + 2
+    assert steps <= ASKED.count("beliefs") <= steps + 3
+    assert kept["beliefs.it.small"].shape == (steps, 2, 1)
+
+
+def test_an_unknown_belief_is_told_with_those_that_there_are() -> None:
+    given = building.scenario(building.robot(controller=building.Roam(), estimators={"it": Counting()}))
+    with pytest.raises(am.AmorsimError, match=r"no belief 'smal', but: large, other, small\. Did you mean 'small'"):
+        am.Simulation(given).run(1.0, keep=("beliefs.it.smal",))
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,9 @@ __all__ = ["Field", "Mixture", "Place", "Scan", "beam_probability", "weigh_by_be
 Floats = npt.NDArray[np.float64]
 
 _FLAT = 1.0 / math.sqrt(2.0 * math.pi)
+_VECTOR = 16  # numbers of 32 bits in the widest vector
+_FAR = 1e9  # [cells]
+_INDEX = np.uint32(0x7FFFFFFF)  # says that an index fits into 31 bits, for a wider look-up
 _SMALL = 1e-200  # products below this are turned into logarithms, before they vanish
 
 
@@ -34,11 +37,18 @@ class Place(NamedTuple):
 
 
 class Field(NamedTuple):
-    """The density of a return [1/m] at each cell of a grid: a Gaussian of its distance to the nearest wall."""
+    """What a beam adds to the weight of a pose, at each cell of a grid where the beam may end.
 
-    density: Floats  # (rows, cols)
+    In whole numbers: a sum of them is exact, so it may be taken in any order, many beams at a time.
+    """
+
+    steps: npt.NDArray[np.int32]  # (rows * cols,) what a beam adds beyond `base`, in units of `unit`; 0 at the edge
+    rows: int
+    cols: int
     resolution: float  # [m]
     margin: float  # [m] by which the field reaches beyond the map
+    unit: float
+    base: float  # what a beam adds at the edge and beyond
 
 
 class Scan(NamedTuple):
@@ -63,48 +73,46 @@ class Mixture(NamedTuple):
 
 @kernel
 def weigh_by_field(
-    row: int, particles: Floats, scan: Scan, mixture: Mixture, field: Field, place: Place, cubed: bool, out: Floats
+    row: int, particles: Floats, turns: Floats, scan: Scan, field: Field, place: Place, cubed: bool, out: Floats
 ) -> int:
     """Log-likelihoods of a row's scan from poses `particles` (n, 3), into `out`; returns how many beams counted.
 
-    Beams without a return say nothing. With `cubed` the weight is ``1 + sum of p**3`` over the beams, as in Nav2.
+    `turns` (2, n or more) has the sines and cosines of their headings. Beams without a return say nothing. With `cubed`
+    the weight is ``1 + sum of p**3`` over the beams, as in Nav2, and the field has what they add to that.
     """
-    ends = np.empty((scan.ranges.shape[1], 2))
+    beams = scan.ranges.shape[1]
+    # Whole vectors of beams: the rest of them end far away, where they add nothing.
+    ends = np.full((2, (beams + _VECTOR - 1) // _VECTOR * _VECTOR), np.float32(_FAR))
+    per_cell = 1.0 / field.resolution
     count = 0
-    for b in range(scan.ranges.shape[1]):
+    for b in range(beams):
         r = scan.ranges[row, b]
         if 0.0 <= r < scan.range_max[row, 0]:  # neither nan, nor too near, nor without a return
-            ends[count, 0] = scan.mounts[row, 0] + r * math.cos(scan.bearings[row, b])
-            ends[count, 1] = scan.mounts[row, 1] + r * math.sin(scan.bearings[row, b])
+            ends[0, count] = (scan.mounts[row, 0] + r * math.cos(scan.bearings[row, b])) * per_cell
+            ends[1, count] = (scan.mounts[row, 1] + r * math.sin(scan.bearings[row, b])) * per_cell
             count += 1
-    hit = mixture.hit[row, 0]
-    rest = mixture.random[row, 0] / scan.range_max[row, 0]
-    rows, cols = field.density.shape
-    per_cell = 1.0 / field.resolution
+    steps = field.steps
+    cells = np.empty(ends.shape[1], dtype=np.uint32)
+    nothing = np.float32(0.0)
+    right = np.float32(field.cols - 1)
+    top = np.float32(field.rows - 1)
     for p in range(particles.shape[0]):
-        x, y = to_frame(particles[p, 0], particles[p, 1], place.x, place.y, place.cos_yaw, place.sin_yaw)
-        c = math.cos(particles[p, 2])
-        s = math.sin(particles[p, 2])
-        cos_h = (c * place.cos_yaw + s * place.sin_yaw) * per_cell
-        sin_h = (s * place.cos_yaw - c * place.sin_yaw) * per_cell
-        x = (x + field.margin) * per_cell
-        y = (y + field.margin) * per_cell
-        total = 0.0
-        product = 1.0
-        for k in range(count):
-            at_x = x + (cos_h * ends[k, 0] - sin_h * ends[k, 1])
-            at_y = y + (sin_h * ends[k, 0] + cos_h * ends[k, 1])
-            probability = rest
-            if 0.0 <= at_x < cols and 0.0 <= at_y < rows:
-                probability += hit * field.density[int(at_y), int(at_x)]
-            if cubed:
-                product += probability * probability * probability
-            else:
-                product *= probability
-                if product < _SMALL:
-                    total += math.log(product) if product > 0.0 else -math.inf
-                    product = 1.0
-        out[p] = total + math.log(product)
+        world_x, world_y = particles[p, 0], particles[p, 1]
+        map_x, map_y = to_frame(world_x, world_y, place.x, place.y, place.cos_yaw, place.sin_yaw)
+        x = np.float32((map_x + field.margin) * per_cell)
+        y = np.float32((map_y + field.margin) * per_cell)
+        cos_h = np.float32(turns[1, p] * place.cos_yaw + turns[0, p] * place.sin_yaw)
+        sin_h = np.float32(turns[0, p] * place.cos_yaw - turns[1, p] * place.sin_yaw)
+        # Two loops that compilers make many beams wide. Beams that leave the field end at its edge.
+        for k in range(cells.shape[0]):
+            at_x = max(nothing, min(x + (cos_h * ends[0, k] - sin_h * ends[1, k]), right))
+            at_y = max(nothing, min(y + (sin_h * ends[0, k] + cos_h * ends[1, k]), top))
+            cells[k] = np.int32(at_y) * field.cols + np.int32(at_x)
+        total = np.int32(0)
+        for k in range(cells.shape[0]):
+            total += steps[cells[k] & _INDEX]
+        added = count * field.base + field.unit * total
+        out[p] = math.log(1.0 + added) if cubed else added
     return count
 
 

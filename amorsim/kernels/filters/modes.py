@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel
+from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.kinematics.poses import wrap
 
 __all__ = ["Bins", "Modes", "bin_of", "bins", "find_modes", "put"]
@@ -68,7 +68,9 @@ def bin_of(x: float, y: float, heading: float, side: float, turns: int) -> int:
     """The key of a pose's bin: `side` [m] wide, and one of `turns` parts of a full turn."""
     at_x = np.int64(math.floor(x / side)) + _MIDDLE
     at_y = np.int64(math.floor(y / side)) + _MIDDLE
-    at_h = np.int64(math.floor((heading + math.pi) / (2.0 * math.pi) * turns)) % turns
+    at_h = np.int64(math.floor((heading + math.pi) / (2.0 * math.pi) * turns))
+    if at_h < 0 or at_h >= turns:
+        at_h %= turns
     return int((at_x << 40) | (at_y << 16) | at_h)
 
 
@@ -127,15 +129,79 @@ def _join(table: Bins, count: int, turns: int) -> None:
 
 
 @kernel
-def find_modes(particles: Floats, weights: Floats, side: float, turns: int, table: Bins, row: int, out: Modes) -> int:
+def _add_means(particles: Floats, headings: Floats, weights: Floats, table: Bins) -> None:
+    """Add up each mode's weights, their squares, and its weighted places, cosines and sines."""
+    sums = table.sums
+    m = 0
+    w0 = w1 = x = y = c = s = 0.0  # of a run of particles in one mode
+    for p in range(particles.shape[0]):
+        mode = table.mode[table.parent[table.of[p]]]
+        if mode != m:
+            _add(sums, m, 0, w0, w1, x, y, c, s)
+            m = mode
+            w0 = w1 = x = y = c = s = 0.0
+        w = weights[p]
+        w0 += w
+        w1 += w * w
+        x += w * particles[p, 0]
+        y += w * particles[p, 1]
+        c += w * headings[1, p]
+        s += w * headings[0, p]
+    _add(sums, m, 0, w0, w1, x, y, c, s)
+
+
+@kernel
+def _add_squares(particles: Floats, weights: Floats, table: Bins) -> None:
+    """Add up the weighted products of deviations from each mode's mean."""
+    sums = table.sums
+    m = 0
+    xx = xy = xh = yy = yh = hh = 0.0
+    for p in range(particles.shape[0]):
+        mode = table.mode[table.parent[table.of[p]]]
+        if mode != m:
+            _add(sums, m, 6, xx, xy, xh, yy, yh, hh)
+            m = mode
+            xx = xy = xh = yy = yh = hh = 0.0
+        dx = particles[p, 0] - sums[m, 2]
+        dy = particles[p, 1] - sums[m, 3]
+        dh = wrap(particles[p, 2] - sums[m, 4])
+        w = weights[p]
+        xx += w * dx * dx
+        xy += w * dx * dy
+        xh += w * dx * dh
+        yy += w * dy * dy
+        yh += w * dy * dh
+        hh += w * dh * dh
+    _add(sums, m, 6, xx, xy, xh, yy, yh, hh)
+
+
+@part
+def _add(sums: Floats, m: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float) -> None:
+    sums[m, k] += a
+    sums[m, k + 1] += b
+    sums[m, k + 2] += c
+    sums[m, k + 3] += d
+    sums[m, k + 4] += e
+    sums[m, k + 5] += f
+
+
+@kernel
+def find_modes(
+    particles: Floats, headings: Floats, weights: Floats, side: float, turns: int, table: Bins, row: int, out: Modes
+) -> int:
     """Write the modes of a row's particles (n, 3), whose weights add up to 1; returns how many bins they are in.
 
+    `headings` (2, n or more) has the sines and cosines of theirs, and `turns` is the number of bins in a full turn.
     `table.of` has the bin of each particle then, and `table.weight` that of each bin.
     """
     table.keys[:] = -1
     count = 0
+    last, b = np.int64(-1), 0  # resampled particles of one bin follow each other
     for p in range(particles.shape[0]):
-        b, count = put(table, bin_of(particles[p, 0], particles[p, 1], particles[p, 2], side, turns), count)
+        key = bin_of(particles[p, 0], particles[p, 1], particles[p, 2], side, turns)
+        if key != last:
+            b, count = put(table, key, count)
+            last = key
         table.of[p] = b
         table.weight[b] += weights[p]
     _join(table, count, turns)
@@ -148,15 +214,7 @@ def find_modes(particles: Floats, weights: Floats, side: float, turns: int, tabl
             modes += 1
     sums = table.sums
     sums[:modes] = 0.0
-    for p in range(particles.shape[0]):
-        m = table.mode[table.parent[table.of[p]]]
-        w = weights[p]
-        sums[m, 0] += w
-        sums[m, 1] += w * w
-        sums[m, 2] += w * particles[p, 0]
-        sums[m, 3] += w * particles[p, 1]
-        sums[m, 4] += w * math.cos(particles[p, 2])
-        sums[m, 5] += w * math.sin(particles[p, 2])
+    _add_means(particles, headings, weights, table)
     for m in range(modes):
         w = sums[m, 0]
         if w > 0.0:
@@ -165,18 +223,7 @@ def find_modes(particles: Floats, weights: Floats, side: float, turns: int, tabl
             sums[m, 4] = math.atan2(sums[m, 5], sums[m, 4])
         for k in range(6, 12):
             sums[m, k] = 0.0
-    for p in range(particles.shape[0]):
-        m = table.mode[table.parent[table.of[p]]]
-        w = weights[p]
-        dx = particles[p, 0] - sums[m, 2]
-        dy = particles[p, 1] - sums[m, 3]
-        dh = wrap(particles[p, 2] - sums[m, 4])
-        sums[m, 6] += w * dx * dx
-        sums[m, 7] += w * dx * dy
-        sums[m, 8] += w * dx * dh
-        sums[m, 9] += w * dy * dy
-        sums[m, 10] += w * dy * dh
-        sums[m, 11] += w * dh * dh
+    _add_squares(particles, weights, table)
     _write(row, sums, modes, out)
     return count
 

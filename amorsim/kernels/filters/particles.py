@@ -16,6 +16,7 @@ import numpy.typing as npt
 from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.beams import Field, Mixture, Place, Scan, weigh_by_beams, weigh_by_field
 from amorsim.kernels.filters.gaussians import root
+from amorsim.kernels.filters.headings import fill_turns
 from amorsim.kernels.filters.modes import Bins, Modes, bin_of, find_modes, put
 from amorsim.kernels.grid.grid import Grid
 from amorsim.kernels.kinematics.poses import wrap
@@ -116,6 +117,7 @@ class Work(NamedTuple):
     power: Floats
     logarithms: Floats  # (P,)
     spare: Floats  # (P, 3)
+    turns: Floats  # (2, P) sines and cosines of the headings
     table: Bins
 
 
@@ -123,7 +125,7 @@ def work(particles: int, table: Bins) -> Work:
     """Room for so many particles."""
     pairs_ = (4 * particles + 3) // 2
     first, second, power = np.empty(pairs_), np.empty(pairs_), np.empty(pairs_)
-    return Work(first, second, power, np.empty(particles), np.empty((particles, 3)), table)
+    return Work(first, second, power, np.empty(particles), np.empty((particles, 3)), np.empty((2, particles)), table)
 
 
 @kernel
@@ -266,6 +268,7 @@ def _move(row: int, cloud: Cloud, motion: Motion, numbers: Numbers, at: Work) ->
     lower = np.empty((3, 3))
     root(motion.covariance[row], lower)
     _normals(numbers, row, numbers.block, (3 * n + 1) // 2, at)
+    fill_turns(particles[:n], at.turns)
     for p in range(n):
         e0 = _number(at, 3 * p)
         e1 = _number(at, 3 * p + 1)
@@ -273,8 +276,8 @@ def _move(row: int, cloud: Cloud, motion: Motion, numbers: Numbers, at: Work) ->
         ahead = motion.mean[row, 0] + lower[0, 0] * e0
         left = motion.mean[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
         turn = motion.mean[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2
-        c = math.cos(particles[p, 2])
-        s = math.sin(particles[p, 2])
+        s = at.turns[0, p]
+        c = at.turns[1, p]
         particles[p, 0] += c * ahead - s * left
         particles[p, 1] += s * ahead + c * left
         particles[p, 2] = wrap(particles[p, 2] + turn)
@@ -293,19 +296,25 @@ def _weigh(row: int, cloud: Cloud, sensing: Sensing, numbers: Numbers, at: Work)
         )
     else:
         beams = weigh_by_field(
-            row, particles, sensing.scan, sensing.mixture, sensing.field, sensing.place, sensing.cubed, logs
+            row, particles, at.turns, sensing.scan, sensing.field, sensing.place, sensing.cubed, logs
         )
     if beams == 0:
         return
-    # The mean weight: of a whole scan's likelihood nearly nothing but the best particle would count, so a beam's.
-    share = 1.0 if sensing.cubed else 1.0 / beams
-    mean = 0.0
+    if numbers.fast[row, 0] > 0.0:
+        # The mean weight: of a whole scan's likelihood nearly nothing but the best particle would count, so a beam's.
+        share = 1.0 if sensing.cubed else 1.0 / beams
+        mean = 0.0
+        for p in range(n):
+            mean += weights[p] * math.exp(share * logs[p])
+        average(mean, cloud.averages[row], numbers.slow[row, 0], numbers.fast[row, 0])
     highest = -math.inf
+    weight, logarithm = 0.0, -math.inf  # the last weight: after resampling all are alike
     for p in range(n):
-        mean += weights[p] * math.exp(share * logs[p])
-        logs[p] = math.log(weights[p]) + sensing.tempering[row, 0] * logs[p] if weights[p] > 0.0 else -math.inf
+        if weights[p] != weight:
+            weight = weights[p]
+            logarithm = math.log(weight)
+        logs[p] = logarithm + sensing.tempering[row, 0] * logs[p] if weight > 0.0 else -math.inf
         highest = max(highest, logs[p])
-    average(mean, cloud.averages[row], numbers.slow[row, 0], numbers.fast[row, 0])
     if not (-math.inf < highest < math.inf):
         # From no particle could this be seen: all stay, as likely as each other.
         cloud.figures[row, 2] = 1.0
@@ -351,9 +360,11 @@ def _choose(
     count = capacity if wanted > capacity else int(wanted)
     strays = int(chance * count + rounding)
     kept = count - min(strays, count)
-    resample(weights, offset, picks[:kept])
+    if kept < capacity:
+        resample(weights, offset, picks[:kept])
     for m in range(kept):
-        at.spare[m] = particles[picks[m]]
+        for k in range(3):
+            at.spare[m, k] = particles[picks[m], k]
     if strays > 0:
         _uniforms(numbers, row, block + 1, 2 * (count - kept), at)
         for m in range(count - kept):
@@ -390,10 +401,11 @@ def update(
             _begin(row, cloud, motion, sizes, free, sensing.place, numbers, at)
         else:
             _move(row, cloud, motion, numbers, at)
-        if is_seen[row]:
-            _weigh(row, cloud, sensing, numbers, at)
         n = cloud.counts[row]
         particles = cloud.particles[row, :n]
-        found = find_modes(particles, cloud.weights[row, :n], sizes.side, sizes.turns, at.table, row, modes)
+        fill_turns(particles, at.turns)
+        if is_seen[row]:
+            _weigh(row, cloud, sensing, numbers, at)
+        found = find_modes(particles, at.turns, cloud.weights[row, :n], sizes.side, sizes.turns, at.table, row, modes)
         cloud.figures[row, 1] = recovery_probability(cloud.averages[row]) if numbers.fast[row, 0] > 0.0 else 0.0
         _choose(row, cloud, sizes, free, sensing.place, numbers, numbers.block + 2 * capacity, found, at)
