@@ -80,7 +80,8 @@ class Navigate(Controller):
     least_clearance
         Distance [m] that paths keep from walls at the least; by default half the width of the footprint.
     recovery
-        What it tries where it cannot go on: ``"stop"`` and wait, ``"turn"`` in place, ``"back"`` up.
+        What it tries where it cannot go on: ``"stop"`` and wait, ``"turn"`` in place, ``"back"`` up (or turn, if
+        something is behind it).
     rounds
         How often it tries all of them before it gives up the goal.
     stuck_after
@@ -170,6 +171,7 @@ class Navigate(Controller):
             "anchor": context.pose[:, :2].copy(),  # the place at which it has been
             "anchored": np.zeros((rows, 1)),  # [s] since when
             "trouble": np.full((rows, 2), np.inf),  # where it last had to recover
+            "troubled": np.full((rows, 1), np.inf),  # [s] when that trouble began
             "tries": np.zeros((rows, 1), dtype=np.int64),
             "until": np.zeros((rows, 1)),  # [s] the end of a recovery
             "news": np.zeros((rows, 1), dtype=np.int64),
@@ -202,22 +204,17 @@ class Navigate(Controller):
         recovering = state["mode"] == RECOVERING
         if recovering.any():
             state["moving"] = np.where(recovering, before, state["moving"])
-            box, margin = body_of(robot, self.avoider.clearance)
-            guard(
-                sight,
-                reading.age,
-                course.poses,
-                box,
-                margin,
-                state["limits"],
-                window,
-                clock.time - self.memory,
-                self._wanted(state),
-                recovering,
-                clock.dt,
-                state["moving"],
-                twist,
-            )
+            # It has hardly moved since its trouble began, so what it knew of this place then is still right.
+            since = np.minimum(clock.time, state["troubled"]) - self.memory
+            seen = (sight, reading.age, course.poses, *body_of(robot, self.avoider.clearance), state["limits"], window)
+            wanted = self._wanted(state)
+            guard(*seen, since, wanted, recovering, clock.dt, state["moving"], twist)
+            stands = (state["moving"][:, :1] == 0.0) & (state["moving"][:, 1:] == 0.0)
+            held = recovering & stands & (wanted[:, :1] < 0.0) & np.isinf(state["curvature"])
+            if held.any():  # something behind it keeps it from backing up, so it turns
+                wanted[:, 1:] = 0.5 * self.avoider.turn_rate
+                wanted[:, :1] = 0.0
+                guard(*seen, since, wanted, held, clock.dt, state["moving"], twist)
         return course.command(twist)
 
     def _goal(self, state: State) -> Array:
@@ -274,6 +271,8 @@ class Navigate(Controller):
         hopeless = stuck & (state["tries"] >= self.rounds * kinds)
         tries = stuck & ~hopeless
         if tries.any():
+            new = tries & ~(_apart(pose, state["trouble"]) <= _LEAVES)
+            state["troubled"] = np.where(new, time, state["troubled"])
             taken = np.array([_RECOVERIES.index(name) for name in self.recovery])[state["tries"] % kinds]
             state["news"] = np.where(tries, -1 - taken, state["news"])
             state["mode"] = np.where(tries, RECOVERING, state["mode"])

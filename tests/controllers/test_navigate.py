@@ -84,6 +84,22 @@ def test_backing_up_meets_nothing_and_moves_away():
     assert not [event for event in simulation.events if event.kind == "collision"]
 
 
+def test_backing_up_heeds_what_it_saw_before_its_trouble_began():
+    """In a closed box it turns its back to a wall, forgets it while it waits, and has to back up; then it turns again.
+
+    Backing up for 2 s takes it 0.27 m, and leaves it 0.2 m of the box.
+    """
+    box = [(-0.45, -0.5, 0.45, -0.5), (0.45, -0.5, 0.45, 0.5), (0.45, 0.5, -0.45, 0.5), (-0.45, 0.5, -0.45, -0.5)]
+    recovery = ("turn", "stop", "back")
+    controller = navigate((6.0, 0.0), rounds=1, stuck_after=2.0, memory=4.0, recovery=recovery, cell=0.02, window=2.0)
+    simulation = simulate([make(controller)], box, duration=12.2)
+    before = simulation.true_pose[0, 2]
+    simulation.run(2.0)
+    assert said(simulation) == [("rover", "recovery", name) for name in recovery]
+    assert not [event for event in simulation.events if event.kind == "collision"]
+    assert simulation.true_pose[0, 2] - before > 0.05
+
+
 @pytest.mark.parametrize("goal", [(20.0, 0.0), (3.0, 0.0)])
 def test_goals_outside_or_in_walls_are_given_up(goal):
     controller = navigate(goal, rounds=0, stuck_after=1.0)

@@ -133,6 +133,7 @@ def _turn_until(x: float, y: float, room: float, radius: float, box: Box) -> flo
 
 @part
 def _is_within(x: float, y: float, most: float) -> bool:
+    """Whether (x, y) is at most `most` [m] from the base point."""
     return x * x + y * y <= most * most
 
 

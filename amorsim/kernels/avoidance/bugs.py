@@ -29,6 +29,7 @@ _SETTLE = 2.0  # [s] on a border before it may be left
 
 @part
 def _sector(bearing: float, sectors: int) -> int:
+    """The number of the sector that a bearing [rad] lies in, counted from behind, anticlockwise."""
     return math.floor((wrap(bearing) + math.pi) / (2.0 * math.pi) * sectors) % sectors
 
 

@@ -7,19 +7,21 @@ on Robotics 27 (4), 2011.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.kernels.compile import kernel, part
+from amorsim.kernels.compile import inlined, kernel, part
 
 __all__ = ["hybrid_velocities"]
 
 Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 Column = Any
 
 _SPARE = 1e-9  # [m/s] by which a velocity may be inside by rounding
+_ROUNDING = 1e-9  # part of the squares of speeds that they are off by at most
 
 
 @part
@@ -55,13 +57,97 @@ def _obstacle(x: float, y: float, vx: float, vy: float, own: Floats, both: float
         out[0], out[1] = mx, my
 
 
-@part
-def _is_inside(cone: Floats, x: float, y: float) -> bool:
-    """Whether a velocity is in a cone."""
-    dx, dy = x - cone[0], y - cone[1]
-    left_of_right = cone[2] * dy - cone[3] * dx
-    left_of_left = cone[4] * dy - cone[5] * dx
+@inlined
+def _is_inside(cones: Floats, j: int, x: float, y: float) -> bool:
+    """Whether a velocity is in cone `j`."""
+    dx, dy = x - cones[j, 0], y - cones[j, 1]
+    left_of_right = cones[j, 2] * dy - cones[j, 3] * dx
+    left_of_left = cones[j, 4] * dy - cones[j, 5] * dx
     return bool(left_of_right > _SPARE and left_of_left < -_SPARE)
+
+
+class Wish(NamedTuple):
+    """What is asked of a velocity."""
+
+    x: float
+    y: float
+    """[m/s] the wanted velocity."""
+    most: float
+    """[m/s] the top speed."""
+    off: float
+    """[m^2/s^2] the largest squared distance from the wanted velocity."""
+
+
+@part
+def _add(cones: Floats, clear: int, wish: Wish, x: float, y: float, count: int, out: Floats) -> int:
+    """Add a velocity to `count` of them if it is near enough, and in none of the first `clear` cones; their number."""
+    if x * x + y * y > wish.most * wish.most * (1.0 + 1e-9) or _off(wish, x, y) > wish.off:
+        return count
+    for j in range(clear):
+        if _is_inside(cones, j, x, y):
+            return count
+    out[count, 0] = x
+    out[count, 1] = y
+    return count + 1
+
+
+@part
+def _off(wish: Wish, x: float, y: float) -> float:
+    """The squared distance [m^2/s^2] of a velocity from the wanted one."""
+    return (x - wish.x) * (x - wish.x) + (y - wish.y) * (y - wish.y)
+
+
+@part
+def _add_alone(cones: Floats, clear: int, wish: Wish, a: int, count: int, out: Floats) -> int:
+    """As `_add`: where side `a` is nearest to the wanted velocity, and where it meets the circle of the top speed.
+
+    Cone j has the sides 2 j and 2 j + 1.
+    """
+    ax, ay = cones[a // 2, 0], cones[a // 2, 1]
+    dx, dy = cones[a // 2, 2 + 2 * (a % 2)], cones[a // 2, 3 + 2 * (a % 2)]
+    t = dx * (wish.x - ax) + dy * (wish.y - ay)
+    if t > 0.0:
+        count = _add(cones, clear, wish, ax + t * dx, ay + t * dy, count, out)
+    along = ax * dx + ay * dy
+    inside = along * along + wish.most * wish.most - ax * ax - ay * ay
+    if inside >= 0.0:
+        root = math.sqrt(inside)
+        for sign in range(2):
+            t = -along + (root if sign == 0 else -root)
+            if t > 0.0:
+                count = _add(cones, clear, wish, ax + t * dx, ay + t * dy, count, out)
+    return count
+
+
+@part
+def _is_useful(cones: Floats, wish: Wish, a: int) -> bool:
+    """Whether anything on side `a` may be slow enough, and near enough to the wanted velocity, but for rounding."""
+    ax, ay = cones[a // 2, 0], cones[a // 2, 1]
+    dx, dy = cones[a // 2, 2 + 2 * (a % 2)], cones[a // 2, 3 + 2 * (a % 2)]
+    rounding = _ROUNDING * (ax * ax + ay * ay + wish.most * wish.most)
+    away = dx * (wish.y - ay) - dy * (wish.x - ax)
+    slow = dx * ay - dy * ax
+    return bool(slow * slow <= wish.most * wish.most + rounding and away * away <= wish.off + rounding)
+
+
+@part
+def _add_crossings(cones: Floats, clear: int, wish: Wish, a: int, useful: Bools, count: int, out: Floats) -> int:
+    """As `_add`: where side `a` meets earlier ones that are `useful`."""
+    ax, ay = cones[a // 2, 0], cones[a // 2, 1]
+    dx, dy = cones[a // 2, 2 + 2 * (a % 2)], cones[a // 2, 3 + 2 * (a % 2)]
+    for b in range(a):
+        if not useful[b]:
+            continue
+        bx, by = cones[b // 2, 0], cones[b // 2, 1]
+        ex, ey = cones[b // 2, 2 + 2 * (b % 2)], cones[b // 2, 3 + 2 * (b % 2)]
+        cross = dx * ey - dy * ex
+        if abs(cross) <= 1e-9:
+            continue
+        t = ((bx - ax) * ey - (by - ay) * ex) / cross
+        u = ((bx - ax) * dy - (by - ay) * dx) / cross
+        if t > 0.0 and u > 0.0:
+            count = _add(cones, clear, wish, ax + t * dx, ay + t * dy, count, out)
+    return count
 
 
 @kernel
@@ -96,6 +182,8 @@ def hybrid_velocities(
     """
     slots = others.shape[1]
     candidates = np.empty((1 + 2 * slots * 3 + 2 * slots * (2 * slots - 1) // 2 + 1, 2))
+    kept = np.empty_like(candidates)
+    useful = np.empty(2 * slots, dtype=np.bool_)
     for i in range(first, end):
         count = 0
         for j in range(slots):
@@ -111,53 +199,44 @@ def hybrid_velocities(
                     cones[i, count],
                 )
                 count += 1
+        mine = cones[i]
         most = speed[i, 0]
         wx, wy = wanted[i, 0], wanted[i, 1]
         size = math.sqrt(wx * wx + wy * wy)
         if size > most:
             wx, wy = wx / size * most, wy / size * most
         candidates[0, 0], candidates[0, 1] = wx, wy
-        found = 1
+        # A few that are found soon: if one of them keeps clear of all, what is farther off is not needed.
+        wish = Wish(wx, wy, most, math.inf)
+        found = _add(mine, count, wish, wx, wy, 0, kept)
         for a in range(2 * count):
-            ax, ay = cones[i, a // 2, 0], cones[i, a // 2, 1]
-            dx, dy = cones[i, a // 2, 2 + 2 * (a % 2)], cones[i, a // 2, 3 + 2 * (a % 2)]
-            t = dx * (wx - ax) + dy * (wy - ay)
-            if t > 0.0:
-                candidates[found, 0], candidates[found, 1] = ax + t * dx, ay + t * dy
-                found += 1
-            along = ax * dx + ay * dy
-            inside = along * along + most * most - ax * ax - ay * ay
-            if inside >= 0.0:
-                root = math.sqrt(inside)
-                for sign in range(2):
-                    t = -along + (root if sign == 0 else -root)
-                    if t > 0.0:
-                        candidates[found, 0], candidates[found, 1] = ax + t * dx, ay + t * dy
-                        found += 1
-            for b in range(a):
-                bx, by = cones[i, b // 2, 0], cones[i, b // 2, 1]
-                ex, ey = cones[i, b // 2, 2 + 2 * (b % 2)], cones[i, b // 2, 3 + 2 * (b % 2)]
-                cross = dx * ey - dy * ex
-                if abs(cross) > 1e-9:
-                    t = ((bx - ax) * ey - (by - ay) * ex) / cross
-                    u = ((bx - ax) * dy - (by - ay) * dx) / cross
-                    if t > 0.0 and u > 0.0:
-                        candidates[found, 0], candidates[found, 1] = ax + t * dx, ay + t * dy
-                        found += 1
+            found = _add_alone(mine, count, wish, a, found, kept)
+        least = math.inf
+        for k in range(found):
+            least = min(least, _off(wish, kept[k, 0], kept[k, 1]))
+        wish = Wish(wx, wy, most, least)
+        found = 1
+        for j in range(count):
+            # What keeps clear of one more of the others is left of what kept clear of those before, or on its sides.
+            left = 0
+            for k in range(found):
+                if not _is_inside(mine, j, candidates[k, 0], candidates[k, 1]):
+                    kept[left, 0], kept[left, 1] = candidates[k, 0], candidates[k, 1]
+                    left += 1
+            for a in range(2 * j, 2 * j + 2):
+                useful[a] = _is_useful(mine, wish, a)
+                if useful[a]:
+                    left = _add_alone(mine, j + 1, wish, a, left, kept)
+                    left = _add_crossings(mine, j + 1, wish, a, useful, left, kept)
+            if left == 0:
+                break
+            candidates, kept = kept, candidates
+            found = left
         best = math.inf
-        deepest = -1
-        out[i, 0] = 0.0
-        out[i, 1] = 0.0
         for k in range(found):
             vx, vy = candidates[k, 0], candidates[k, 1]
-            if vx * vx + vy * vy > most * most * (1.0 + 1e-9):
-                continue
-            kept = 0  # of the nearest, until the first that it leads into
-            while kept < count and not _is_inside(cones[i, kept], vx, vy):
-                kept += 1
-            off = (vx - wx) * (vx - wx) + (vy - wy) * (vy - wy)
-            if kept > deepest or (kept == deepest and off < best):
-                deepest = kept
+            off = _off(wish, vx, vy)
+            if off < best:
                 best = off
                 out[i, 0] = vx
                 out[i, 1] = vy

@@ -56,6 +56,7 @@ def word_length(word: Floats) -> float:
 
 @part
 def _write3(words: Floats, at: int, bends: tuple[float, float, float], t: float, p: float, q: float) -> int:
+    """Write a word of three pieces of lengths t, p and q [radii]; returns how many words there are then."""
     words[at] = 0.0
     words[at, 0, 0], words[at, 1, 0], words[at, 2, 0] = bends
     words[at, 0, 1], words[at, 1, 1], words[at, 2, 1] = t, p, q
@@ -117,6 +118,7 @@ def _put(
 
 @part
 def _tau_omega(u: float, v: float, xi: float, eta: float, phi: float) -> tuple[float, float]:
+    """The first and the last turn [rad] of the words 8.7 and 8.8, from the two turns between them."""
     delta = _wrapped(u - v)
     a = math.sin(u) - math.sin(delta)
     b = math.cos(u) - math.cos(delta) - 1.0

@@ -48,6 +48,7 @@ def new_wave(free: NDArray[np.uint8], goal: int) -> Wave:
 
 @part
 def _reach(wave: Wave, cell: int, to_go: float) -> None:
+    """Let a cell wait for the wave if this way to the goal [cells] is shorter than those before."""
     if to_go < wave.to_go[cell]:
         wave.to_go[cell] = to_go
         whole = int(to_go)

@@ -1,7 +1,8 @@
 """The frontier of a search on cells: a binary heap of the cells that were reached and not yet expanded.
 
-Cells lie in flat arrays, row after row, with a border of blocked cells around the map, so that a cell's neighbours need
-no test of bounds.
+Cells lie in flat arrays, row after row from the lowest up, with a border of blocked cells around the map, so that a
+cell's neighbours need no test of bounds. `width` is the number of cells in a row, the border included: cell c
+has the neighbours c - 1, c + 1, c - width, c + width, and those between. Costs are in cells, from centre to centre.
 """
 
 from __future__ import annotations

@@ -109,7 +109,11 @@ class Forest(NamedTuple):
 def trailer_pose(
     x: float, y: float, heading: float, hitch: float, length: float, offset: float
 ) -> tuple[float, float, float]:
-    """The pose of the trailer's axle."""
+    """The pose (x, y [m], heading [rad]) of the trailer's axle, behind a car at a pose in the world.
+
+    `hitch` [rad] is the car's heading less the trailer's, `length` [m] from the hitch to the axle, and `offset` [m]
+    from the car's base point back to the hitch.
+    """
     back = heading - hitch
     return (
         x - offset * math.cos(heading) - length * math.cos(back),
@@ -120,6 +124,7 @@ def trailer_pose(
 
 @part
 def _gap(room: Room, body: int, x: float, y: float, heading: float) -> float:
+    """Signed gap [m], as in `map_gap`, of a body (0 the car, 1 the trailer) at a pose in the world [m, rad]."""
     room.pose[0], room.pose[1], room.pose[2] = x, y, heading
     map_gap(
         room.grid,
@@ -138,6 +143,7 @@ def _gap(room: Room, body: int, x: float, y: float, heading: float) -> float:
 
 @part
 def _is_clear(room: Room, drive: Drive, x: float, y: float, heading: float, hitch: float) -> bool:
+    """Whether car and trailer at a pose in the world [m, rad], with a hitch angle [rad], are free."""
     if not _gap(room, 0, x, y, heading) >= room.clearance:
         return False
     if drive.trailer_length == 0.0:
@@ -222,6 +228,7 @@ def _to_go(drive: Drive, course: Course, room: Room, x: float, y: float, heading
 
 @part
 def _cell_name(course: Course, x: float, y: float, heading: float, hitch: float) -> int:
+    """The name of the cell of the lattice that holds a pose [m, rad] and a hitch angle [rad]."""
     col = math.floor(x / course.cell) & 0xFFFFF
     row = math.floor(y / course.cell) & 0xFFFFF
     turn = math.floor(heading / (2.0 * math.pi) * course.headings + 0.5) % course.headings
@@ -242,6 +249,7 @@ def _slot(forest: Forest, name: int) -> int:
 
 @part
 def _push(forest: Forest, node: int, key: float) -> None:
+    """Put a pose into the queue, a binary heap, by its key: about what a path through it costs."""
     at = forest.used[1]
     forest.used[1] = at + 1
     while at > 0:
@@ -257,6 +265,7 @@ def _push(forest: Forest, node: int, key: float) -> None:
 
 @part
 def _pop(forest: Forest) -> int:
+    """The pose with the least key, taken out of a queue that is not empty."""
     first = forest.heap[0]
     size = forest.used[1] - 1
     forest.used[1] = size

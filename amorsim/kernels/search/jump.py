@@ -49,6 +49,7 @@ def _jump_diagonal(free: NDArray[np.uint8], width: int, goal: int, cell: int, ac
 
 @part
 def _reach_straight(search: Search, width: int, goal: int, cell: int, step: int) -> None:
+    """Reach the jump point straight ahead of a cell, if there is one; `step` is -1 or 1, or a line up or down."""
     side = width if abs(step) == 1 else 1
     other = _jump_straight(search.free, goal, cell, step, side)
     if other != 0:
@@ -57,6 +58,7 @@ def _reach_straight(search: Search, width: int, goal: int, cell: int, step: int)
 
 @part
 def _reach_diagonal(search: Search, width: int, goal: int, cell: int, across: int, up: int) -> None:
+    """Reach the jump point diagonally ahead of a cell, if there is one."""
     other = _jump_diagonal(search.free, width, goal, cell, across, up)
     if other != 0:
         reach(search, width, goal, 1.0, cell, other, DIAGONAL * (abs(other - cell) // abs(across + up)))

@@ -60,11 +60,13 @@ def new_replan(free: NDArray[np.uint8], width: int, start: int, goal: int) -> Re
 
 @part
 def _is_less(first: float, second: float, other_first: float, other_second: float) -> bool:
+    """Whether a key of two numbers [cells] comes before another."""
     return first < other_first or (first == other_first and second < other_second)
 
 
 @part
 def _put(search: Replan, at: int, cell: int, first: float, second: float) -> None:
+    """Write an entry of the heap: a cell and its key [cells]."""
     search.heap[at] = cell
     search.first[at] = first
     search.second[at] = second
@@ -98,6 +100,7 @@ def _settle(search: Replan, at: int, cell: int, first: float, second: float) -> 
 
 @part
 def _remove(search: Replan, cell: int) -> None:
+    """Take a cell out of the heap."""
     at = search.place[cell] - 1
     search.place[cell] = 0
     last = search.used[0] - 1
@@ -126,6 +129,7 @@ def _best_ahead(search: Replan, width: int, cell: int) -> float:
 
 @part
 def _update(search: Replan, width: int, start: int, goal: int, cell: int) -> None:
+    """Bring a cell's cost by its neighbours [cells] up to date, and its place in the heap."""
     if cell != goal:
         search.ahead[cell] = _best_ahead(search, width, cell)
     if search.cost[cell] == search.ahead[cell]:

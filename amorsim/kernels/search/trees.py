@@ -111,6 +111,7 @@ def _sample(ground: Ground, number: int) -> tuple[float, float]:
 
 @part
 def _nearest(tree: Tree, x: float, y: float) -> int:
+    """The place of the tree nearest to (x, y) [cells]; of several, the first."""
     best = math.inf
     found = 0
     for i in range(tree.used[0]):
@@ -125,6 +126,7 @@ def _nearest(tree: Tree, x: float, y: float) -> int:
 
 @part
 def _towards(tree: Tree, near: int, x: float, y: float, step: float) -> tuple[float, float]:
+    """The place [cells] one `step` from place `near` towards (x, y), or (x, y) if that is nearer."""
     dx = x - tree.x[near]
     dy = y - tree.y[near]
     away = math.sqrt(dx * dx + dy * dy)
@@ -135,11 +137,13 @@ def _towards(tree: Tree, near: int, x: float, y: float, step: float) -> tuple[fl
 
 @part
 def _is_open(ground: Ground, x0: float, y0: float, x1: float, y1: float) -> bool:
+    """Whether a robot may go straight from (x0, y0) to (x1, y1) [cells]."""
     return is_open_line(ground.free, ground.width, x0, y0, x1, y1)
 
 
 @part
 def _add(tree: Tree, x: float, y: float, parent: int, cost: float) -> int:
+    """Add a place (x, y) [cells] that is reached from another for a `cost` [cells] in all; returns its number."""
     at = tree.used[0]
     tree.used[0] = at + 1
     tree.x[at], tree.y[at] = x, y
