@@ -44,14 +44,14 @@ class _Lines:
     """Lines in place of a bar, where there is no terminal."""
 
     def __init__(self) -> None:
-        self._told = time.monotonic()
+        self._said_at = time.monotonic()
 
     def __call__(self, progress: Progress) -> None:
         if progress.left is None and progress.done and progress.done < progress.total:
             say(f"{progress.done} of {progress.total} were done before")
-        elif (now := time.monotonic()) - self._told > _EVERY and progress.done < progress.total:
+        elif (now := time.monotonic()) - self._said_at > _EVERY and progress.done < progress.total:
             say(f"{progress.done} of {progress.total} done, {_words(progress)}")
-            self._told = now
+            self._said_at = now
 
 
 def _words(progress: Progress) -> str:

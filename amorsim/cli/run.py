@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from amorsim.cli.console import compile_once, compile_planners_once, complain, say
+from amorsim.cli.films import Gif, GifRate, GifSize, GifSpeed, Mp4, Wanted, in_options
 from amorsim.cli.options import Changes, Duration, Played, Resolution, Seed
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 __all__ = ["command"]
 
 Progress = Callable[[float], None]
-GIF_SIZE, GIF_RATE = 480, 10.0
 
 
 def command(
@@ -50,22 +50,11 @@ def command(
     ] = None,
     resolution: Resolution = None,
     changes: Changes = None,
-    gif: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Also make a moving picture of the first replica: a .gif file.")
-    ] = None,
-    mp4: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="The same as a video: a .mp4 file. Needs the extra video."),
-    ] = None,
-    gif_size: Annotated[int, typer.Option(metavar="PIXELS", help="Longer side of the moving picture.")] = GIF_SIZE,
-    gif_rate: Annotated[float, typer.Option(metavar="N", help="Its frames a second, at most 25.")] = GIF_RATE,
-    gif_speed: Annotated[
-        float | None,
-        typer.Option(
-            metavar="X",
-            help="How much faster than the simulated time it is shown. [default: 1, or so fast that it takes 20 s]",
-        ),
-    ] = None,
+    gif: Gif = None,
+    mp4: Mp4 = None,
+    gif_size: GifSize = Wanted.SIZE,
+    gif_rate: GifRate = Wanted.RATE,
+    gif_speed: GifSpeed = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
     """Simulate a scenario and write what happened into a folder.
@@ -87,17 +76,8 @@ def command(
     if quiet:
         warnings.simplefilter("ignore")
     check_free(out)
-    wanted = {kind: file for kind, file in (("gif", gif), ("mp4", mp4)) if file is not None}
-    if not wanted and (gif_size, gif_rate, gif_speed) != (GIF_SIZE, GIF_RATE, None):
-        raise AmorsimError(
-            "--gif-size, --gif-rate and --gif-speed say how a moving picture is; --gif FILE or --mp4 FILE makes one"
-        )
-    if wanted:
-        from amorsim.runs.film import Film, check_film
-
-        for kind, file in wanted.items():
-            with _in_options():
-                check_film(file, gif_size, gif_rate, gif_speed, kind)
+    wanted = Wanted(gif=gif, mp4=mp4, size=gif_size, rate=gif_rate, speed=gif_speed)
+    wanted.check()
     compile_once(
         lambda: look_up(scenario, resolution=resolution, changes=changes or (), seed=seed, duration=duration), quiet
     )
@@ -113,10 +93,11 @@ def command(
         for line in source_lines(read):
             say(line)
     films = []
-    for kind, file in wanted.items():
-        with _in_options():
-            film = Film(simulation, file, read.duration, size=gif_size, rate=gif_rate, speed=gif_speed, kind=kind)
-            films.append(film)
+    for kind, file in wanted.files.items():
+        from amorsim.runs.film import Film
+
+        with in_options():
+            films.append(Film(simulation, file, read.duration, **wanted.settings(kind)))
     with _progress(quiet) as progress:
         on_step = functools.partial(_filmed, films, progress) if films else progress
         summary = run_scenario(simulation.scenario, out, progress=on_step, simulation=simulation)
@@ -128,18 +109,6 @@ def command(
             say(f"moving picture: {film.path}")
     if not summary.is_complete:
         raise typer.Exit(130)
-
-
-@contextlib.contextmanager
-def _in_options() -> Iterator[None]:
-    """Says what is wrong with a film in words of the options."""
-    from amorsim.core.errors import AmorsimError
-    from amorsim.core.parameters import ParameterError
-
-    try:
-        yield
-    except ParameterError as error:
-        raise AmorsimError(f"--{error.name}: {error.problem}") from None
 
 
 def _filmed(films: list[Film], progress: Progress | None, share: float) -> None:

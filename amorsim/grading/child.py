@@ -16,10 +16,13 @@ import numpy as np
 from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.errors import AmorsimError, ControllerError
 from amorsim.core.trouble import error_in_words
+from amorsim.grading.fence import fence_in
 from amorsim.grading.guard import renounce
 from amorsim.scenario.controller_files import load_controller
 
 __all__ = ["main"]
+
+_LARGEST_FILE = 10**8  # bytes
 
 
 def main() -> None:
@@ -38,6 +41,7 @@ def main() -> None:
     first = json.loads(requests.readline())
     _limit(first["memory"])
     renounce()
+    fence_in(**first["fence"])
     try:
         answer = _loaded(Path(first["path"]), first["name"], first["role"])
     except AmorsimError as error:
@@ -97,6 +101,7 @@ def _limit(memory: int) -> None:
 
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
 
 
 def _readings(said: Mapping[str, Any]) -> dict[str, RobotReading]:

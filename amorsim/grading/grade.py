@@ -107,11 +107,13 @@ def grade(
         raise RunError(f"{folder}: cannot be written ({error.strerror or error})") from None
     scenarios = {case: _scenario(read, case) for case in read.cases}
     grades = []
+    secret = [Path(rubric), folder, *(Path(case.world) for case in read.cases if case.world)]
     for path, label in zip(paths, _labels(paths), strict=True):
+        hidden = [*secret, *(each for each in paths if each != path)]
         cases = []
         for case in read.cases:
             with memory_hidden():
-                cases.append(_case(read, case, scenarios[case], path))
+                cases.append(_case(read, case, scenarios[case], path, hidden))
             if progress is not None:
                 progress(f"{label}, {case}: {cases[-1].problem or f'{cases[-1].total:.2f} points'}")
         grades.append(Grade(submission=path, label=label, cases=tuple(cases)))
@@ -154,7 +156,7 @@ def _needs(rubric: Rubric) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for each in rubric.criteria for name in each.measured.metric.needs()))
 
 
-def _case(rubric: Rubric, case: Case, scenario: Scenario, path: Path) -> CaseGrade:
+def _case(rubric: Rubric, case: Case, scenario: Scenario, path: Path, hidden: Sequence[Path]) -> CaseGrade:
     robot = _robot(rubric, scenario)
     try:
         remote = Remote(
@@ -163,6 +165,7 @@ def _case(rubric: Rubric, case: Case, scenario: Scenario, path: Path) -> CaseGra
             rubric.role,
             time_limit=rubric.time_limit,
             memory_limit=rubric.memory_limit,
+            hidden=hidden,
         )
         with remote:
             change: dict[str, Any] = {"estimators": {"submission": SubmittedEstimator(remote=remote)}}

@@ -11,7 +11,7 @@ import select
 import subprocess
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from amorsim.contracts import Context, Draws, Estimate, Estimator, Measurement, 
 from amorsim.controllers.user import RobotClock, RobotEstimate, RobotReading, Twist, WheelSpeeds
 from amorsim.core.errors import ControllerError
 from amorsim.core.processes import end_with_children, python_command
+from amorsim.grading.fence import Fence
 from amorsim.grading.guard import MARK, end_strays
 
 __all__ = ["Remote", "SubmittedEstimator"]
@@ -46,6 +47,8 @@ class Remote:
         How long it may think in all [s].
     memory_limit
         How much memory its process may have [bytes].
+    hidden
+        Files and folders that it must not read, where the system can see to that (`Fence`).
 
     Raises
     ------
@@ -53,24 +56,35 @@ class Remote:
         From a call, if the submission raises, hangs, ends its process, or answers with something else.
     """
 
-    def __init__(self, path: Path, name: str, role: str, *, time_limit: float, memory_limit: int) -> None:
+    def __init__(
+        self,
+        path: Path,
+        name: str,
+        role: str,
+        *,
+        time_limit: float,
+        memory_limit: int,
+        hidden: Collection[Path] = (),
+    ) -> None:
         self._left = time_limit
         self._limit = time_limit
         code = "from amorsim.grading.child import main; main()"
         self._mark = uuid.uuid4().hex
+        self._fence = Fence(path, hidden)
         self._process = subprocess.Popen(
             python_command(code),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             start_new_session=True,
-            cwd=path.parent,
-            env={**os.environ, MARK: self._mark},
+            cwd=self._fence.folder,
+            env={**os.environ, **self._fence.settings, MARK: self._mark},
         )
         assert self._process.stdin is not None
         os.set_blocking(self._process.stdin.fileno(), False)
         self._rest = b""
-        self._say({"path": str(path), "name": name, "role": role, "memory": memory_limit})
+        fence = self._fence.said()
+        self._say({"path": str(path), "name": name, "role": role, "memory": memory_limit, "fence": fence})
 
     def __enter__(self) -> Remote:
         # Importing is not thinking: the time for it is not the submission's.
@@ -90,6 +104,7 @@ class Remote:
         """End the process, and all that it has started."""
         end_with_children(self._process)
         end_strays(self._mark)
+        self._fence.close()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 try:

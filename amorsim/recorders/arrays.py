@@ -1,4 +1,4 @@
-"""What estimators believe, as arrays: particles, grids, and all else that is too large for a text file."""
+"""What estimators believe and controllers intend, as arrays: all that is too large for a text file."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from amorsim.contracts import Frame, Recorder, RunInfo, parameter
+from amorsim.core.errors import RunError, did_you_mean
 from amorsim.core.whole_files import write_bytes
 
 __all__ = ["Arrays"]
@@ -18,7 +19,7 @@ __all__ = ["Arrays"]
 
 @attrs.define(kw_only=True, eq=False)
 class Arrays(Recorder):
-    """Writes all beliefs of all estimators into ``beliefs/NAME/TICK.npz``, one file for each time.
+    """Writes all beliefs of estimators and of the controller into ``beliefs/NAME/TICK.npz``, one file for each time.
 
     A file has each belief by its name, first axis the row, and ``time`` [s], ``robot`` and ``replica`` of each row.
     With robots of several kinds each has a file, ``TICK-0.npz`` and on. ``numpy.load`` reads them.
@@ -27,15 +28,32 @@ class Arrays(Recorder):
     ----------
     every
         Time between two files [s]; the first is of the start.
+    of
+        Names of the estimators whose beliefs are written, and ``"controller"`` for what the controller intends; without
+        any name, all.
     """
 
     every: float = parameter(1.0, unit="s", gt=0, help="time between two files")
+    of: tuple[str, ...] = parameter((), help='names of estimators, or "controller"; empty: all')
 
     _run: RunInfo | None = attrs.field(default=None, init=False)
     _next: float = attrs.field(default=0.0, init=False)
 
     def open(self, run: RunInfo, frames: Sequence[Frame]) -> None:
-        """Write the beliefs at the start."""
+        """Write the beliefs at the start.
+
+        Raises
+        ------
+        RunError
+            If `of` names what has no beliefs.
+        """
+        known = sorted({name for frame in frames for name in frame.beliefs})
+        for name in self.of:
+            if name not in known:
+                raise RunError(
+                    f"recorder arrays, of: {name!r} has no beliefs; those that have: {', '.join(known) or 'none'}."
+                    f"{did_you_mean(name, known)}"
+                )
         self._run = run
         self.write(frames, ())
 
@@ -50,7 +68,10 @@ class Arrays(Recorder):
         folder = Path(self._run.folder) / "beliefs"
         for number, frame in enumerate(frames):
             part = f"-{number}" if len(frames) > 1 else ""
-            for name, beliefs in frame.beliefs.items():
+            for name in frame.beliefs:
+                if self.of and name not in self.of:
+                    continue
+                beliefs = frame.beliefs[name]
                 data = io.BytesIO()
                 names: Any = np.array(list(frame.names))
                 whole: dict[str, Any] = {**beliefs, "time": frame.time, "robot": names, "replica": frame.replica}

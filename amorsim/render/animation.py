@@ -96,7 +96,7 @@ class Animation:
         return len(self._times)
 
     def add(self, time: float, poses: Points) -> None:
-        """Take where the bodies are `(B, 3)` at a time [s]: a frame."""
+        """Take where the bodies are `(B, 3)` at a time [s]: a frame. A body at nan is not drawn."""
         self._times.append(time)
         self._poses.append(np.array(poses, dtype=np.float64))
 
@@ -186,13 +186,16 @@ class Animation:
         if len(robots) <= TRAILS_UP_TO:
             first = next(i for i in range(number + 1) if self._times[i] >= now - TRAIL)
             for i in robots:
-                trail = self._fine(np.array([frame[i, :2] for frame in self._poses[first : number + 1]]))
+                places = np.array([frame[i, :2] for frame in self._poses[first : number + 1]])
+                trail = self._fine(places[np.isfinite(places).all(axis=1)])
                 if len(trail) > 1:
                     pen.line([*map(tuple, trail.tolist())], _TRAIL, 3 * FINENESS)
         order = sorted(range(len(self._bodies)), key=lambda i: (self._bodies[i].is_robot, not self._bodies[i].is_part))
         for i in order:
             body = self._bodies[i]
             x, y, heading = poses[i]
+            if math.isnan(x + y + heading):
+                continue
             c, s = math.cos(heading), math.sin(heading)
             turned = np.column_stack(
                 (

@@ -31,9 +31,13 @@ Array = npt.NDArray[np.float64]
 
 @attrs.frozen(kw_only=True)
 class Outcome:
-    """What came of a chunk: the values of each metric and a digest, for each replica; or an error."""
+    """What came of a chunk: the values of each metric and a digest, for each replica; or an error.
+
+    `seed` is the one that was simulated; below 0 if that is not known.
+    """
 
     index: int
+    seed: int = -1
     values: dict[str, list[float]] = attrs.field(factory=dict)
     digests: list[str] = attrs.field(factory=list)
     error: str = ""
@@ -114,7 +118,7 @@ def _run(plan: Plan, chunk: Chunk, folder: str) -> Outcome:
             episode = episode_at(simulation, keeper.arrays, each.metric.needs(), robots[each.name], rows, end)
             found[rows] = measure_episode(each, episode)
         values[each.name] = found.tolist()
-    return Outcome(index=chunk.index, values=values, digests=digests)
+    return Outcome(index=chunk.index, seed=simulation.seed, values=values, digests=digests)
 
 
 def _simulate(

@@ -131,7 +131,7 @@ class StudyFolder:
     def write(self, outcome: Outcome) -> None:
         """Write down what came of a chunk; raises `StudyError` if it cannot be written."""
         file = self._file(outcome.index)
-        content: dict[str, Any] = {"index": outcome.index}
+        content: dict[str, Any] = {"index": outcome.index, "seed": outcome.seed}
         content |= {"error": outcome.error} if outcome.error else {"values": outcome.values, "digests": outcome.digests}
         try:
             file.parent.mkdir(exist_ok=True)
@@ -155,6 +155,7 @@ class StudyFolder:
             content = json.loads(file.read_text(encoding="utf-8"))
             outcome = Outcome(
                 index=content["index"],
+                seed=content.get("seed", -1),
                 values=content.get("values", {}),
                 digests=content.get("digests", []),
                 error=content.get("error", ""),

@@ -91,6 +91,7 @@ def _read(top: Node, name: str, registry: Registry) -> Plan | None:
     axes = _axes(top.child("axes"), files)
     metrics = _metrics(top.child("metrics"), registry)
     _check_columns(top, axes, metrics)
+    _check_paths(top, axes)
     if top.book.count:
         return None
     plan = Plan(
@@ -343,3 +344,14 @@ def _check_columns(top: Node, axes: list[Axis], metrics: list[Measured]) -> None
             top.child(kind).child(name).fault(f"the table has a column {name!r} of its own; take another name")
         elif kind == "metrics" and name in names:
             top.child(kind).child(name).fault(f"an axis is called {name!r} too; take another name")
+
+
+def _check_paths(top: Node, axes: list[Axis]) -> None:
+    """Two axes, or an axis and a key, that set the same would leave rows that say what was not simulated."""
+    set_by = {"simulation.seed": "seeds", "simulation.duration": "duration"}
+    set_by = {path: key for path, key in set_by.items() if key in top}
+    for axis in axes:
+        paths = {setting.partition("=")[0] for one in axis.settings for setting in one}
+        for path in sorted(paths & set(set_by)):
+            top.child("axes").fault(f"{axis.name!r} and {set_by[path]!r} both set {path}; keep one of them")
+        set_by |= dict.fromkeys(paths, axis.name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -149,7 +149,7 @@ def _check_same(folder: Path, about: dict[str, Any]) -> None:
     )
 
 
-def _changed_inputs(was: Any, now: dict[str, dict[str, str]]) -> Sequence[str]:
+def _changed_inputs(was: Any, now: dict[str, dict[str, str]]) -> list[str]:
     """The files that differ, each with the label of its scenario."""
     if not isinstance(was, dict) or not all(isinstance(each, dict) for each in was.values()):
         return ["inputs"]

@@ -186,7 +186,8 @@ def _parts(plan: Plan, own_seed: int, outcomes: Iterable[Outcome], kinds: dict[s
             kind = kinds[axis.name]
             value = str(label) if kind == "text" else float(label) if kind == "number" else label
             part[axis.name] += [value] * count
-        part["seed"] += [own_seed if chunk.seed < 0 else chunk.seed] * count
+        own = own_seed if outcome.seed < 0 else outcome.seed  # an axis may have set it
+        part["seed"] += [own if chunk.seed < 0 else chunk.seed] * count
         part["replica"] += range(count)
         for each in plan.metrics:
             part[each.name] += outcome.values.get(each.name, [math.nan] * count)

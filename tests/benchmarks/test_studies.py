@@ -26,3 +26,18 @@ def test_studies_are_timed_by_all_their_processes(monkeypatch: pytest.MonkeyPatc
     assert two > one + 0.2  # the start of two processes
     assert min(alone, one) > 0.0
     assert "as fast as one process" in as_text(rows, {}, "", (), ())
+
+
+@needs_extra
+def test_the_short_command_prints_all_sides(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen: list[int] = []
+    monkeypatch.setattr(studies, "_bare", lambda tables: seen.append(tables["axes"][studies._TRACK]["count"]))
+    monkeypatch.setattr(studies, "_swept", lambda tables, out, jobs: (seen.append(jobs), out.mkdir()))
+    assert studies.main(["--points", "3", "--rounds", "2"]) == 0
+    assert seen == [2, 3, 1, 2, 3, 1, 2]
+    said = capsys.readouterr()
+    assert "3 points x 100 replicas x 60 s" in said.out
+    assert "amorsim, two processes: " in said.out
+    assert "round 2; load " in said.err

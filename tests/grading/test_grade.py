@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 
 import amorsim as am
 from amorsim.controllers.user import PoseVector, RobotClock, RobotEstimate, RobotReading
+from amorsim.grading.fence import is_offered
 from amorsim.grading.grade import Grade, grade
 from amorsim.grading.remote import Remote
 from tests.studies import make_study
@@ -156,7 +158,8 @@ def drive(readings, estimate, clock):
         os._exit(0)
     while not os.path.exists("stray"):
         time.sleep(0.01)
-    return None
+    with open("stray") as file:
+        raise RuntimeError("stray " + file.read())
 """
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /proc")
 
@@ -166,25 +169,115 @@ on_linux = pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /p
 def test_the_memory_of_the_grader_cannot_be_read(course: Path) -> None:
     course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
     shell = BACK_DOOR.replace(
-        "    with", "    os.system(f'head -c 0 /proc/{os.getppid()}/mem || touch refused')\n    with"
+        "    with", "    if not os.system(f'head -c 0 /proc/{os.getppid()}/mem'):\n        return None\n    with"
     )
-    found = graded(course, memory=BACK_DOOR, shell=shell)
+    found = graded(course, memory=BACK_DOOR, shell=shell)  # nor by a program, which root would have all rights of
     for each in found.values():
         assert each.total == 0.0
         assert "PermissionError" in each.cases[0].problem
-    assert (course.parent / "refused").exists()  # nor by a program that it starts, which root would have all rights of
 
 
 @on_linux
 @pytest.mark.long
 def test_what_a_submission_leaves_running_is_ended(course: Path) -> None:
     course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
-    graded(course, stray=STRAY)
-    stray = Path("/proc") / (course.parent / "stray").read_text() / "stat"
+    problem = graded(course, stray=STRAY)["stray"].cases[0].problem
+    stray = Path("/proc") / problem.partition("stray ")[2].split()[0] / "stat"
     until = time.monotonic() + 10.0
     while runs(stray) and time.monotonic() < until:
         time.sleep(0.05)
     assert not runs(stray)
+
+
+with_landlock = pytest.mark.skipif(not is_offered(), reason="needs Linux with Landlock")
+REACHING = """\
+import os
+import pathlib
+
+
+def drive(readings, estimate, clock):
+    beside = pathlib.Path(__file__).parent
+    {}
+    return None
+"""
+REACHES = {
+    "the held-out seeds": "(beside / 'rubric.toml').read_text()",
+    "them by the grader's own folder": "pathlib.Path(f'/proc/{os.getppid()}/cwd/rubric.toml').read_text()",
+    "a held-out world": "(beside / 'secret' / 'held-out.wld').read_text()",
+    "what another submission says": "(beside / 'good.py').read_text()",
+    "another submission's file, to change it": "(beside / 'good.py').write_text('')",
+    "it to remove it": "(beside / 'good.py').unlink()",
+    "the table": "(beside / 'grades' / 'grades.csv').write_text('')",
+    "a folder to leave a file in": "(beside / 'new').touch()",
+    "the grader, to end it": "os.kill(os.getppid(), 9)",
+}
+
+
+@with_landlock
+@pytest.mark.long
+def test_a_submission_reaches_nothing_of_others(course: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (course.parent / "secret").mkdir()
+    world = course.parent / "secret" / "held-out.wld"
+    world.write_text((course.parent / "rooms.wld").read_text())
+    course.write_text(RUBRIC.replace("seeds = [11, 12]", 'seeds = [11]\nworlds = ["secret/held-out.wld"]'))
+    monkeypatch.chdir(course.parent)
+    before = {path: path.read_bytes() for path in course.parent.rglob("*") if path.is_file()}
+    bad = {f"bad{number}": REACHING.format(reach) for number, reach in enumerate(REACHES.values())}
+    found = graded(course, **bad, good=GOOD)
+    for name, what in zip(bad, REACHES, strict=True):
+        assert found[name].total == 0.0, what
+        assert "PermissionError" in found[name].cases[0].problem, what
+    assert found["good"].total > 8.0
+    assert (course.parent / "good.py").read_text() == GOOD
+    assert all(path.read_bytes() == content for path, content in before.items())
+    assert not (course.parent / "new").exists()
+
+
+@with_landlock
+def test_what_is_hidden_cannot_be_read(tmp_path: Path) -> None:
+    (tmp_path / "secret.txt").write_text("11, 12")
+    (tmp_path / "nosy.py").write_text(REACHING.format("return (beside / 'secret.txt').read_text()"))
+    with Remote(
+        tmp_path / "nosy.py",
+        "drive",
+        "controller",
+        time_limit=5.0,
+        memory_limit=6 * 10**9,
+        hidden=[tmp_path / "secret.txt"],
+    ) as remote:
+        estimate = RobotEstimate(np.zeros(3).view(PoseVector), np.zeros((3, 3)))
+        with pytest.raises(am.ControllerError, match="PermissionError"):
+            remote({}, estimate, RobotClock(0, 0.0, 0.1))
+
+
+@with_landlock
+@pytest.mark.long
+def test_a_submission_has_its_own_files_and_a_folder(course: Path) -> None:
+    (course.parent / "gains.txt").write_text("0.4")
+    (course.parent / "helper.py").write_text("def gain(text):\n    return float(text)\n")
+    honest = """\
+import pathlib
+import tempfile
+
+import amorsim as am
+import helper
+
+room = am.Map.from_segments([[0.0, 0.0, 1.0, 0.0]])
+
+
+def drive(readings, estimate, clock):
+    with open("log.txt", "a") as log, tempfile.TemporaryFile() as more:
+        log.write("x")
+        more.write(b"x")
+    gain = helper.gain(open("gains.txt").read())
+    assert gain == helper.gain((pathlib.Path(__file__).parent / "gains.txt").read_text())
+    return am.Twist(gain if estimate.x < 2.2 else 0.0, 0.0)
+"""
+    found = graded(course, honest=honest, good=GOOD)
+    assert [case.problem for case in found["honest"].cases] == ["", ""]
+    assert found["honest"].total == found["good"].total
+    assert not (course.parent / "log.txt").exists()
+    assert not list(Path(tempfile.gettempdir()).glob("amorsim-graded-*"))
 
 
 def runs(stat: Path) -> bool:

@@ -1,3 +1,4 @@
+import attrs
 import numpy as np
 import pytest
 
@@ -33,6 +34,18 @@ def test_beliefs_are_written_at_their_times(tmp_path):
 def test_the_same_run_gives_the_same_bytes(tmp_path):
     one, two = (written(tmp_path / name, Arrays(), 1, 0.2) for name in ("one", "two"))
     assert one[0].read_bytes() == two[0].read_bytes()
+
+
+def test_beliefs_of_some_are_written_alone(tmp_path):
+    made = scenario(Counting())
+    both = attrs.evolve(made.robots[0], estimators={"who": Counting(), "other": Counting()})
+    sim = am.Simulation(attrs.evolve(made, robots=[both]))
+    info = am.RunInfo(tmp_path, sim.dt, sim.replicas, True)
+    Arrays(of=("other",)).open(info, sim.frames())
+    (file,) = (tmp_path / "beliefs").rglob("*.npz")
+    assert file.parent.name == "other"
+    with pytest.raises(am.RunError, match=r"'othr' has no beliefs; those that have: other, who. Did you mean 'other'"):
+        Arrays(of=("othr",)).open(info, sim.frames())
 
 
 def test_it_keeps_the_contract():

@@ -91,10 +91,10 @@ def test_a_video_of_a_run_is_read_back(tmp_path: Path) -> None:
     read = subprocess.run(command, capture_output=True, check=True)
     assert b"h264" in read.stderr
     assert b"10 fps" in read.stderr
-    width, height = (side + side % 2 for side in film._animation.frame(0).size)
+    width, height = (side + side % 2 for side in film.reel.animation.frame(0).size)
     shown = np.frombuffer(read.stdout, np.uint8).reshape(-1, height, width, 3)
     assert len(shown) == 11
-    drawn = np.asarray(film._animation.frame(10)).astype(int)
+    drawn = np.asarray(film.reel.animation.frame(10)).astype(int)
     assert np.abs(shown[10][: len(drawn), : drawn.shape[1]] - drawn).mean() < 4.0  # of 255, after compression
     assert [path.name for path in tmp_path.iterdir()] == ["run.mp4"]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -108,6 +109,33 @@ def test_axes_may_be_ranges_draws_variants_and_components(tmp_path: Path) -> Non
     drawn = set(study["robots.rover.ground.0.variance_per_length"])
     assert len(drawn) == 2
     assert all(1e-5 <= value <= 1e-4 for value in drawn)
+
+
+def test_seeds_may_be_an_axis_and_rows_say_their_own(tmp_path: Path) -> None:
+    given = tables(tmp_path / "s", replicas=1, duration=0.2)
+    along = am.sweep(given | {"axes": {"simulation.seed": [7, 8]}}, tmp_path / "axis")
+    seeds = am.sweep(given | {"axes": {}, "seeds": [7, 8]}, tmp_path / "seeds")
+    assert along["seed"].tolist() == along["simulation.seed"].tolist() == [7, 8]
+    assert along["digest"].tolist() == seeds["digest"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"seeds": [1], "axes": {"simulation.seed": [1, 2]}}, "'simulation.seed' and 'seeds' both set simulation.seed"),
+        (
+            {"duration": 0.2, "axes": {"simulation.duration": [0.2, 0.3]}},
+            "'simulation.duration' and 'duration' both set simulation.duration",
+        ),
+        (
+            {"axes": {TRACK: [1.0, 1.1], "other": {"variants": {"a": {TRACK: 1.2}, "b": {TRACK: 1.3}}}}},
+            f"'other' and '{TRACK}' both set {TRACK}; keep one of them",
+        ),
+    ],
+)
+def test_what_is_set_twice_is_refused(tmp_path: Path, changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(am.StudyError, match=re.escape(words)):
+        am.sweep(tables(tmp_path / "s", **changes), tmp_path / "out")
 
 
 def test_a_finished_study_is_not_computed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.contracts import Beliefs, Frame
+from amorsim.contracts import Beliefs, Drive, Sensor
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.protocol import Intended, IntendedArc, IntendedVelocities
 
-__all__ = ["NO_INTENTION", "intended_of"]
+__all__ = ["NO_INTENTION", "ahead", "intended_in", "intended_of"]
 
 Array = npt.NDArray[np.float64]
 
@@ -46,23 +46,41 @@ NO_INTENTION: Intended = {
 
 
 def intended_of(simulation: Simulation, robot: str, *, is_known: bool = True) -> Intended:
-    """What a robot's controller intended in the last step; none of what it has no belief of.
+    """What a robot's controller intended in the last step; see `intended_in`.
 
-    All is empty while the robot is driven by hand, and for a moment of the past that is not known. A plugin's
-    controller is drawn as well if its beliefs have the names and shapes of the built-in ones.
+    All is empty for a moment of the past that is not known.
     """
     frame = next(frame for frame in simulation.frames() if robot in frame.names)
     if "controller" not in frame.beliefs:
         return NO_INTENTION
     row = list(frame.names).index(robot)
     handle = simulation.robot(robot)
-    pose = _course(frame, row, handle.estimated_pose)
+    model = frame.robot
+    measured = ((sensor.sensor, frame.readings[name][1].measured) for name, sensor in model.sensors.items())
+    pose = ahead(model.drive, measured, model.rows, row, handle.estimated_pose)
+    is_empty = handle.is_by_hand or not is_known
+    return intended_in(frame.beliefs["controller"], row, pose, handle.nominal.controller, is_empty=is_empty)
+
+
+def intended_in(beliefs: Beliefs, row: int, pose: Array, controller: Any, *, is_empty: bool = False) -> Intended:
+    """What the beliefs of a controller say that it intended; none of what it has no belief of.
+
+    A plugin's controller is drawn as well if its beliefs have the names and shapes of the built-in ones.
+
+    Parameters
+    ----------
+    row
+        Of the beliefs.
+    pose
+        The estimated one `(3,)`, with the heading in which the drive goes ahead (`ahead`).
+    controller
+        The nominal one.
+    is_empty
+        Whether the robot intends nothing, as while it is driven by hand.
+    """
     found: Intended = {**NO_INTENTION, "pose": [round(value, 4) for value in pose.tolist()]}
-    has = {name: array for name, array in frame.beliefs["controller"].items() if _is_drawn(name, array)}
-    chooser: Any = handle.nominal.controller
-    chooser = getattr(chooser, "avoider", chooser)
-    if handle.is_by_hand or not is_known:
-        has = {name: array[:0] for name, array in has.items()}
+    has = {name: array[:0] if is_empty else array for name, array in beliefs.items() if _is_drawn(name, array)}
+    chooser: Any = getattr(controller, "avoider", controller)
     if "path" in has:
         found["path"] = _known(_of_row(has, "path", row))
     if "searched" in has:
@@ -97,17 +115,19 @@ def _of_row(beliefs: Beliefs, name: str, row: int) -> npt.NDArray[Any]:
     return array[row] if len(array) else np.empty((0, *array.shape[2:]))
 
 
-def _course(frame: Frame, row: int, estimated: Array) -> Array:
-    """The estimated pose `(3,)` with the heading in which the drive goes ahead, by the joints as measured."""
-    robot = frame.robot
-    angles = np.zeros((robot.rows, len(robot.drive.joints)))
-    for name, model in robot.sensors.items():
-        if hasattr(model.sensor, "angles"):
-            measured = np.asarray(model.sensor.angles(frame.readings[name][1].measured))
-            if measured.shape == angles.shape:
-                angles = np.where(np.isfinite(measured), measured, 0.0)
+def ahead(drive: Drive, measured: Iterable[tuple[Sensor, Array]], rows: int, row: int, estimated: Array) -> Array:
+    """The estimated pose `(3,)` of a row with the heading in which its drive goes ahead, by the joints as measured.
+
+    `measured` are sensors with their readings `(N, values)`, in order.
+    """
+    angles = np.zeros((rows, len(drive.joints)))
+    for sensor, values in measured:
+        if hasattr(sensor, "angles"):
+            found = np.asarray(sensor.angles(values))
+            if found.shape == angles.shape:
+                angles = np.where(np.isfinite(found), found, 0.0)
                 break
-    course = robot.drive.heading_offset(angles)
+    course = drive.heading_offset(angles)
     return estimated if course is None else estimated + np.array([0.0, 0.0, float(course[row, 0])])
 
 

@@ -6,7 +6,7 @@ import contextlib
 import functools
 import math
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -187,23 +187,24 @@ class RecordedFiles:
         They are from the last file of the recorder ``arrays`` at or before a tick. Without such files they are from the
         text file of the tick, which holds the small ones.
         """
-        found: dict[str, Mapping[str, npt.NDArray[Any]]] = {}
-        for name in sorted(self.believers, key=lambda name: (name not in first, name)):
-            if not self._array_files(name):
-                if small := self._small_beliefs(name, tick, robot):
-                    found[name] = small
-                continue
-            paths = [path for at, path in self._array_files(name) if at <= tick]
-            newest = paths[-1].name.split("-")[0].removesuffix(".npz") if paths else ""
-            for path in reversed(paths):  # robots of several kinds have a file each
-                if not path.name.startswith(newest):
-                    break
-                arrays = self._read_arrays(path)
-                row = self._row(arrays, robot)
-                if row is not None:
-                    found[name] = {key: array[row : row + 1] for key, array in arrays.items() if array.ndim > 0}
-                    break
-        return found
+        names = sorted(self.believers, key=lambda name: (name not in first, name))
+        found = {name: self.beliefs_of(name, tick, robot)[1] for name in names}
+        return {name: beliefs for name, beliefs in found.items() if beliefs}
+
+    def beliefs_of(self, name: str, tick: int, robot: str) -> tuple[int, Mapping[str, npt.NDArray[Any]]]:
+        """The beliefs `(1, ...)` of one estimator of a robot, or ``"controller"``, and the tick of which they are."""
+        if not self._array_files(name):
+            return tick, self._small_beliefs(name, tick, robot)
+        files = [(at, path) for at, path in self._array_files(name) if at <= tick]
+        newest = files[-1][0] if files else tick
+        for at, path in reversed(files):  # robots of several kinds have a file each
+            if at < newest:
+                break
+            arrays = self._read_arrays(path)
+            row = self._row(arrays, robot)
+            if row is not None:
+                return at, {key: array[row : row + 1] for key, array in arrays.items() if array.ndim > 0}
+        return newest, {}
 
     @functools.cached_property
     def believers(self) -> list[str]:
@@ -229,10 +230,9 @@ class RecordedFiles:
             self._at[estimator] = files
         return self._at[estimator]
 
-    @property
-    def has_arrays(self) -> bool:
-        """Whether there are files of the recorder ``arrays``."""
-        return any(self._array_files(name) for name in self.believers)
+    def has_arrays(self, names: Iterable[str]) -> bool:
+        """Whether there are files of the recorder ``arrays`` of any of these estimators, or of ``"controller"``."""
+        return any(self._array_files(name) for name in names)
 
     def _read_arrays(self, path: Path) -> dict[str, npt.NDArray[Any]]:
         if path not in self._arrays:

@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import Estimator
+from amorsim.contracts import Controller, Estimator
 from amorsim.core.errors import AmorsimError, RunError
 from amorsim.runs.tables import check_file
 from amorsim.runs.worlds import KEY, world_fingerprint
@@ -41,6 +41,11 @@ class RecordedScene:
     files
         Its files.
 
+    Attributes
+    ----------
+    scene, partial
+        What is shown of the replica of the last `build`, and what was read of its scenario, with the replica's map.
+
     Raises
     ------
     RunError
@@ -52,7 +57,7 @@ class RecordedScene:
         path = folder / "scenario.toml"
         check_file(path)
         try:
-            self._partial = _sorted(open_document(path).partial())
+            self._partial = open_document(path).partial()
         except AmorsimError as error:
             raise RunError(f"{path}: cannot be read ({error})") from None
         self._version = 0
@@ -75,6 +80,7 @@ class RecordedScene:
             was = self._about.get(KEY, {}).get(str(replica))
             if was is not None and world_fingerprint(world) != was:
                 lacks.append("The map that was drawn is not that of the run: the generator has been changed since.")
+        self.partial = partial
         name = self._folder.resolve().name
         self._builder = StillBuilder(partial, name, self._version)
         scene = self._builder.still["scene"]
@@ -83,6 +89,7 @@ class RecordedScene:
         about = self._about
         self.scene: Scene = {
             **scene,
+            "robots": sorted(scene["robots"], key=lambda robot: robot["name"]),  # in the order of a run's rows
             "dt": float(about["dt"]),
             "duration": float(about.get("duration", partial.duration)),
             "seed": about["seed"],
@@ -145,20 +152,23 @@ class RecordedScene:
         return found
 
     def _lacking_beliefs(self) -> list[str]:
-        """Particles and maps, if robots have estimators of them and the recorder `arrays` was not used."""
+        """Particles, maps and intentions, if robots may have some and the recorder `arrays` did not write them."""
+        found = []
         estimators = [pair for robot in self._partial.robots for pair in robot.estimators.items()]
         names = sorted({name for name, one in estimators if type(one).beliefs is not Estimator.beliefs})
-        if not names or self._files.has_arrays:
-            return []
-        return [
-            f"Particles, maps and graphs, if {_listed(names)} had any, were not recorded: the scenario needs "
-            'recording = { also = [{ use = "arrays" }] }.'
-        ]
-
-
-def _sorted(partial: Partial) -> Partial:
-    """With the robots in the order of a run's rows."""
-    return attrs.evolve(partial, robots=tuple(sorted(partial.robots, key=lambda robot: robot.name)))
+        if names and not self._files.has_arrays(names):
+            found.append(
+                f"Particles, maps and graphs, if {_listed(names)} had any, were not recorded: the scenario needs "
+                'recording = { also = [{ use = "arrays" }] }.'
+            )
+        controllers = [robot.controller for robot in self._partial.robots]
+        intend = any(type(one).beliefs is not Controller.beliefs for one in controllers if one is not None)
+        if intend and not self._files.has_arrays(["controller"]):
+            found.append(
+                "Paths, searched cells and arcs, if controllers had any, were not recorded: the scenario needs "
+                'recording = { also = [{ use = "arrays", of = ["controller"] }] }.'
+            )
+        return found
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -13,15 +13,17 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.core.errors import RunError
+from amorsim.core.rows import stack
 from amorsim.runs.about import read_about
 from amorsim.runs.tables import Line, read_lines
 from amorsim.simulation.events import Event
 from amorsim.ui.scene.wire import RobotEntry, Scene
 from amorsim.ui.simulator.frames import with_beliefs
+from amorsim.ui.simulator.intended import NO_INTENTION, ahead, intended_in
 from amorsim.ui.simulator.mapped import mapped_in
 from amorsim.ui.simulator.packing import Dynamic, RobotFlag, Selected
 from amorsim.ui.simulator.past import Places, past_of
-from amorsim.ui.simulator.protocol import Mapped
+from amorsim.ui.simulator.protocol import Intended, Mapped
 from amorsim.ui.simulator.recorded import RecordedFiles
 from amorsim.ui.simulator.recorded_scene import RecordedScene
 from amorsim.ui.simulator.source import Source, Track
@@ -307,6 +309,22 @@ class Recording(Source):
     def mapped(self, robot: str) -> list[Mapped]:
         """What each estimator of a robot that maps or matches believed when beliefs were written last."""
         return mapped_in(self._files.beliefs(self._tick, robot, self._estimators(robot)), 0)
+
+    def intended(self, robot: str) -> Intended:
+        """What the controller of a robot intended when its beliefs were written last, where the robot was then."""
+        at, beliefs = self._files.beliefs_of("controller", self._tick, robot)
+        spec = next((one for one in self._scenes.partial.robots if one.name == robot), None)
+        poses = self._files.poses(at, robot).get(robot)
+        if not beliefs or spec is None or poses is None:
+            return NO_INTENTION
+        kinds = {one["name"]: one for one in self._kind(robot)["sensors"]}
+        measured = (
+            (stack([mounted.sensor]), self._files.reading(name, at, robot, kinds[name]["size"])[1][None])
+            for name, mounted in spec.sensors.items()
+            if name in kinds and hasattr(mounted.sensor, "angles")
+        )
+        pose = ahead(stack([spec.drive]), measured, 1, 0, poses[3:])
+        return intended_in(beliefs, 0, pose, spec.controller, is_empty=robot in self.by_hand)
 
     def track(self, robot: int, most: int) -> Track:
         """The path of a robot through the whole run, and fewer moments of all else."""

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.recorders.arrays import Arrays
+from amorsim.scenario.spec import Recording as What
 from amorsim.ui.simulator.intended import intended_of
+from amorsim.ui.simulator.recording import Recording
 from tests.building import drive, encoder
 
 WALLS = am.Map.from_segments([[3.0, -0.4, 3.0, 0.4]], resolution=0.02, extent=(-2.0, -4.0, 8.0, 4.0))
@@ -16,6 +21,13 @@ WALLS = am.Map.from_segments([[3.0, -0.4, 3.0, 0.4]], resolution=0.02, extent=(-
 
 def one(controller: am.Controller, world: am.Map = WALLS) -> am.Simulation:
     """A robot with a scanner, looking along x, 1.5 m before a short wall; after two steps."""
+    simulation = at_start(controller, world)
+    simulation.step()
+    simulation.step()
+    return simulation
+
+
+def at_start(controller: am.Controller, world: am.Map = WALLS, **changes: Any) -> am.Simulation:
     laser = am.MountedSensor(sensor=am.sensors.Laser(beams=91, fov=math.pi, range_max=4.0))
     robot = am.Robot(
         name="rover",
@@ -26,10 +38,7 @@ def one(controller: am.Controller, world: am.Map = WALLS) -> am.Simulation:
         estimators={"wheels": am.estimators.DeadReckoning()},
         controller=controller,
     )
-    simulation = am.Simulation(am.Scenario(map=world, robots=[robot], dt=0.1))
-    simulation.step()
-    simulation.step()
-    return simulation
+    return am.Simulation(am.Scenario(map=world, robots=[robot], dt=0.1, **changes))
 
 
 def test_arcs_start_at_the_robot_and_the_one_taken_is_the_last() -> None:
@@ -133,3 +142,58 @@ def test_a_robot_by_hand_intends_nothing_and_a_controller_without_beliefs_has_no
     assert intended_of(one(am.controllers.GoTo(x=3.0, y=1.0)), "rover")["path"] is None
     past = intended_of(one(am.controllers.VfhPlus(goals=((5.0, 0.0),))), "rover", is_known=False)
     assert past["blocked"] == past["bearing"] == []
+
+
+def close(one: Any, other: Any) -> bool:
+    """Whether two answers differ by the millimetre to which they are rounded, and the micrometre of files, at most."""
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(close(one[key], other[key]) for key in one)
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(close, one, other))
+    return one == pytest.approx(other, abs=2e-3) if isinstance(one, float) else one == other
+
+
+@pytest.mark.parametrize(
+    "controller",
+    [
+        am.controllers.Dwa(goals=((5.0, 2.0),), horizon=0.7),
+        am.controllers.Mppi(goals=((5.0, 0.0),), runs=30, steps=10),
+        am.controllers.VfhPlus(goals=((5.0, 0.0),), far=2.0),
+        am.controllers.Navigate(goals=((5.0, 0.0),), planner=am.planners.AStar(cell=0.1)),
+    ],
+    ids=lambda one: type(one).__name__,
+)
+def test_a_recorded_run_shows_what_was_intended(tmp_path: Path, controller: am.Controller) -> None:
+    """At each moment what was written last, where the robot was then."""
+    also = [Arrays(every=0.2, of=("controller",))]
+    simulation = at_start(controller, duration=0.6, recording=What(picture=False, also=also))
+    live = []
+    with am.record(simulation, tmp_path / "run") as session:
+        for tick in range(6):
+            live += [intended_of(simulation, "rover")] * 2 if tick % 2 == 0 else []
+            simulation.step()
+            session.keep()
+    recording = Recording(tmp_path / "run")
+    try:
+        for tick, was in enumerate(live):
+            assert recording.scrub(tick) == tick
+            assert close(recording.intended("rover"), was), tick
+        assert recording.scene["recorded"]["lacks"] == []
+    finally:
+        recording.close()
+    assert any(was["arcs"] or was["blocked"] or was["path"] for was in live)
+
+
+def test_without_arrays_a_recorded_run_shows_what_is_small_and_says_what_it_lacks(tmp_path: Path) -> None:
+    simulation = at_start(am.controllers.VfhPlus(goals=((5.0, 0.0),), far=2.0), recording=What(picture=False))
+    with am.record(simulation, tmp_path / "run") as session:
+        simulation.step()
+        session.keep()
+    recording = Recording(tmp_path / "run")
+    try:
+        recording.scrub(1)
+        assert close(recording.intended("rover")["bearing"], intended_of(simulation, "rover")["bearing"])
+        (lack,) = recording.scene["recorded"]["lacks"]
+        assert "Paths, searched cells and arcs, if controllers had any, were not recorded" in lack
+    finally:
+        recording.close()

@@ -14,6 +14,7 @@ import pytest
 import amorsim as am
 from amorsim.analysis.files import RunFiles
 from amorsim.recorders.arrays import Arrays
+from amorsim.scenario.colours import robot_colours
 from amorsim.scenario.spec import Recording as What
 from amorsim.simulation.simulation import Simulation
 from amorsim.ui.simulator.packing import Dynamic, RobotFlag
@@ -122,6 +123,18 @@ def test_time_goes_on_back_and_ends(opened: Open, run_folder: Path) -> None:
     assert not recording.step()
     recording.begin_playing()  # again from the start
     assert recording.tick == 0
+
+
+def test_robots_have_the_colours_of_the_run(opened: Open, tmp_path: Path) -> None:
+    robots = [building.robot(name=name, pose=am.Pose(x=x, y=1.0)) for name, x in (("b", 1.0), ("a", 2.0), ("c", 3.0))]
+    scenario = building.scenario(*robots, recording=What(picture=False))
+    simulation = am.Simulation(scenario)
+    with am.record(simulation, tmp_path / "run") as session:
+        simulation.step()
+        session.keep()
+    shown = opened(tmp_path / "run").scene["robots"]
+    assert [robot["name"] for robot in shown] == ["a", "b", "c"]
+    assert {robot["name"]: robot["colour"] for robot in shown} == robot_colours(scenario.robots)
 
 
 def test_events_are_listed_and_flag_their_robots(opened: Open, run_folder: Path) -> None:
