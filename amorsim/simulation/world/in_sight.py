@@ -185,7 +185,7 @@ def look_along(
         for map_, rows in world.terrain.between(replica, a, b):
             mine = rows if len(cos_b) > 1 else slice(None)
             beams = lines[rows], cos_b[mine], sin_b[mine], range_max[rows], ranges[rows]
-            if len(cos_b) > 1 and cos_b.shape[1] < _FEW:
+            if cos_b.shape[1] == 1 or (len(cos_b) > 1 and cos_b.shape[1] < _FEW):
                 rays.cast(map_.grid, *map_.origin, *beams)
             else:
                 scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, *beams)
