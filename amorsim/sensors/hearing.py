@@ -132,7 +132,7 @@ def _room(rows: int, k: int, emitters: int) -> acoustics.Facing:
         axes=np.empty((rows * k, 3)),
         emitter_axes=np.empty((rows, emitters, 4)),
         hears=np.empty((rows * k, emitters), dtype=np.bool_),
-        limit=np.empty(rows * k),
+        limit=np.empty((rows * k, 2)),
         is_done=np.empty(rows * k, dtype=np.bool_),
     )
 

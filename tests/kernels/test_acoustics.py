@@ -89,7 +89,7 @@ def laid(case):
         np.empty((m, 3)),
         np.empty((*case["fires"].shape, 4)),
         np.empty((m, case["fires"].shape[1]), dtype=np.bool_),
-        np.empty(m),
+        np.empty((m, 2)),
         np.empty(m, dtype=np.bool_),
     )
     look = np.empty(m, dtype=np.int64)
@@ -170,7 +170,8 @@ def test_of_a_ring_of_narrow_cones_some_are_not_looked_along():
     _, _, facing, surfaces = laid(case)
     assert 0 < (surfaces.look >= 0).sum() < 16
     # Most are next to one that fires a turn before, whose sound is 13.72 m ahead: half that way and what is read.
-    assert np.median(facing.limit[surfaces.look >= 0]) == pytest.approx(0.5 * (10.0 + 0.04 * SPEED), abs=0.3)
+    assert np.median(facing.limit[surfaces.look >= 0, 1]) == pytest.approx(0.5 * (10.0 + 0.04 * SPEED), abs=0.3)
+    assert np.median(facing.limit[surfaces.look >= 0, 0]) == pytest.approx(0.5 * (0.2 + 0.04 * SPEED), abs=0.3)
     assert not np.diagonal(facing.hears).any()
     assert facing.hears.sum() < 0.2 * facing.hears.size
 

@@ -76,7 +76,7 @@ def cast_beams(
                     continue
                 # In whatever order bodies come, the same one wins.
                 if found < out[i, 0]:
-                    out[i, 0] = found
+                    out[i, 0] = far = found
                     if hit.shape[1] > 0:
                         hit[i, 0] = body
                 elif hit.shape[1] > 0 and found == out[i, 0] and body < hit[i, 0]:

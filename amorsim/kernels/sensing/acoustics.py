@@ -79,7 +79,7 @@ class Facing(NamedTuple):
     hears: Bools
     """(M, e): which emitters a listener may hear."""
     limit: Floats
-    """(M,): the largest distance [m] of a surface by which a listener can hear anything; 0 if by none."""
+    """(M, 2): the least and the largest distance [m] of a surface by which a listener can hear anything."""
     is_done: Bools
     """(M,): whether a listener has heard all there is to hear."""
 
@@ -196,7 +196,7 @@ def sounds_in_order(
         ear, look = facing.axes[m], surfaces.look[m]
         for f in range(rays if look >= 0 else 0):
             end_x[f], end_y[f] = math.nan, math.nan
-            if math.isfinite(surfaces.ranges[look, f]):
+            if facing.limit[m, 0] <= surfaces.ranges[look, f] < math.inf:
                 end_x[f], end_y[f] = _end_of(listeners, surfaces, m, f)
         for i in range(emitters.poses.shape[1]):
             if not facing.hears[m, i]:

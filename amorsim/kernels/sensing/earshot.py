@@ -152,7 +152,7 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
             axes[2] = cos_half
             _set_edges(axes[0], axes[1], cos_half, sin_half, edges)
             candidates = 0
-            limit = 0.0
+            nearest, limit = math.inf, 0.0
             for i in range(count):
                 facing.hears[m, i] = False
                 if not emitters.fired[n, i] or i == itself[j]:
@@ -170,15 +170,16 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, fa
                 if _are_apart(edges, x, y, facing.emitter_axes[n, i]):
                     continue
                 shortest = 2.0 * least - ahead - slack
-                # A way by a surface is at least twice as long as that is far, less what is across.
+                # A way by a surface is twice as long as that is far, give or take what is across.
                 across = math.sqrt(x * x + y * y)
                 farthest = 0.5 * (longest + across) * (1.0 + SLACK) + SLACK
+                nearest = min(nearest, 0.5 * (shortest - across) - SLACK * (1.0 + abs(shortest) + across))
                 _set_candidate(x, y, shortest, longest, farthest, facing.emitter_axes[n, i], near[candidates])
                 limit = max(limit, farthest)
                 facing.hears[m, i] = True
                 candidates += 1
             facing.is_done[m] = candidates == 0
-            facing.limit[m] = limit
+            facing.limit[m, 0], facing.limit[m, 1] = nearest, limit
             look[m] = -1
             for f in range(fan.shape[0] if candidates else 0):
                 dx, dy = direction(axes[0], axes[1], cosines[f], sines[f])
@@ -206,7 +207,7 @@ def lay_looks(listeners: Listeners, facing: Facing, surfaces: Surfaces, limit: F
         for m in range(n * k, n * k + k):
             if surfaces.look[m] >= 0:
                 surfaces.poses[at] = listeners.poses[m]
-                limit[at, 0] = facing.limit[m]
+                limit[at, 0] = facing.limit[m, 1]
                 surfaces.look[m] = at
                 at += 1
         for rest in range(at, n * looks + looks):
