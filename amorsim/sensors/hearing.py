@@ -64,7 +64,8 @@ def hear(
     listeners = acoustics.Listeners(receivers, np.ascontiguousarray(listens), cones)
     arrays: Any = map(np.ascontiguousarray, said)
     emitters = acoustics.Emitters(*arrays)
-    facing = _room(*listens.shape, emitters.time.shape[1])
+    rows, k = listens.shape
+    facing = _room(rows, k, emitters.time.shape[1])
     look = np.empty(len(receivers), dtype=np.int64)
     looks = earshot.face(listeners, emitters, _FAN, SOUND, facing, look)
     if facing.is_done.all():
@@ -74,10 +75,10 @@ def hear(
     begin = sounds.first[:-1].copy()
     # Try sounds in order of arrival until each listener has one that nothing blocks.
     for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
-        wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done, listens.shape[1])
+        wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done, k)
         if not wanted:
             break
-        lines = _lines(len(listens) * wanted)
+        lines = _lines(rows * wanted)
         acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, _OFF, lines)
         lines.poses[:, 2] = np.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
         length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
