@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import resource
 import shutil
 import tempfile
@@ -52,7 +53,7 @@ def measure(rounds: int, quick: bool, say: Callable[[str], None]) -> list[Row]:
             taken["bare"].append(_timed(lambda: _bare(tables)))
             for side, jobs in (("one", 1), ("two", 2)):
                 out = Path(name) / side
-                taken[side].append(_timed(lambda out=out, jobs=jobs: _swept(tables, out, jobs)))
+                taken[side].append(_timed(functools.partial(_swept, tables, out, jobs)))
                 shutil.rmtree(out)
     return _rows(taken, f"the demo, {points} points x {replicas} replicas x {duration:g} s")
 
