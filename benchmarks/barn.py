@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -156,7 +157,8 @@ def robot_for(name: str, offset: Array, way: str) -> am.Robot:
     x, y = offset.tolist()
     robot = am.load_robot("jackal", name=name, pose=am.Pose(x=START[0] + x, y=START[1] + y, heading=START[2]))
     laser = robot.sensors["laser"]
-    laser = attrs.evolve(laser, sensor=attrs.evolve(laser.sensor, range_max=RANGE))
+    sensor: Any = laser.sensor
+    laser = attrs.evolve(laser, sensor=attrs.evolve(sensor, range_max=RANGE))
     scale = am.Distribution(kind="normal", values=(1.0, 0.002))
     return attrs.evolve(
         robot,

@@ -11,6 +11,7 @@ import importlib
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,12 @@ ROOM = "room.wld"
 def main(arguments: list[str]) -> None:
     """Do what the parent asks."""
     what, *rest = arguments
-    answer = {"first-step": _first_step, "memory": _memory, "picture": _picture}[what](*rest)
-    print(json.dumps(answer), flush=True)
+    does: dict[str, Callable[..., dict[str, Any]]] = {
+        "first-step": _first_step,
+        "memory": _memory,
+        "picture": _picture,
+    }
+    print(json.dumps(does[what](*rest)), flush=True)
 
 
 def _first_step(side: str, folder: str) -> dict[str, Any]:

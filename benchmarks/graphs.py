@@ -37,8 +37,8 @@ def measure(rounds: int, quick: bool, clock: Clock, say: Callable[[str], None]) 
     if importlib.util.find_spec("gtsam") is not None:
         sides["gtsam"] = _gtsam(graph, ends)
     rates: dict[str, list[float]] = {side: [] for side in sides}
-    for side in sides.values():
-        side()
+    for solve in sides.values():
+        solve()
     for number in range(rounds):
         say(f"graphs: {setting}, round {number + 1}")
         for side, solve in sides.items():

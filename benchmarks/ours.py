@@ -160,7 +160,8 @@ def _repeating(commands: Array) -> am.Controller:
     @attrs.frozen(kw_only=True)
     class Repeat(am.Controller):
         def command(self, robot: Any, readings: Any, estimate: Any, clock: Any, state: Any, draws: Any) -> Array:
-            return given[clock.tick.item(0)]
+            now: Array = given[clock.tick.item(0)]
+            return now
 
     return Repeat()
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import resource
 import shutil
@@ -62,7 +63,7 @@ def _measured(points: int, replicas: int, duration: float, rounds: int, say: Cal
             taken["bare"].append(_timed(lambda: _bare(tables)))
             for side, jobs in (("one", 1), ("two", 2)):
                 out = Path(name) / side
-                taken[side].append(_timed(lambda out=out, jobs=jobs: _swept(tables, out, jobs)))
+                taken[side].append(_timed(functools.partial(_swept, tables, out, jobs)))
                 shutil.rmtree(out)
     return _rows(taken, f"the demo, {points} points x {replicas} replicas x {duration:g} s")
 

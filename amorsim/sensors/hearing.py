@@ -26,7 +26,6 @@ _FAN = np.linspace(-1.0, 1.0, 61)
 # Number of sounds of each listener whose lines of sight are tested together: first one, which is mostly free.
 _BATCHES = (1, 8, 64)
 
-_TOGETHER = 12  # rays of a listener that are cast as one look
 _OFF = 0.01  # [m] before a surface from where the way on is looked at: within an occupied cell nothing is seen
 _BEYOND = 1.001  # times its length, a line is looked along: what blocks it is not farther
 _AHEAD = np.zeros((1, 1))
@@ -67,39 +66,59 @@ def hear(
     emitters = acoustics.Emitters(*arrays)
     rows, k = listens.shape
     facing = _room(rows, k, emitters.time.shape[1])
-    looks = earshot.face(listeners, emitters, _FAN, SOUND, _TOGETHER, facing)
+    look = np.empty(len(receivers), dtype=np.int64)
+    looks = earshot.face(listeners, emitters, _FAN, SOUND, facing, look)
     if facing.is_done.all():
         return heard
-    surfaces = _surfaces(view, listeners, facing, len(listens) * looks)
-    after, after_number = np.full(len(receivers), -np.inf), np.full(len(receivers), -1, dtype=np.int64)
+    surfaces = _surfaces(view, listeners, facing, look, looks)
+    sounds = _sounds(listeners, emitters, facing, surfaces)
+    begin = sounds.first[:-1].copy()
     # Try sounds in order of arrival until each listener has one that nothing blocks.
     for batch in itertools.chain(_BATCHES, itertools.repeat(_BATCHES[-1])):
-        sounds = _silence(len(receivers), batch)
-        found = acoustics.first_sounds(listeners, emitters, facing, surfaces, SOUND, after, after_number, sounds)
-        if not found:
+        wanted = acoustics.lines_wanted(sounds, begin, batch, facing.is_done, k)
+        if not wanted:
             break
-        lines = _lines(len(listens) * found)
-        acoustics.lay_lines(listeners, emitters, facing, sounds, _OFF, lines)
+        lines = _lines(rows * wanted)
+        acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, _OFF, lines)
         lines.poses[:, 2] = np.arctan2(lines.ahead[:, 1], lines.ahead[:, 0])
         length = np.hypot(lines.ahead[:, :1], lines.ahead[:, 1:])
         reach, met = view.look(lines.poses, _AHEAD, length * _BEYOND + _OFF, landmarks=False)
         met = _owners(view, met)
-        if not acoustics.take_free(sounds, lines, reach, met, facing.is_done, heard, after, after_number):
-            break
+        acoustics.take_free(sounds, begin, batch, lines, reach, met, facing.is_done, heard)
     return heard
 
 
-def _surfaces(view: View, listeners: acoustics.Listeners, facing: acoustics.Facing, looks: int) -> acoustics.Surfaces:
-    """End points of the rays that may carry a sound, in `looks` looks."""
-    shape = (looks, _TOGETHER)
-    surfaces = acoustics.Surfaces(
-        np.empty((looks, 3)), np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.int64)
-    )
+def _surfaces(
+    view: View, listeners: acoustics.Listeners, facing: acoustics.Facing, look: Ints, looks: int
+) -> acoustics.Surfaces:
+    """End points of the rays of cones that may carry a sound, in `looks` looks of each row."""
+    count = len(listeners.listens) * looks
+    half, limit = listeners.cones[:, :1], np.empty((count, 1))
+    bearings = half[:1] * _FAN if (half == half[0]).all() else np.repeat(half, looks, axis=0) * _FAN
+    nowhere = np.empty((count, len(_FAN))), np.empty((count, len(_FAN)), dtype=np.int64)
+    surfaces = acoustics.Surfaces(np.empty((count, 3)), bearings, *nowhere, look)
     if not looks:
         return surfaces
-    earshot.lay_rays(listeners, facing, _FAN, surfaces)
-    ranges, met = view.look(surfaces.poses, surfaces.bearings, facing.limit, landmarks=False)
+    earshot.lay_looks(listeners, facing, surfaces, limit)
+    ranges, met = view.look(surfaces.poses, bearings, limit, landmarks=False)
     return surfaces._replace(ranges=ranges, owner=_owners(view, met))
+
+
+def _sounds(
+    listeners: acoustics.Listeners,
+    emitters: acoustics.Emitters,
+    facing: acoustics.Facing,
+    surfaces: acoustics.Surfaces,
+) -> acoustics.Sounds:
+    """All sounds that may come to each listener, in order."""
+    first = np.empty(len(listeners.poses) + 1, dtype=np.int64)
+    room = 16 + 4 * int(facing.hears.sum())
+    while True:
+        sounds = acoustics.Sounds(first, np.empty(room), np.empty(room, dtype=np.int64))
+        count = acoustics.sounds_in_order(listeners, emitters, facing, surfaces, SOUND, sounds)
+        if count <= room:
+            return sounds
+        room = count
 
 
 def _owners(view: View, met: Ints) -> Ints:
@@ -114,15 +133,9 @@ def _room(rows: int, k: int, emitters: int) -> acoustics.Facing:
         axes=np.empty((rows * k, 3)),
         emitter_axes=np.empty((rows, emitters, 4)),
         hears=np.empty((rows * k, emitters), dtype=np.bool_),
-        limit=np.empty((rows, 1)),
-        rays=np.empty((rows * k, len(_FAN)), dtype=np.int64),
+        limit=np.empty((rows * k, 2)),
         is_done=np.empty(rows * k, dtype=np.bool_),
     )
-
-
-def _silence(listeners: int, batch: int) -> acoustics.Sounds:
-    shape = (listeners, batch)
-    return acoustics.Sounds(np.empty(shape), np.empty(shape, dtype=np.int64), np.empty((*shape, 2)))
 
 
 def _lines(count: int) -> acoustics.Lines:

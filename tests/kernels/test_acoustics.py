@@ -8,7 +8,6 @@ import pytest
 from amorsim.kernels.sensing import acoustics, earshot
 
 SPEED = 343.0
-TOGETHER = 3
 
 
 def within(pose, half, point):
@@ -90,67 +89,76 @@ def laid(case):
         np.empty((m, 3)),
         np.empty((*case["fires"].shape, 4)),
         np.empty((m, case["fires"].shape[1]), dtype=np.bool_),
-        np.empty((rows, 1)),
-        np.empty((m, f), dtype=np.int64),
+        np.empty((m, 2)),
         np.empty(m, dtype=np.bool_),
     )
-    looks = rows * earshot.face(listeners, emitters, case["fan"], SPEED, TOGETHER, facing)
+    look = np.empty(m, dtype=np.int64)
+    looks = earshot.face(listeners, emitters, case["fan"], SPEED, facing, look)
+    of_row = look.copy()
     surfaces = acoustics.Surfaces(
-        np.empty((looks, 3)),
-        np.empty((looks, TOGETHER)),
-        np.full((looks, TOGETHER), np.inf),
-        np.full((looks, TOGETHER), -1, dtype=np.int64),
+        np.empty((rows * looks, 3)),
+        np.repeat(case["half"], looks)[:, None] * case["fan"],
+        np.full((rows * looks, f), np.inf),
+        np.full((rows * looks, f), -1, dtype=np.int64),
+        look,
     )
-    earshot.lay_rays(listeners, facing, case["fan"], surfaces)
-    for n in range(rows):
-        look = n * looks // rows
-        for i in range(n * each, n * each + each):
-            rays = facing.rays[i][facing.rays[i] >= 0]
-            for first in range(0, len(rays), TOGETHER):
-                those = rays[first : first + TOGETHER]
-                assert (surfaces.poses[look] == case["poses"][i]).all()
-                assert (surfaces.bearings[look, : len(those)] == case["half"][n] * case["fan"][those]).all()
-                surfaces.ranges[look, : len(those)] = case["ranges"][i, those]
-                surfaces.owner[look, : len(those)] = case["surface"][i, those]
-                look += 1
+    limit = np.empty((rows * looks, 1))
+    earshot.lay_looks(listeners, facing, surfaces, limit)
+    assert (limit[np.setdiff1d(np.arange(rows * looks), look)] == 0.0).all()
+    for i in np.flatnonzero(look >= 0):
+        assert look[i] == i // each * looks + of_row[i]
+        assert (surfaces.poses[look[i]] == case["poses"][i]).all()
+        # As a look casts them: nothing beyond its limit.
+        ranges = case["ranges"][i]
+        surfaces.ranges[look[i]] = np.where(ranges <= limit[look[i], 0], ranges, np.inf)
+        surfaces.owner[look[i]] = case["surface"][i]
     return listeners, emitters, facing, surfaces
 
 
-@pytest.mark.parametrize("late", [0.002, 0.02])
-@pytest.mark.parametrize("batch", [1, 3])
-@pytest.mark.parametrize("seed", range(8))
-def test_sounds_come_in_order_until_there_are_none(seed, batch, late):
-    """By the rays that may carry a sound, all that any ray would; with cones of more than half a turn, too."""
-    case = some_case(seed, late=late)
+def sounds_of(case, room=1000):
     listeners, emitters, facing, surfaces = laid(case)
-    m = len(case["poses"])
-    after, after_number = np.full(m, -np.inf), np.full(m, -1, dtype=np.int64)
-    sounds = acoustics.Sounds(np.empty((m, batch)), np.empty((m, batch), dtype=np.int64), np.empty((m, batch, 2)))
-    expected = [all_sounds(case, i) for i in range(m)]
+    first = np.empty(len(case["poses"]) + 1, dtype=np.int64)
+    sounds = acoustics.Sounds(first, np.empty(room), np.empty(room, dtype=np.int64))
+    count = acoustics.sounds_in_order(listeners, emitters, facing, surfaces, SPEED, sounds)
+    return (listeners, emitters, facing, surfaces), sounds, count
+
+
+@pytest.mark.parametrize("late", [0.002, 0.02])
+@pytest.mark.parametrize("seed", range(8))
+def test_sounds_come_in_order(seed, late):
+    """By the cones that may carry a sound, all that any ray would; with cones of more than half a turn, too."""
+    case = some_case(seed, late=late)
+    (_, _, facing, surfaces), sounds, count = sounds_of(case)
+    expected = [all_sounds(case, i) for i in range(len(case["poses"]))]
     assert any(len(each) > (3 if late < 0.01 else 1) for each in expected)
     assert all(not each for each, done in zip(expected, facing.is_done, strict=True) if done)
-    for turn in range(max(map(len, expected)) // batch + 1):
-        most = acoustics.first_sounds(listeners, emitters, facing, surfaces, SPEED, after, after_number, sounds)
-        assert most == (sounds.number.reshape(len(case["half"]), -1) >= 0).sum(axis=1).max()
-        for i, each in enumerate(expected):
-            for b, place in enumerate(range(turn * batch, turn * batch + batch)):
-                if place >= len(each):
-                    assert sounds.number[i, b] == -1
-                    assert sounds.reading[i, b] == math.inf
-                    continue
-                reading, number = each[place]
-                assert sounds.number[i, b] == number
-                assert sounds.reading[i, b] == pytest.approx(reading, rel=1e-14)
-                f = number % (len(case["fan"]) + 1)
-                start = end_of(case, i, f - 1) if f else case["poses"][i, :2]
-                assert sounds.place[i, b] == pytest.approx(start, abs=1e-12)
-        # Who has heard everything stays silent.
-        facing.is_done[:] |= sounds.number[:, -1] < 0
-        after, after_number = sounds.reading[:, -1].copy(), sounds.number[:, -1].copy()
+    assert sounds.first[0] == 0
+    assert sounds.first[-1] == count == sum(map(len, expected))
+    for i, each in enumerate(expected):
+        mine = slice(sounds.first[i], sounds.first[i + 1])
+        assert sounds.number[mine].tolist() == [number for _, number in each]
+        assert sounds.reading[mine] == pytest.approx([reading for reading, _ in each], rel=1e-14)
+    assert (surfaces.look[facing.is_done] == -1).all()
 
 
-def test_a_ring_of_narrow_cones_casts_few_of_its_rays():
-    """Of 16 cones of 30 degrees in their turns, 20 degrees apart and more, a tenth and more is spared."""
+def test_what_has_no_room_is_counted():
+    case = some_case(1)
+    *_, count = sounds_of(case)
+    assert count > 3
+    assert sounds_of(case, room=3)[2] == count
+
+
+def test_equal_sounds_come_by_their_number():
+    """A hundred sounds, of few readings, in an order that is not theirs."""
+    rng = np.random.default_rng(5)
+    readings, numbers = rng.integers(0, 6, 100) * 0.5, rng.permutation(100)
+    expected = sorted(zip(readings.tolist(), numbers.tolist(), strict=True))
+    acoustics._sort(readings, numbers)
+    assert list(zip(readings.tolist(), numbers.tolist(), strict=True)) == expected
+
+
+def test_of_a_ring_of_narrow_cones_some_are_not_looked_along():
+    """Of 16 cones of 30 degrees in their turns, 20 degrees apart and more, and none beyond what a listener reads."""
     case = some_case(0, rows=1, each=16, count=16, fan=61)
     heading = np.radians([90, 50, 30, 10, -10, -30, -50, -90, -90, -130, -150, -170, 170, 150, 130, 90])
     case["poses"] = np.stack((0.2 * np.cos(heading), 0.2 * np.sin(heading), heading), axis=1)
@@ -159,46 +167,54 @@ def test_a_ring_of_narrow_cones_casts_few_of_its_rays():
     case["fired"] = np.ones((1, 16), bool)
     case["listens"] = case["fires"] = 0.04 * np.array([[0, 1, 2, 3, 4, 5, 6, 7] * 2])
     case["most"] = 5.0
-    _, _, facing, _ = laid(case)
-    assert (facing.rays >= 0).sum() < 0.5 * facing.rays.size
+    _, _, facing, surfaces = laid(case)
+    assert 0 < (surfaces.look >= 0).sum() < 16
+    # Most are next to one that fires a turn before, whose sound is 13.72 m ahead: half that way and what is read.
+    assert np.median(facing.limit[surfaces.look >= 0, 1]) == pytest.approx(0.5 * (10.0 + 0.04 * SPEED), abs=0.3)
+    assert np.median(facing.limit[surfaces.look >= 0, 0]) == pytest.approx(0.5 * (0.2 + 0.04 * SPEED), abs=0.3)
     assert not np.diagonal(facing.hears).any()
     assert facing.hears.sum() < 0.2 * facing.hears.size
 
 
 def test_the_first_free_sound_is_heard():
     """Three listeners of a row: the first sound is free; the second one is; the last of a full batch is not."""
-    number = np.array([[3, 5], [4, 6], [2, 7]])
-    sounds = acoustics.Sounds(np.array([[1.0, 2.0], [1.5, 2.5], [0.5, 0.7]]), number, np.zeros((3, 2, 2)))
+    sounds = acoustics.Sounds(
+        np.array([0, 2, 4, 7]), np.array([1.0, 2.0, 1.5, 2.5, 0.5, 0.7, 0.8]), np.array([3, 5, 4, 6, 2, 7, 8])
+    )
+    begin, is_done, heard = np.array([0, 2, 4]), np.zeros(3, dtype=np.bool_), np.full((1, 3), np.inf)
+    assert acoustics.lines_wanted(sounds, begin, 2, is_done, 3) == 6
     lines = acoustics.Lines(np.zeros((6, 3)), np.tile((3.0, 4.0), (6, 1)), np.array([0, 1, 2, 0, 1, 2]))
     reach = np.array([[5.0], [np.inf], [4.9], [4.9], [4.9], [4.9]])
     met = np.array([[-1], [-1], [0], [0], [0], [-1]])
-    heard, is_done = np.full((1, 3), np.inf), np.zeros(3, dtype=np.bool_)
-    after, after_number = np.full(3, -np.inf), np.full(3, -1, dtype=np.int64)
-    assert acoustics.take_free(sounds, lines, reach, met, is_done, heard, after, after_number)
+    acoustics.take_free(sounds, begin, 2, lines, reach, met, is_done, heard)
     assert heard.tolist() == [[1.0, 2.5, np.inf]]  # the second meets but what carries its emitter
     assert is_done.tolist() == [True, True, False]
-    assert (after[2], after_number[2]) == (0.7, 7)
+    assert begin[2] == 6
+    assert acoustics.lines_wanted(sounds, begin, 2, is_done, 3) == 1
+    begin[2] = 7
+    assert acoustics.lines_wanted(sounds, begin, 2, is_done, 3) == 0
+    assert is_done.all()
 
 
-def test_lines_begin_before_the_surface_and_end_at_the_emitter():
+@pytest.mark.parametrize("batch", [1, 3])
+def test_lines_begin_before_the_surface_and_end_at_the_emitter(batch):
     case = some_case(3)
-    listeners, emitters, facing, surfaces = laid(case)
-    m, off = len(case["poses"]), 0.01
-    sounds = acoustics.Sounds(np.empty((m, 2)), np.empty((m, 2), dtype=np.int64), np.empty((m, 2, 2)))
-    after, after_number = np.full(m, -np.inf), np.full(m, -1, dtype=np.int64)
-    each = acoustics.first_sounds(listeners, emitters, facing, surfaces, SPEED, after, after_number, sounds)
-    rows = len(case["half"])
+    (listeners, emitters, facing, surfaces), sounds, _ = sounds_of(case)
+    off, rows = 0.01, len(case["half"])
+    begin = sounds.first[:-1].copy()
+    begin[0] += 1
+    each = acoustics.lines_wanted(sounds, begin, batch, facing.is_done, case["each"])
     lines = acoustics.Lines(
         np.empty((rows * each, 3)), np.empty((rows * each, 2)), np.empty(rows * each, dtype=np.int64)
     )
-    acoustics.lay_lines(listeners, emitters, facing, sounds, off, lines)
+    acoustics.lay_lines(listeners, emitters, facing, surfaces, sounds, begin, batch, off, lines)
+    used = []
     for n in range(rows):
         at = n * each
         for i in range(n * case["each"], (n + 1) * case["each"]):
-            for number, place in zip(sounds.number[i], sounds.place[i], strict=True):
-                if number < 0:
-                    continue
-                emitter = number // (len(case["fan"]) + 1)
+            for number in sounds.number[begin[i] : min(begin[i] + batch, sounds.first[i + 1])]:
+                emitter, way_of = divmod(int(number), len(case["fan"]) + 1)
+                place = np.array(end_of(case, i, way_of - 1) if way_of else case["poses"][i, :2])
                 back = case["poses"][i, :2] - place
                 way = math.hypot(*back)
                 start = place + back * min(off / way, 1.0) if way else place
@@ -208,4 +224,6 @@ def test_lines_begin_before_the_surface_and_end_at_the_emitter():
                 )
                 assert lines.carrier[at] == case["body"][n, emitter]
                 at += 1
+        used.append(at - n * each)
         assert (lines.carrier[at : (n + 1) * each] == -1).all()
+    assert max(used) == each

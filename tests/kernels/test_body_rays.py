@@ -13,6 +13,7 @@ from shapely.affinity import affine_transform
 
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.collision.body_hash import BodyHash, hash_bodies
+from amorsim.kernels.raycast.body_beams import cast_beams
 from amorsim.kernels.raycast.body_rays import cast_bodies
 from tests.examples import settings
 
@@ -54,13 +55,25 @@ class Scene:
         )
         hash_bodies(self.poses, self.bodies.reach, self.owner, self.first, self.table)
 
-    def cast(self, origins, bearings, *, own=-1, replica=0, range_max=math.inf, walls=math.inf, least=False, asks=True):
+    def cast(
+        self,
+        origins,
+        bearings,
+        *,
+        own=-1,
+        replica=0,
+        range_max=math.inf,
+        walls=math.inf,
+        least=False,
+        asks=True,
+        by=cast_bodies,
+    ):
         origins = np.array(origins, dtype=float).reshape(-1, 3)
         bearings = np.atleast_2d(np.asarray(bearings, dtype=float))
         rows, beams = len(origins), bearings.shape[1]
         out = np.broadcast_to(np.asarray(walls, dtype=float), (rows, 1 if least else beams)).copy()
         hit = np.full(out.shape, -1, dtype=np.int64)
-        cast_bodies(
+        by(
             self.bodies,
             self.poses,
             max((sum(map(len, shape.parts)) for shape in self.shapes), default=0),
@@ -358,6 +371,34 @@ def test_a_hash_of_bodies_changes_no_bit(spread, buckets):
         np.testing.assert_array_equal(again, ranges)
         np.testing.assert_array_equal(others, hits)
     assert (hits >= 0).any()
+
+
+@pytest.mark.parametrize("spread", [0.3, 3.0, 40.0])
+@pytest.mark.parametrize("buckets", [(1, 1), (8, 16)])
+def test_a_single_beam_has_the_bits_of_a_scan(spread, buckets):
+    """Of many bodies, some in the same place; behind walls, from within bodies, and whoever carries the sensor."""
+    rng = np.random.default_rng(9)
+    shapes = [SHAPES[i] for i in rng.integers(0, len(SHAPES), 200)]
+    poses = np.c_[rng.uniform(-spread, spread, (200, 2)), rng.uniform(-4, 4, 200)]
+    poses[150:], shapes[150:] = poses[100:150], shapes[100:150]
+    scene = Scene(shapes, poses, [0, 0, 140, 200], buckets)
+    origins = np.c_[rng.uniform(-spread, spread, (400, 2)), rng.uniform(-4, 4, 400)]
+    asked = {
+        "own": rng.integers(-1, 200, 400),
+        "replica": rng.integers(0, 3, 400),
+        "walls": rng.uniform(0, 9, (400, 1)),
+    }
+    seen = 0
+    for bearings in (np.zeros((1, 1)), np.full((1, 1), 0.3), rng.uniform(-4, 4, (400, 1))):
+        for range_max in (0.0, 0.5, 3.0, rng.uniform(0, 6, 400), math.inf):
+            ranges, hits = scene.cast(origins, bearings, **asked, range_max=range_max)
+            single, who = scene.cast(origins, bearings, **asked, range_max=range_max, by=cast_beams)
+            np.testing.assert_array_equal(single, ranges)
+            np.testing.assert_array_equal(who, hits)
+            bare, _ = scene.cast(origins, bearings, **asked, range_max=range_max, asks=False, by=cast_beams)
+            np.testing.assert_array_equal(bare, ranges)
+            seen += (hits >= 0).sum()
+    assert seen > 100
 
 
 def test_one_column_gets_the_least_of_all_beams():

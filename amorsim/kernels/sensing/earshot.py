@@ -1,7 +1,7 @@
-"""Which rays of a listener's cone may carry a sound to it.
+"""Which listeners' cones may carry a sound to them.
 
 A sound that is heard by way of a surface comes from a point in both cones, that of the listener and that of the
-emitter, and by a way neither too short nor too long for the listener. So most rays of most cones need not be cast.
+emitter, and by a way neither too short nor too long for the listener. So the rays of many cones need not be cast.
 What is left out is left out for certain: bounds are wider than roundings by far.
 """
 
@@ -14,11 +14,12 @@ import numpy.typing as npt
 
 from amorsim.kernels.compile import kernel, part
 from amorsim.kernels.raycast.rays import direction
-from amorsim.kernels.sensing.acoustics import SLACK, Emitters, Facing, Listeners, Surfaces, looks_of
+from amorsim.kernels.sensing.acoustics import SLACK, Emitters, Facing, Listeners, Surfaces
 
-__all__ = ["face", "lay_rays"]
+__all__ = ["face", "lay_looks"]
 
 Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 
 # What is held of an emitter that a listener may hear: where it is from there, how far off [m], the ways by which it can
 # be heard [m], and of both edges of its cone the direction, x and y, and how far the listener is inside of it.
@@ -112,11 +113,12 @@ def _crosses(dx: float, dy: float, limit: float, of: Floats) -> bool:
 
 
 @kernel
-def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, together: int, facing: Facing) -> int:
-    """Find the emitters that listeners may hear, the rays that may carry a sound, and the listeners that hear none.
+def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, facing: Facing, look: Ints) -> int:
+    """Find the emitters that listeners may hear, the cones that may carry a sound, and the listeners that hear none.
 
-    A ray is left out only if no sound via its end could count. `fan` (f,) gives a cone's rays in fractions of half
-    its angle, `speed` is that of sound [m/s]. Returns the largest number of looks of `together` rays of any row.
+    A cone is left out only if no sound via the end of any of its rays could count. `fan` (f,) gives a cone's rays in
+    fractions of half its angle, `speed` is that of sound [m/s]. `look` (M,) gets the number of each cone among those of
+    its row that are looked along, -1 for the others. Returns the largest number of these of any row.
     """
     rows, k = listeners.listens.shape
     count = emitters.poses.shape[1]
@@ -132,22 +134,16 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
             known = half
             for f in range(fan.shape[0]):
                 cosines[f], sines[f] = math.cos(half * fan[f]), math.sin(half * fan[f])
-        first, last = math.inf, -math.inf
         own = 0
         for j in range(k):
-            last = max(last, listeners.listens[n, j])
             itself[j] = -1
         for i in range(count):
-            # Of the emitter that fires first, sound has come farthest.
-            first = min(first, emitters.time[n, i])
             axis = facing.emitter_axes[n, i]
             axis[0], axis[1] = math.cos(emitters.poses[n, i, 2]), math.sin(emitters.poses[n, i, 2])
             axis[2], axis[3] = math.cos(emitters.half_angle[n, i]), math.sin(emitters.half_angle[n, i])
             if emitters.own[n, i] and own < k:
                 itself[own] = i
                 own += 1
-        limit = 2.0 * most + speed * max(last - first, 0.0)
-        facing.limit[n, 0] = limit
         looks = 0
         for j in range(k):
             m = n * k + j
@@ -156,6 +152,7 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
             axes[2] = cos_half
             _set_edges(axes[0], axes[1], cos_half, sin_half, edges)
             candidates = 0
+            nearest, limit = math.inf, 0.0
             for i in range(count):
                 facing.hears[m, i] = False
                 if not emitters.fired[n, i] or i == itself[j]:
@@ -173,42 +170,46 @@ def face(listeners: Listeners, emitters: Emitters, fan: Floats, speed: float, to
                 if _are_apart(edges, x, y, facing.emitter_axes[n, i]):
                     continue
                 shortest = 2.0 * least - ahead - slack
-                _set_candidate(x, y, shortest, longest, limit, facing.emitter_axes[n, i], near[candidates])
+                # A way by a surface is twice as long as that is far, give or take what is across.
+                across = math.sqrt(x * x + y * y)
+                farthest = 0.5 * (longest + across) * (1.0 + SLACK) + SLACK
+                nearest = min(nearest, 0.5 * (shortest - across) - SLACK * (1.0 + abs(shortest) + across))
+                _set_candidate(x, y, shortest, longest, farthest, facing.emitter_axes[n, i], near[candidates])
+                limit = max(limit, farthest)
                 facing.hears[m, i] = True
                 candidates += 1
             facing.is_done[m] = candidates == 0
-            rays = 0
+            facing.limit[m, 0], facing.limit[m, 1] = nearest, limit
+            look[m] = -1
             for f in range(fan.shape[0] if candidates else 0):
                 dx, dy = direction(axes[0], axes[1], cosines[f], sines[f])
                 for c in range(candidates):
                     if _crosses(dx, dy, limit, near[c]):
-                        facing.rays[m, rays] = f
-                        rays += 1
+                        look[m] = looks
                         break
-            facing.rays[m, rays:] = -1
-            looks += looks_of(facing.rays[m], together)
+                if look[m] >= 0:
+                    looks += 1
+                    break
         most_looks = max(most_looks, looks)
     return most_looks
 
 
 @kernel
-def lay_rays(listeners: Listeners, facing: Facing, fan: Floats, surfaces: Surfaces) -> None:
-    """Write from where looks are taken, and the bearings of their rays, in order of listener and ray.
+def lay_looks(listeners: Listeners, facing: Facing, surfaces: Surfaces, limit: Floats) -> None:
+    """Write from where looks are taken, in order of listener, and how far (N * l, 1) [m]; number looks by all rows.
 
-    Looks that a row has to spare are those of its first listener, and rays that a look has, along its axis.
+    Looks that a row has to spare are those of its first listener, and go nowhere.
     """
     rows, k = listeners.listens.shape
-    looks, together = surfaces.bearings.shape[0] // rows, surfaces.bearings.shape[1]
+    looks = surfaces.poses.shape[0] // rows
     for n in range(rows):
-        half = listeners.cones[n, 0]
         at = n * looks
-        surfaces.poses[at : at + looks] = listeners.poses[n * k]
-        surfaces.bearings[at : at + looks] = 0.0
         for m in range(n * k, n * k + k):
-            for look in range(looks_of(facing.rays[m], together)):
+            if surfaces.look[m] >= 0:
                 surfaces.poses[at] = listeners.poses[m]
-                for c in range(min(together, fan.shape[0] - look * together)):
-                    ray = facing.rays[m, look * together + c]
-                    if ray >= 0:
-                        surfaces.bearings[at, c] = half * fan[ray]
+                limit[at, 0] = facing.limit[m, 1]
+                surfaces.look[m] = at
                 at += 1
+        for rest in range(at, n * looks + looks):
+            surfaces.poses[rest] = listeners.poses[n * k]
+            limit[rest, 0] = 0.0

@@ -6,17 +6,18 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Sightings
+from amorsim.core.map import Map
 from amorsim.kernels.kinematics import poses
 from amorsim.kernels.raycast import body_normals, rays, scans
 from amorsim.kernels.raycast import visibility as sight
 from amorsim.simulation.world.world import World
 
-__all__ = ["find_landmarks", "look_about", "normals_at"]
+__all__ = ["cast_walls", "find_landmarks", "look_about", "normals_at"]
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-_FEW = 32  # beams of different directions; for fewer, sorting costs more than it saves
+_FEW = 20  # beams of different directions; for fewer, sorting costs more than it saves
 _SPARE = 4  # marks tested beyond the number of slots, because some are hidden
 
 
@@ -184,13 +185,17 @@ def look_along(
     def part(a: int, b: int) -> None:
         for map_, rows in world.terrain.between(replica, a, b):
             mine = rows if len(cos_b) > 1 else slice(None)
-            beams = lines[rows], cos_b[mine], sin_b[mine], range_max[rows], ranges[rows]
-            if len(cos_b) > 1 and cos_b.shape[1] < _FEW:
-                rays.cast(map_.grid, *map_.origin, *beams)
-            else:
-                scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, *beams)
+            cast_walls(map_, lines[rows], cos_b[mine], sin_b[mine], range_max[rows], ranges[rows])
 
     world.workers.share(len(lines), ranges.shape[1], part)
     if world.has_company:
         world.cast(own, replica, lines, cos_b, sin_b, range_max, ranges, met)
     return ranges, met
+
+
+def cast_walls(map_: Map, origins: Array, cos_b: Array, sin_b: Array, range_max: Array, out: Array) -> None:
+    """Write the distances [m] `(Q, k)` to the walls of a map; arguments as those of `scans.cast_scans`."""
+    if cos_b.shape[1] == 1 or (len(cos_b) > 1 and cos_b.shape[1] < _FEW):
+        rays.cast(map_.grid, *map_.origin, origins, cos_b, sin_b, range_max, out)
+    else:
+        scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, origins, cos_b, sin_b, range_max, out)

@@ -16,9 +16,9 @@ from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
 from amorsim.core.workers import Workers
 from amorsim.kernels.kinematics import poses
-from amorsim.kernels.raycast import bresenham, cones, scans
+from amorsim.kernels.raycast import bresenham, cones
 from amorsim.simulation.world.bumper_contacts import find_touched
-from amorsim.simulation.world.in_sight import find_landmarks, look_about, normals_at
+from amorsim.simulation.world.in_sight import cast_walls, find_landmarks, look_about, normals_at
 from amorsim.simulation.world.neighbourhood import neighbours_of
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ class GroupView:
                 if traversal == "bresenham":
                     bresenham.bresenham_cast(map_.grid, *map_.origin, *beams)
                 else:
-                    scans.cast_scans(map_.grid, map_.segment_index, *map_.origin, *beams)
+                    cast_walls(map_, *beams)
 
         world.workers.share(len(origins), out.shape[1], part)
         if bodies and world.has_company:

@@ -17,7 +17,7 @@ from amorsim.kernels.collision import footprints as body_kernels
 from amorsim.kernels.collision.body_hash import BodyHash
 from amorsim.kernels.collision.broad_phase import Clearance
 from amorsim.kernels.collision.footprints import Bodies
-from amorsim.kernels.raycast import body_rays
+from amorsim.kernels.raycast import body_beams, body_rays
 from amorsim.simulation.world.surroundings import Surroundings
 from amorsim.simulation.world.terrain import Terrain
 
@@ -225,10 +225,11 @@ class World:
         parts.
         """
         bodies, poses, edge_rows, table, widest = self.met()
+        cast = body_beams.cast_beams if cos_b.shape[1] == 1 else body_rays.cast_bodies
 
         def part(a: int, b: int) -> None:
             mine = slice(a, b) if len(cos_b) > 1 else slice(None)
-            body_rays.cast_bodies(
+            cast(
                 bodies,
                 poses,
                 edge_rows,
