@@ -49,7 +49,7 @@ def export_run(
         If there is no such format, or what it needs is not installed.
     """
     if kind not in FORMATS:
-        raise AnalysisError(f"kind: expected one of {', '.join(FORMATS)}, got {kind!r}")
+        raise AnalysisError(f"there is no format {kind!r}; expected one of {', '.join(FORMATS)}")
     files = RunFiles(Path(run))
     folder = files.folder / "export" if out is None else Path(out)
     try:

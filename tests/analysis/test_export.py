@@ -76,7 +76,7 @@ def test_an_mcap_file_is_read_back(run: Path, tmp_path: Path) -> None:
 
 def test_what_is_missing_is_reported(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(
-        am.AnalysisError, match=r"kind: expected one of tum, kitti, csv, parquet, mcap, rosbag, got 'bag'"
+        am.AnalysisError, match=r"no format 'bag'; expected one of tum, kitti, csv, parquet, mcap, rosbag$"
     ):
         export_run(run, "bag")
     for kind, module in (("parquet", "pyarrow"), ("mcap", "mcap.writer")):
