@@ -87,7 +87,6 @@ def _write_stage(source: str, target: Path, *, resolution: float | None, changes
     import attrs
 
     from amorsim.core.lost_cells import lost_cells
-    from amorsim.core.whole_files import write_text
     from amorsim.foreign.stage.write import stage_models
     from amorsim.runs.asked import placed, read_scenario
     from amorsim.scenario.map_words import lost_in_words
@@ -102,8 +101,7 @@ def _write_stage(source: str, target: Path, *, resolution: float | None, changes
     models, lost = stage_models(resolved_table(placed(before)))
     for line in lost:
         complain(f"{target.name}: {line}")
-    write_world(before.map, target, force=force, use="stage")
-    write_text(target, f"{target.read_text(encoding='utf-8')}\n{models}")
+    write_world(before.map, target, force=force, use="stage", more=f"\n{models}")
     again = load(target)
     bodies = f"{_counted(len(again.robots), 'robot')}, {_counted(len(again.obstacles), 'obstacle')}"
     # Robots have places of their own: the map's start is no loss.
@@ -115,13 +113,13 @@ def _counted(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def write_world(world: Map, target: Path, *, force: bool, use: str | None = None) -> None:
+def write_world(world: Map, target: Path, *, force: bool, use: str | None = None, more: str = "") -> None:
     """Write a map into a file, and say how it is read and what was lost. Raises `MapError` as `write_map` does."""
     from amorsim.scenario.map_words import lost_in_words, needed_options
     from amorsim.scenario.maps import write_map
     from amorsim.scenario.write import table_text
 
-    again, lost = write_map(world, target, force=force, use=use)
+    again, lost = write_map(world, target, force=force, use=use, more=more)
     for warning in again.warnings:
         complain(f"{target.name}: {warning}")
     rows, columns = again.shape

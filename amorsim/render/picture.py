@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
-import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw
@@ -18,10 +16,12 @@ from amorsim.render import marks
 from amorsim.render.canvas import FINENESS, Canvas
 from amorsim.render.legend import Item, items_of
 from amorsim.render.marks import COLOURS
+from amorsim.render.names import write_names
+from amorsim.render.robot_paths import Points, RobotPath, finite, points_of
 from amorsim.render.things import Thing, draw_thing
 from amorsim.render.words import font, in_words, round_length, shortened
 
-__all__ = ["SMALLEST", "Page", "RobotPath", "Thing", "draw_map", "draw_run"]
+__all__ = ["SMALLEST", "Page", "draw_map", "draw_run"]
 
 SMALLEST = 240
 """Longer side [px] of the smallest picture: below, title and legend leave nothing to the map."""
@@ -30,44 +30,6 @@ _ROOM = 0.01  # likewise, around what is shown: walls at the map's edge are seen
 _FAR = 1000.0  # likewise: beyond, places are as good as equal
 _LABELS_UP_TO = 25  # robots: each has its label where it ended
 _FULL_SIZE = 20  # robots that are drawn with lines and marks of full size
-
-Points = NDArray[np.float64]
-_Box = tuple[float, float, float, float]
-
-
-def _points(value: Any) -> Points:
-    """A float copy, (T, 2); nothing at all is no points."""
-    points = np.array(value, np.float64)
-    return points.reshape(0, 2) if points.size == 0 else points
-
-
-def _no_points() -> Points:
-    return np.empty((0, 2))
-
-
-def _check_points(_: Any, attribute: attrs.Attribute[Any], value: Points | None) -> None:
-    if value is not None and (value.ndim != 2 or value.shape[1] != 2):
-        raise ParameterError(attribute.name, f"expected points (T, 2) [m], got an array of shape {value.shape}")
-
-
-@attrs.frozen(kw_only=True, eq=False)
-class RobotPath:
-    """Where a robot went, in world metres.
-
-    `true` and `estimated` are its paths, (T, 2); either may be empty, and a point that is not finite
-    interrupts it. `outline` is the robot's body (V, 2) at the end, or None, `parts` those of its parts;
-    `collisions`, (K, 2), are where it touched something; `colour` is its own, none for that of all robots.
-    """
-
-    name: str
-    true: Points = attrs.field(converter=_points, validator=_check_points)
-    estimated: Points = attrs.field(factory=_no_points, converter=_points, validator=_check_points)
-    outline: Points | None = attrs.field(
-        default=None, converter=attrs.converters.optional(_points), validator=_check_points
-    )
-    collisions: Points = attrs.field(factory=_no_points, converter=_points, validator=_check_points)
-    parts: Sequence[Points] = ()
-    colour: str | None = None
 
 
 def draw_map(map: Map, *, size: int = 1600, title: str = "") -> Image.Image:  # noqa: A002 - the field's word
@@ -101,7 +63,7 @@ def draw_run(
     """
     if size < SMALLEST:
         raise ParameterError("size", f"expected at least {SMALLEST} pixels, got {size}")
-    page = Page(map, paths, [_points(zone) for zone in zones], patches, things, size, title)
+    page = Page(map, paths, [points_of(zone) for zone in zones], patches, things, size, title)
     page.draw_floor()
     page.draw_walls()
     page.draw_things()
@@ -221,7 +183,7 @@ class Page:
         """Paint where a robot began, ended, believed it ended, and ran into something."""
         canvas, unit = self._canvas, self._pen
         canvas.frame = self._plot
-        true, estimated = self._on_page(_finite(path.true)), self._on_page(_finite(path.estimated))
+        true, estimated = self._on_page(finite(path.true)), self._on_page(finite(path.estimated))
         if len(true):
             marks.draw_start(canvas, true[0], unit)
         for part in path.parts:
@@ -233,7 +195,7 @@ class Page:
         if len(estimated):
             marks.draw_estimated_end(canvas, estimated[-1], unit)
         # A robot that scrapes along a wall has thousands of them: one cross a pixel will do.
-        for place in np.unique(np.round(self._on_page(_finite(path.collisions))), axis=0):
+        for place in np.unique(np.round(self._on_page(finite(path.collisions))), axis=0):
             marks.draw_collision(canvas, place, unit)
 
     def _view(self) -> tuple[Points, Points]:
@@ -241,7 +203,7 @@ class Page:
         size = np.asarray(self._map.size)
         seen = [np.array([(0.0, 0.0), self._map.size])]
         for path in self._paths:
-            seen += [self._to_local(_finite(path.true)), self._to_local(_finite(path.estimated))]
+            seen += [self._to_local(finite(path.true)), self._to_local(finite(path.estimated))]
         points = np.concatenate(seen)
         room, most = _ROOM * size.max(), _GROWTH * size.max()
         below, above = -points.min(axis=0), points.max(axis=0) - size
@@ -292,6 +254,15 @@ class Page:
         if 1 < len(self._paths) <= _LABELS_UP_TO:
             self._write_names(pen)
         return image
+
+    def _write_names(self, pen: ImageDraw.ImageDraw) -> None:
+        """A robot's name next to its final position."""
+        marked = [self._on_page(finite(line)[-1:]) for path in self._paths for line in (path.true, path.estimated)]
+        names = [(path.name, self._on_page(finite(path.true))[-1:]) for path in self._paths]
+        edge = max(1, round(3 * self._unit))
+        write_names(
+            pen, names, np.concatenate(marked), within=self._plot, reach=16 * self._unit, edge=edge, font=self._font
+        )
 
     def _labels(self) -> list[tuple[str, tuple[float, float], str]]:
         """The labels of things, with places and anchors."""
@@ -358,45 +329,6 @@ class Page:
         self._canvas.line(np.array(bar), COLOURS["text"], 2.5 * self._unit)
         return in_words(self._bar), (left - 0.3 * self._line_height, y), "rm"
 
-    def _write_names(self, pen: ImageDraw.ImageDraw) -> None:
-        """A robot's name next to its final position, clear of other names and ends if possible."""
-        left, top, right, bottom = self._plot
-        reach = 16 * self._unit
-        marked = [self._on_page(_finite(line)[-1:]) for path in self._paths for line in (path.true, path.estimated)]
-        taken: list[_Box] = [
-            (x - 0.8 * reach, y - 0.8 * reach, x + 0.8 * reach, y + 0.8 * reach)
-            for x, y in np.concatenate(marked).tolist()
-        ]
-        for path in self._paths:
-            ends = self._on_page(_finite(path.true))[-1:]
-            for x, y in np.clip(ends, (left, top), (right, bottom)).tolist():
-                places = [
-                    ((x + reach, y - reach), "ls"),
-                    ((x - reach, y - reach), "rs"),
-                    ((x + reach, y + reach), "lt"),
-                    ((x - reach, y + reach), "rt"),
-                ]
-                boxes = [pen.textbbox(place, path.name, self._font, anchor=anchor) for place, anchor in places]
-                inside = [box[0] >= left and box[1] >= top and box[2] <= right and box[3] <= bottom for box in boxes]
-                clear = [not any(_overlap(box, other) for other in taken) for box in boxes]
-                # The first that is inside and clear; failing that, inside; failing that, any.
-                best = max(range(4), key=lambda i: (inside[i] + clear[i], inside[i]))
-                place, anchor = places[best]
-                taken.append(boxes[best])
-                pen.text(
-                    place,
-                    path.name,
-                    COLOURS["text"],
-                    self._font,
-                    anchor=anchor,
-                    stroke_width=max(1, round(3 * self._unit)),
-                    stroke_fill="white",
-                )
-
-
-def _finite(points: Points) -> Points:
-    return points[np.all(np.isfinite(points), axis=1)]
-
 
 def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
     """What is true grown by a number of pixels in each axis, half of them on either side."""
@@ -410,7 +342,3 @@ def _thickened(pixels: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
         for shift in range(1, by // 2 + 1):
             target[:-shift] |= source[shift:]
     return grown
-
-
-def _overlap(a: _Box, b: _Box) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]

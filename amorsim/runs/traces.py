@@ -10,7 +10,8 @@ import numpy.typing as npt
 from amorsim.contracts import Frame
 from amorsim.core.poses import compose
 from amorsim.core.shapes import Shape
-from amorsim.render.picture import RobotPath, Thing
+from amorsim.render.robot_paths import RobotPath
+from amorsim.render.things import Thing
 from amorsim.scenario.colours import robot_colours
 from amorsim.simulation.simulation import Simulation
 

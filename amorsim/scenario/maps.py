@@ -155,7 +155,13 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
 
 
 def write_map(
-    world: Map, path: str | Path, *, force: bool = False, use: str | None = None, registry: Registry | None = None
+    world: Map,
+    path: str | Path,
+    *,
+    force: bool = False,
+    use: str | None = None,
+    more: str = "",
+    registry: Registry | None = None,
 ) -> tuple[Map, Lost]:
     """Write a map into a file as well as its format can, and read it again: that map, and what was lost.
 
@@ -165,6 +171,8 @@ def write_map(
         As for `save_map`.
     force
         Whether files that are there are replaced, once the new ones are whole.
+    more
+        What the file, a text, says after the map.
 
     Raises
     ------
@@ -176,10 +184,13 @@ def write_map(
 
     with _replacing_map(world, path, use, registry or default_registry()) as again:
         folder = again.source.path.parent
-        for file in () if force else sorted(folder.rglob("*")):
-            place = path.parent / file.relative_to(folder)
-            if file.is_file() and os.path.lexists(place):
+        for made in () if force else sorted(folder.rglob("*")):
+            place = path.parent / made.relative_to(folder)
+            if made.is_file() and os.path.lexists(place):
                 raise MapError(f"{place.name} is there already; --force (force=True) replaces it")
+        if more:
+            with again.source.path.open("a", encoding="utf-8", newline="") as file:
+                file.write(more)
     return _now_in(again, path), lost_cells(world, again)
 
 

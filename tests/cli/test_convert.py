@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import amorsim as am
+from amorsim.core import whole_files
 from amorsim.core.same_cells import have_same_cells
 from tests.cli.conftest import Command
 
@@ -149,3 +151,24 @@ def test_a_scenario_becomes_a_world_of_stage_with_its_bodies(amorsim: Command, t
     assert after.robots[0].pose == before.robots[0].pose
     again = amorsim("convert", "landmarks", "marks.world", "--set", "world.resolution=0.05")
     assert (again.status, "marks.world is there already; --force" in again.err) == (2, True)
+
+
+def test_a_world_of_stage_comes_whole_with_its_bodies_or_not_at_all(
+    amorsim: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "marks.world"
+    target.write_text("as it was")
+    seen: list[str] = []
+
+    def no_space(file: Path) -> None:
+        if file.name == target.name:
+            seen.append(file.read_text())
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(whole_files, "_sync", no_space)
+    result = amorsim("convert", "landmarks", "marks.world", "--set", "world.resolution=0.05", "--force")
+    assert result.status == 2, result.err
+    assert "No space left on device" in result.err
+    (text,) = seen
+    assert "position" in text
+    assert target.read_text() == "as it was"

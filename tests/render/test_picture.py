@@ -15,7 +15,9 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.patches import DROP, Patch
 from amorsim.render.marks import COLOURS
-from amorsim.render.picture import RobotPath, Thing, draw_map, draw_run
+from amorsim.render.picture import draw_map, draw_run
+from amorsim.render.robot_paths import RobotPath
+from amorsim.render.things import Thing
 from tests.examples import settings
 
 NEAR = 70  # of 441: how far apart colours of a smoothed edge and a pure one may be

@@ -76,7 +76,8 @@ def test_the_editor_chooses_none_or_a_component_and_its_fields(browser: Any, tmp
         page.evaluate("document.querySelectorAll('details.section').forEach(one => one.open = true)")
         page.select_option(f'[id="add-{noise}"]', "swayed")
         editor.step(lambda: page.locator(f'[data-section="{noise}"] > .row button.tool').first.click())
-        element = page.locator(f'[data-section^="{noise}."]', has_text="swayed").get_attribute("data-section")
+        added = page.locator(f'[data-section^="{noise}."]', has=page.locator("> summary", has_text="swayed"))
+        element = added.get_attribute("data-section")
         page.evaluate("document.querySelectorAll('details.section').forEach(one => one.open = true)")
         way = page.locator(f'[data-path="{element}.way"] select').first
         assert page.locator(f'[data-path="{element}.way.lazy"]').count() == 0

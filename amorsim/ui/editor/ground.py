@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from amorsim.scenario.floor import Drop, Floor, Marking
 from amorsim.scenario.spec import Pose
 from amorsim.ui.editor.sections import Adding, Section
-
-if TYPE_CHECKING:
-    from amorsim.ui.editor.inspector import _Inspector as Inspector
+from amorsim.ui.editor.shape_form import shape_sections
+from amorsim.ui.editor.thing_fields import ThingFields
 
 __all__ = ["described", "floor"]
 
@@ -23,48 +22,48 @@ _NEW: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
-def described(of: Inspector) -> Section:
+def described(of: ThingFields) -> Section:
     """What the scenario says that it is about."""
     said = of.document.values.get("description")
-    section = of._section("Scenario", (), [])
+    section = of.section("Scenario", (), [])
     section["path"] = "description"
-    field = of._text("description", "description", "what it is about, in a line", "text")
+    field = of.text("description", "description", "what it is about, in a line", "text")
     field |= {"path": "description", "value": said, "is_given": said is not None}
     field["widget"] = {"kind": "text", "is_optional": True}
     section["fields"] = [field]
     return section
 
 
-def floor(of: Inspector) -> Iterator[Section]:
+def floor(of: ThingFields) -> Iterator[Section]:
     """How bright the floor is, and a section for each line, area and drop."""
-    section = of._section("Floor", (), of._form(Floor, (), ("reflectance",)))
+    section = of.section("Floor", (), of.form(Floor, (), ("reflectance",)))
     section["adding"] = [_adding(of, label, key, value) for label, (key, value) in _NEW.items()]
     yield section
     for key in ("markings", "drops"):
         said = of.table.get(key)
         for number, one in enumerate(said if isinstance(said, list) else []):
             if isinstance(one, dict):
-                yield from _thing(type(of)(of.document, f"floor.{key}.{number}", of.registry), key, number)
+                yield from _thing(ThingFields(of.document, f"floor.{key}.{number}", of.registry), key, number)
 
 
-def _adding(of: Inspector, label: str, key: str, value: dict[str, Any]) -> Adding:
-    path = of._path((key,))
+def _adding(of: ThingFields, label: str, key: str, value: dict[str, Any]) -> Adding:
+    path = of.path_of((key,))
     return {"label": f"add {label}", "path": path, "kind": key, "choices": [], "is_list": True, "value": value}
 
 
-def _thing(of: Inspector, key: str, number: int) -> Iterator[Section]:
+def _thing(of: ThingFields, key: str, number: int) -> Iterator[Section]:
     """The form of a line, an area or a drop, whose own inspector this is."""
     is_line = key == "markings" and "shape" not in of.table
     kind = "drop" if key == "drops" else "line" if is_line else "area"
     title = f"{kind} {number + 1}"
-    fields = of._form(Drop, (), ("depth",)) if key == "drops" else of._form(Marking, (), _LINE if is_line else _LOOKS)
-    section = of._section(title, (), fields)
+    fields = of.form(Drop, (), ("depth",)) if key == "drops" else of.form(Marking, (), _LINE if is_line else _LOOKS)
+    section = of.section(title, (), fields)
     section["depth"] = 1
     section["can_go"] = True
     yield section
     if is_line:
         return
-    for part in (*of._shape(), of._section("Place", ("pose",), of._form(Pose, ("pose",)))):
+    for part in (*shape_sections(of), of.section("Place", ("pose",), of.form(Pose, ("pose",)))):
         part["title"] = f"{part['title']} of {title}"
         part["depth"] = 2
         yield part

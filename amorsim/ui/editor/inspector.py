@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 from amorsim.contracts import Mount
-from amorsim.core.errors import AmorsimError, DocumentError, PluginError
-from amorsim.core.numbers import is_number
+from amorsim.core.errors import PluginError
 from amorsim.plugins.registry import Registry
 from amorsim.scenario.document import Document
-from amorsim.scenario.field_at import component_at
 from amorsim.scenario.initial_belief import InitialBelief
-from amorsim.scenario.layout import MISSING, found_at
+from amorsim.scenario.layout import found_at
 from amorsim.scenario.models import LOOKS
 from amorsim.scenario.spec import Landmark, Light, MountedSensor, Obstacle, Pose, Recording, Robot, Scenario
 from amorsim.ui.editor.errors import deviations, fields_of, targets
 from amorsim.ui.editor.ground import described, floor
 from amorsim.ui.editor.knowing import kidnappings, knowledge
-from amorsim.ui.editor.sections import SHAPES, Section, toml_of
-from amorsim.ui.forms.description import FieldForm, form_of
+from amorsim.ui.editor.sections import Section, toml_of
+from amorsim.ui.editor.shape_form import shape_sections
+from amorsim.ui.editor.thing_fields import ThingFields
+from amorsim.ui.forms.description import FieldForm
 
 __all__ = ["inspect"]
 
@@ -39,32 +38,9 @@ def inspect(document: Document, path: str, registry: Registry) -> list[Section]:
 
 class _Inspector:
     def __init__(self, document: Document, path: str, registry: Registry) -> None:
-        self.document = document
-        self.path = path
         self.registry = registry
-        self.folder = document.path.absolute().parent
-        self.raw = document.values
-        self.at = tuple(int(part) if part.isdigit() else part for part in path.split("."))
-        try:
-            self.table = document.get(path)
-        except DocumentError:
-            if self.at[0] not in ("simulation", "world", "recording", "floor") or len(self.at) > 1:
-                raise
-            self.table = {}
-        if not isinstance(self.table, dict):
-            raise DocumentError(f"{path}: no table")
-        # As the whole scenario with the model's tables: of this thing alone, for the rest is not asked for.
-        self.values: dict[str, Any] = {}
-        place: Any = self.values
-        for n, part in enumerate(self.at):
-            last = n == len(self.at) - 1
-            inner: Any = self.table if last else ([] if isinstance(self.at[n + 1], int) else {})
-            if isinstance(part, int):
-                place.extend([{}] * part)
-                place.append(inner)
-            else:
-                place[part] = inner
-            place = inner
+        self.fields = ThingFields(document, path, registry)
+        self.at, self.table = self.fields.at, self.fields.table
 
     # -------------------------------------------------------------------------------------------------------- sections
 
@@ -75,20 +51,20 @@ class _Inspector:
             case ("obstacles", int()):
                 yield from self._obstacle()
             case ("zones", int()):
-                yield self._section("Zone", (), self._name())
-                yield from self._shape()
-                yield self._section("Place", ("pose",), self._form(Pose, ("pose",)))
+                yield self.fields.section("Zone", (), self.fields.name())
+                yield from shape_sections(self.fields)
+                yield self.fields.section("Place", ("pose",), self.fields.form(Pose, ("pose",)))
                 yield from self._chain("Ground", ("ground",), "m")
                 yield from self._rest(("name", "shape", "pose", "ground"))
             case ("landmarks", int()):
-                yield self._section("Landmark", (), self._form(Landmark, ()))
+                yield self.fields.section("Landmark", (), self.fields.form(Landmark, ()))
             case ("lights", int()):
-                yield self._section("Light", (), self._form(Light, ()))
+                yield self.fields.section("Light", (), self.fields.form(Light, ()))
             case ("simulation",):
-                yield self._section("Simulation", (), self._form(Scenario, (), ("dt", "duration", "seed")))
-                yield described(self)
+                yield self.fields.section("Simulation", (), self.fields.form(Scenario, (), ("dt", "duration", "seed")))
+                yield described(self.fields)
             case ("floor",):
-                yield from floor(self)
+                yield from floor(self.fields)
             case ("world",):
                 yield from self._world()
             case ("recording",):
@@ -97,8 +73,10 @@ class _Inspector:
                 yield self._as_toml(str(self.at[-1]).capitalize(), ())
 
     def _robot(self) -> Iterator[Section]:
-        models = self._choice("model", "model", self.registry.names("robot"), "the kind of robot it is made from")
-        yield self._section("Robot", (), [*self._name(), models, *self._form(Robot, (), ("on_collision", *LOOKS))])
+        models = self.fields.choice("model", "model", self.registry.names("robot"), "the kind of robot it is made from")
+        yield self.fields.section(
+            "Robot", (), [*self.fields.name(), models, *self.fields.form(Robot, (), ("on_collision", *LOOKS))]
+        )
         yield from self._places()
         yield from self._component("Drive", ("drive",), "drive")
         sensors = self.table.get("sensors")
@@ -112,23 +90,25 @@ class _Inspector:
                 yield from self._component(name, ("estimators", name), "estimator", depth=1, can_go=True)
         yield from self._component("Controller", ("controller",), "controller", is_optional=True)
         yield from self._chain("Ground", ("ground",), "m")
-        yield from self._shape()
+        yield from shape_sections(self.fields)
         yield from self._errors(names)
-        yield self._section("Initial belief", ("initial_belief",), self._form(InitialBelief, ("initial_belief",)))
-        yield from kidnappings(self)
-        yield from knowledge(self)
+        yield self.fields.section(
+            "Initial belief", ("initial_belief",), self.fields.form(InitialBelief, ("initial_belief",))
+        )
+        yield from kidnappings(self.fields)
+        yield from knowledge(self.fields)
 
     def _sensor(self, name: str) -> Iterator[Section]:
         at = ("sensors", name)
         (section,) = self._component(name, at, "sensor", depth=1, can_go=True)
         if section["use"] and section["use"]["value"]:
-            timing = self._form(MountedSensor, at, ("rate", "latency"))
-            mount = self._form(Mount, (*at, "mount"))
+            timing = self.fields.form(MountedSensor, at, ("rate", "latency"))
+            mount = self.fields.form(Mount, (*at, "mount"))
             for field in mount:
                 field["label"] = f"mount {field['label']}"
             section["fields"] += [*mount, *timing]
         yield section
-        cls = self._class(at)
+        cls = self.fields.class_at(at)
         unit = getattr(cls, "unit", "")
         yield from self._chain(f"Noise of {name}", (*at, "noise"), unit if isinstance(unit, str) else "", depth=1)
 
@@ -142,14 +122,16 @@ class _Inspector:
             )
 
     def _errors(self, sensors: list[str]) -> Iterator[Section]:
-        known = targets(self._class(("drive",)), {name: self._class(("sensors", name)) for name in sensors})
+        known = targets(
+            self.fields.class_at(("drive",)), {name: self.fields.class_at(("sensors", name)) for name in sensors}
+        )
         said = list(deviations(self.table.get("errors")))
         section = self._as_toml("Errors", ("errors",))
         choices = [".".join(path) for path in known if path not in dict(said)]
         section["adding"] = [
             {
                 "label": "add an error",
-                "path": self._path(("errors",)),
+                "path": self.fields.path_of(("errors",)),
                 "kind": "error",
                 "choices": choices,
                 "is_list": False,
@@ -159,15 +141,15 @@ class _Inspector:
         for path, value in said:
             at = ("errors", *path)
             unit = known[path].unit if path in known else ""
-            section = self._section(".".join(path), at, fields_of(value, self._path(at), unit))
+            section = self.fields.section(".".join(path), at, fields_of(value, self.fields.path_of(at), unit))
             for field in section["fields"]:
-                self._mark(field, tuple(field["path"].split(".")[len(self.at) :]))
+                self.fields.mark(field, tuple(field["path"].split(".")[len(self.at) :]))
             section["depth"] = 1
             section["can_go"] = True
             yield section
 
     def _recording(self) -> Iterator[Section]:
-        yield self._section("Recording", (), self._form(Recording, (), ("sensors", "picture")))
+        yield self.fields.section("Recording", (), self.fields.form(Recording, (), ("sensors", "picture")))
         yield self._heading("Other recorders", ("also",), "recorder", is_list=True)
         also = self.table.get("also")
         for number, one in enumerate(also if isinstance(also, list) else []):
@@ -175,44 +157,44 @@ class _Inspector:
             yield from self._component(str(name), ("also", number), "recorder", depth=1, can_go=True)
 
     def _obstacle(self) -> Iterator[Section]:
-        yield self._section("Obstacle", (), [*self._name(), *self._form(Obstacle, (), LOOKS)])
+        yield self.fields.section("Obstacle", (), [*self.fields.name(), *self.fields.form(Obstacle, (), LOOKS)])
         yield from self._places()
-        yield from self._shape()
+        yield from shape_sections(self.fields)
         yield from self._component("Motion", ("motion",), "motion", is_optional=True)
 
     def _places(self) -> Iterator[Section]:
         if "start" in self.table or "count" in self.table:
             yield self._series()
         else:
-            yield self._section("Place", ("pose",), self._form(Pose, ("pose",)))
+            yield self.fields.section("Place", ("pose",), self.fields.form(Pose, ("pose",)))
 
     def _series(self) -> Section:
         """How many there are, and where they start."""
         start = self.table.get("start")
-        cls = self._class(("start",)) if isinstance(start, dict) and "poses" not in start else None
-        fields = [] if cls is None else self._form(cls, ("start",))
+        cls = self.fields.class_at(("start",)) if isinstance(start, dict) and "poses" not in start else None
+        fields = [] if cls is None else self.fields.form(cls, ("start",))
         if "count" in self.table:
-            count = self._number(("count",), "how many", "", self.table["count"])
+            count = self.fields.number(("count",), "how many", "", self.table["count"])
             count["widget"]["is_whole"] = True
             fields.insert(0, count)
-        section = self._section("Start of all of them", ("start",), fields)
+        section = self.fields.section("Start of all of them", ("start",), fields)
         section["toml"] = None if cls is not None else toml_of(start) if isinstance(start, dict) else ""
         return section
 
     def _generated(self, made: dict[str, Any]) -> Iterator[Section]:
-        cls = self._class(("map",))
+        cls = self.fields.class_at(("map",))
         name = made.get("generate")
-        section = self._section("World", ("map",), [])
+        section = self.fields.section("World", ("map",), [])
         section["use"] = {
             "kind": "world_generator",
             "value": name if isinstance(name, str) else "",
             "choices": list(self.registry.names("world_generator")),
             "is_optional": False,
         }
-        seed = self._number(("map", "seed"), "seed", "", made.get("seed", 0))
+        seed = self.fields.number(("map", "seed"), "seed", "", made.get("seed", 0))
         seed["help"] = "another number is another world"
         seed["widget"] |= {"is_whole": True, "is_open": [False, True]}
-        section["fields"] = [seed, *([] if cls is None else self._form(cls, ("map",)))]
+        section["fields"] = [seed, *([] if cls is None else self.fields.form(cls, ("map",)))]
         section["toml"] = toml_of(made) if cls is None else None
         yield section
 
@@ -221,10 +203,10 @@ class _Inspector:
         if isinstance(made, dict):
             yield from self._generated(made)
             return
-        cls = self._class(())
-        map_ = self._text("map", "map", "the file of the map, from the scenario's folder", "file")
-        fields = [map_] if cls is None else [map_, *self._form(cls, ())]
-        yield self._section("World", (), fields)
+        cls = self.fields.class_at(())
+        map_ = self.fields.text("map", "map", "the file of the map, from the scenario's folder", "file")
+        fields = [map_] if cls is None else [map_, *self.fields.form(cls, ())]
+        yield self.fields.section("World", (), fields)
 
     # ------------------------------------------------------------------------------------------------ kinds of section
 
@@ -242,56 +224,38 @@ class _Inspector:
     ) -> Iterator[Section]:
         """A table with ``use``, and the form of what it means; as TOML where that is not known."""
         table = found_at(self.table, at)
-        cls = self._class(at)
+        cls = self.fields.class_at(at)
         use = table.get("use") if isinstance(table, dict) else None
         fields: list[FieldForm] = []
         toml = None
         if cls is not None:
-            fields = self._form(cls, at, unit=unit)
+            fields = self.fields.form(cls, at, unit=unit)
         elif isinstance(table, dict):
-            toml = toml_of(self._own(at))
+            toml = toml_of(self.fields.own(at))
         choices = list(self.registry.names(kind))
         value = use if isinstance(use, str) else ""
-        section = self._section(title, at, fields)
+        section = self.fields.section(title, at, fields)
         section["use"] = {"kind": kind, "value": value, "choices": choices, "is_optional": is_optional}
         section["toml"] = toml
         section["depth"] = depth
         section["can_go"] = can_go
         for key in beside:
             if isinstance(table, dict) and key in table:
-                fields.insert(0, self._text((*at, key), key, "", "text"))
-        yield section
-
-    def _shape(self) -> Iterator[Section]:
-        table = self.table.get("shape")
-        kinds = [kind for kind in SHAPES if isinstance(table, dict) and kind in table]
-        section = self._section("Shape", ("shape",), [])
-        section["use"] = {
-            "kind": "shape",
-            "value": kinds[0] if len(kinds) == 1 else "",
-            "choices": list(SHAPES),
-            "is_optional": False,
-        }
-        value = table[kinds[0]] if isinstance(table, dict) and len(kinds) == 1 else None
-        if kinds == ["circle"] and is_number(value):
-            section["fields"] = [self._number(("shape", "circle"), "radius", "m", value)]
-        elif kinds == ["rectangle"] and isinstance(value, list) and [*map(is_number, value)] == [True, True]:
-            section["fields"] = [
-                self._number(("shape", "rectangle", number), label, "m", value[number])
-                for number, label in enumerate(("length", "width"))
-            ]
-            for field in section["fields"]:
-                field["is_given"] = False  # one of the two cannot be left out
-        else:
-            section["toml"] = toml_of(table) if isinstance(table, dict) else ""
+                fields.insert(0, self.fields.text((*at, key), key, "", "text"))
         yield section
 
     def _heading(self, title: str, at: tuple[str, ...], kind: str, *, is_list: bool, depth: int = 0) -> Section:
-        section = self._section(title, at, [])
+        section = self.fields.section(title, at, [])
         section["depth"] = depth
         names = self._noises(at) if kind == "noise" else list(self.registry.names(kind))
         section["adding"] = [
-            {"label": f"add to {title}", "path": self._path(at), "kind": kind, "choices": names, "is_list": is_list}
+            {
+                "label": f"add to {title}",
+                "path": self.fields.path_of(at),
+                "kind": kind,
+                "choices": names,
+                "is_list": is_list,
+            }
         ]
         return section
 
@@ -305,7 +269,7 @@ class _Inspector:
         return own + others if at[-1] == "ground" else others
 
     def _as_toml(self, title: str, at: tuple[str, ...]) -> Section:
-        section = self._section(title, at, [])
+        section = self.fields.section(title, at, [])
         table = found_at(self.table, at) if at else self.table
         section["toml"] = toml_of(table) if isinstance(table, dict) else ""
         return section
@@ -313,119 +277,3 @@ class _Inspector:
     def _rest(self, known: tuple[str, ...]) -> Iterator[Section]:
         if set(self.table) - set(known):
             yield self._as_toml("All of it", ())
-
-    def _section(self, title: str, at: tuple[str | int, ...], fields: list[FieldForm]) -> Section:
-        origin = ""
-        if at and found_at(self.table, at) is not MISSING and found_at(self._own(()), at) is MISSING:
-            origin = self._from_model()
-        return {
-            "title": title,
-            "path": self._path(at),
-            "depth": 0,
-            "use": None,
-            "fields": fields,
-            "toml": None,
-            "can_go": False,
-            "origin": origin,
-            "adding": [],
-        }
-
-    # ---------------------------------------------------------------------------------------------------------- fields
-
-    def _form(
-        self, cls: type, at: tuple[str | int, ...], names: tuple[str, ...] | None = None, unit: str = ""
-    ) -> list[FieldForm]:
-        """The fields of a class, with where each value comes from."""
-        table = found_at(self.table, at) if at else self.table
-        said = table if isinstance(table, dict) else {}
-        fields = form_of(
-            cls,
-            said,
-            spelling="file",
-            sensor_unit=unit,
-            names=self._names(),
-            path=self._path(at),
-            registry=self.registry,
-        )
-        fields = [field for field in fields if names is None or field["path"].rpartition(".")[2] in names]
-        for field in fields:
-            self._mark(field, (*at, field["path"].rpartition(".")[2]))
-        return fields
-
-    def _mark(self, field: FieldForm, at: tuple[str | int, ...]) -> None:
-        """Say where the field's value comes from, and those of the fields within it."""
-        is_own = found_at(self._own(()), at) is not MISSING
-        is_said = found_at(self.table, at) is not MISSING
-        field["is_given"] = is_own
-        more: dict[str, Any] = {"origin": "file" if is_own else "model" if is_said else "default"}
-        if is_said and not is_own:
-            more["source"] = self._from_model()
-        field.update(more)  # type: ignore[typeddict-item]
-        for inner in field["widget"].get("fields", ()) if field["widget"]["kind"] in ("form", "component") else ():
-            self._mark(inner, (*at, inner["path"].rpartition(".")[2]))
-
-    def _from_model(self) -> str:
-        model = self._own(()).get("model")
-        return f"from the model {model}" if isinstance(model, str) else "from a model"
-
-    def _names(self) -> dict[str, list[str]]:
-        found = {}
-        for key in ("sensors", "estimators"):
-            tables = self.table.get(key)
-            found[key] = [name for name, one in tables.items() if one is not False] if isinstance(tables, dict) else []
-        return found
-
-    def _name(self) -> list[FieldForm]:
-        return [self._text("name", "name", "letters, digits, '_' and '-'; unique in the scenario", "text")]
-
-    def _text(self, at: Any, label: str, help_: str, kind: str) -> FieldForm:
-        place = (at,) if isinstance(at, str) else at
-        value = found_at(self.table, place)
-        field: FieldForm = {
-            "path": self._path(place),
-            "label": label,
-            "help": help_,
-            "widget": {"kind": kind, "is_optional": False},
-            "value": None if value is MISSING else value,
-            "default": None,
-            "is_given": True,
-            "is_required": False,
-            "fixed": "",
-        }
-        self._mark(field, place)
-        return field
-
-    def _choice(self, at: str, label: str, choices: Sequence[str], help_: str) -> FieldForm:
-        field = self._text(at, label, help_, "choice")
-        field["widget"] = {"kind": "choice", "is_optional": True, "choices": list(choices)}
-        return field
-
-    def _number(self, at: tuple[str | int, ...], label: str, unit: str, value: Any) -> FieldForm:
-        field = self._text(at, label, "", "number")
-        field["widget"] = {
-            "kind": "number",
-            "is_optional": False,
-            "unit": unit,
-            "low": 0.0,
-            "high": None,
-            "is_open": [True, True],
-            "is_whole": False,
-        }
-        field["value"] = value if is_number(value) else None
-        return field
-
-    # ----------------------------------------------------------------------------------------------------------- lookup
-
-    def _own(self, at: tuple[str | int, ...]) -> dict[str, Any]:
-        """The file's own table of the thing, or of a part of it."""
-        found = found_at(self.raw, (*self.at, *at))
-        return found if isinstance(found, dict) else {}
-
-    def _path(self, at: tuple[str | int, ...]) -> str:
-        return ".".join(map(str, (*self.at, *at)))
-
-    def _class(self, at: tuple[str | int, ...]) -> type | None:
-        try:
-            return component_at(self.values, (*self.at, *at), self.registry, Path(self.folder))
-        except (AmorsimError, OSError, LookupError, TypeError):
-            return None

@@ -12,11 +12,11 @@ from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.worlds import KnownLandmark
 from amorsim.ui.editor.formats import map_files
 from amorsim.ui.editor.sections import Section
+from amorsim.ui.editor.thing_fields import ThingFields
 from amorsim.ui.forms.description import FieldForm, Widget, form_of
 from amorsim.ui.serve.wire import shown
 
 if TYPE_CHECKING:
-    from amorsim.ui.editor.inspector import _Inspector as Inspector
     from amorsim.ui.editor.work import Work
 
 __all__ = ["kidnappings", "know_landmarks", "know_map", "knowledge"]
@@ -30,9 +30,9 @@ _AT = ("knowledge",)
 # ------------------------------------------------------------------------------------------------------------ sections
 
 
-def kidnappings(of: Inspector) -> Iterator[Section]:
+def kidnappings(of: ThingFields) -> Iterator[Section]:
     """When the robot is carried elsewhere, a section for each time."""
-    heading = of._section("Kidnappings", ("kidnappings",), [])
+    heading = of.section("Kidnappings", ("kidnappings",), [])
     pose = of.table.get("pose")
     new: dict[str, Any] = {"time": 10.0, "x": 0.0, "y": 0.0}
     if isinstance(pose, dict):
@@ -40,7 +40,7 @@ def kidnappings(of: Inspector) -> Iterator[Section]:
     heading["adding"] = [
         {
             "label": "carry it elsewhere",
-            "path": of._path(("kidnappings",)),
+            "path": of.path_of(("kidnappings",)),
             "kind": "kidnapping",
             "choices": [],
             "is_list": True,
@@ -53,13 +53,13 @@ def kidnappings(of: Inspector) -> Iterator[Section]:
         at = ("kidnappings", number)
         time = one.get("time") if isinstance(one, dict) else None
         title = f"kidnapping {number + 1}" + (f", at {time:g} s" if is_number(time) else "")
-        section = of._section(title, at, of._form(Kidnapping, at))
+        section = of.section(title, at, of.form(Kidnapping, at))
         section["depth"] = 1
         section["can_go"] = True
         yield section
 
 
-def knowledge(of: Inspector) -> Iterator[Section]:
+def knowledge(of: ThingFields) -> Iterator[Section]:
     """The map that the robot knows, and the landmarks."""
     table = found_at(of.table, _AT)
     said: dict[str, Any] = table if isinstance(table, dict) else {}
@@ -67,9 +67,9 @@ def knowledge(of: Inspector) -> Iterator[Section]:
     yield _known_landmarks(of, said)
 
 
-def _known_map(of: Inspector, said: Mapping[str, Any]) -> Section:
+def _known_map(of: ThingFields, said: Mapping[str, Any]) -> Section:
     known = said.get("map")
-    section = of._section("Map that it knows", _AT, [])
+    section = of.section("Map that it knows", _AT, [])
     value = ""
     if isinstance(known, dict):
         value = f"{GENERATED}{known.get('generate', '?')}"
@@ -91,13 +91,13 @@ def _known_map(of: Inspector, said: Mapping[str, Any]) -> Section:
     return section
 
 
-def _fields(of: Inspector, at: tuple[str, ...]) -> list[FieldForm]:
-    cls = of._class(at)
-    return [] if cls is None else of._form(cls, at)
+def _fields(of: ThingFields, at: tuple[str, ...]) -> list[FieldForm]:
+    cls = of.class_at(at)
+    return [] if cls is None else of.form(cls, at)
 
 
-def _seed(of: Inspector, known: Mapping[str, Any]) -> FieldForm:
-    seed = of._number((*_AT, "map", "seed"), "seed", "", known.get("seed", 0))
+def _seed(of: ThingFields, known: Mapping[str, Any]) -> FieldForm:
+    seed = of.number((*_AT, "map", "seed"), "seed", "", known.get("seed", 0))
     seed["widget"] |= {"is_whole": True, "is_open": [False, True]}
     return seed
 
@@ -108,17 +108,17 @@ def _is_same(said: Mapping[str, Any], world: Any) -> bool:
     return isinstance(world, dict) and own.get("map") == world.get("map") and (set(own) == {"map"} or own == world)
 
 
-def _known_landmarks(of: Inspector, said: Mapping[str, Any]) -> Section:
+def _known_landmarks(of: ThingFields, said: Mapping[str, Any]) -> Section:
     marks = said.get("landmarks")
     at = (*_AT, "landmarks")
-    section = of._section("Landmarks that it knows", at, [])
+    section = of.section("Landmarks that it knows", at, [])
     value = ""
     if marks == "world":
         value = WORLD
     elif isinstance(marks, list):
         is_numbered = any(isinstance(one, dict) for one in marks)
         value = NUMBERED if is_numbered else OWN
-        field = of._text(at, "places", "where it believes them to be; drag them on the canvas", "table")
+        field = of.text(at, "places", "where it believes them to be; drag them on the canvas", "table")
         field["widget"] = _numbered() if is_numbered else _POINTS
         section["fields"] = [field]
     section["use"] = {

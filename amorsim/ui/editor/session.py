@@ -235,11 +235,11 @@ class EditSession:
             "is_new": work.is_new,
             "is_behind": self._is_behind,
             "is_checking": self._is_checking,
-            "remark": work.remark,
+            "remark": work.steps.remark,
             "changed_outside": self._changed_outside,
-            "undo": work.history.done[-1].label if work.history.done else "",
-            "redo": work.history.undone[-1].label if work.history.undone else "",
-            "steps": len(work.history.done),
+            "undo": work.steps.history.done[-1].label if work.steps.history.done else "",
+            "redo": work.steps.history.undone[-1].label if work.steps.history.undone else "",
+            "steps": len(work.steps.history.done),
             **self._controls.state(),
         }
         if self._drawn > after:
@@ -342,12 +342,12 @@ class EditSession:
                 self.touched()
                 return {"ok": True, "file": str(file)}
             case {"do": "heard"}:
-                work.remark = ""
+                work.steps.remark = ""
                 self.tell()
                 return {"ok": True}
             case {"do": "reload"}:
                 work.reload()
-                work.remark = ""
+                work.steps.remark = ""
                 self._changed_outside = []
                 self.touched()
                 return {"ok": True}

@@ -58,8 +58,8 @@ def edit(
         If there is no such file, or nothing can be served there.
     """
     work = Work(name, folder, state=state_folder())
-    if work.remark:
-        complain(work.remark)
+    if work.steps.remark:
+        complain(work.steps.remark)
     pages = Pages()
     may_run_code = allow_code or Door(host=host, port=port).is_for_this_machine
     opened = _Opened(pages, folder, may_run_code=may_run_code)

@@ -14,8 +14,9 @@ from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.elsewhere import named_files
 from amorsim.ui.editor.files import Files, FilesError, FileText
 from amorsim.ui.editor.history import History, Patch, Step, difference
-from amorsim.ui.editor.journal import Journal, JournalError, Kept, mark_of
+from amorsim.ui.editor.journal import Kept, mark_of
 from amorsim.ui.editor.recent import remember
+from amorsim.ui.editor.steps import Steps
 from amorsim.ui.editor.walls import WallsError
 from amorsim.ui.editor.world_map import WorldMap
 from amorsim.ui.faults.files import Stamps, stamps_of
@@ -50,8 +51,8 @@ class Work:
         The files that are edited with the scenario.
     world
         The map of its world.
-    remark
-        What to tell the user about the journal; empty for nothing.
+    steps
+        The steps that can be undone, and what is to tell of their journal.
     state
         As given.
 
@@ -64,7 +65,7 @@ class Work:
     def __init__(self, name: str, folder: Path, *, state: Path | None = None, registry: Registry | None = None) -> None:
         self.registry = registry or default_registry()
         self.folder = folder.absolute()
-        self.history = History()
+        self.steps = Steps(state)
         self.files = Files()
         self.world = WorldMap(self)
         self.is_new = True  # whether it has no file of its own yet
@@ -83,10 +84,7 @@ class Work:
         self._original = self.document.text
         self._stamps: Stamps = {} if self.is_new else stamps_of([self.path])
         self.state = state
-        self._known: set[str] = set()  # the texts that the journal has
-        self.remark = ""
-        self._journal = self._open_journal()
-        kept = None if self._journal is None else self._journal.read()
+        kept = self.steps.open(self._key)
         if kept is not None and SCENARIO in kept.texts:
             self._take_up(kept)
         self._rewrite_journal()
@@ -99,9 +97,7 @@ class Work:
 
     def close(self) -> None:
         """Release the journal, so that another Editor can open the scenario."""
-        if self._journal is not None:
-            self._journal.close()
-            self._journal = None
+        self.steps.close()
 
     # -------------------------------------------------------------------------------------------------------- changes
 
@@ -160,22 +156,18 @@ class Work:
 
     def undo(self) -> str:
         """Undo the last step; returns its label, empty if there is none."""
-        step = self.history.back()
+        step = self.steps.back()
         if step is None:
             return ""
         self._apply(step, back=True)
-        if self._journal is not None:
-            self._journal.undo()
         return step.label
 
     def redo(self) -> str:
         """Redo the step that was undone last; returns its label, empty if there is none."""
-        step = self.history.forward()
+        step = self.steps.forward()
         if step is None:
             return ""
         self._apply(step)
-        if self._journal is not None:
-            self._journal.redo()
         return step.label
 
     def _apply(self, step: Step, *, back: bool = False) -> None:
@@ -198,13 +190,8 @@ class Work:
                 there = self.files[Path(name)].first
             if there != text:
                 patches[name] = difference(there, text)
-        if patches:
-            step = Step(label, patches)
-            self.history.add(step)
-            if self._journal is not None and set(patches) <= self._known:
-                self._journal.step(step)
-            else:
-                self._rewrite_journal()
+        if patches and not self.steps.add(Step(label, patches)):
+            self._rewrite_journal()
 
     # ---------------------------------------------------------------------------------------------------------- looking
 
@@ -278,7 +265,7 @@ class Work:
             self.document.save(self.path)
         self._saved = self.text
         self._stamps = stamps_of([self.path])
-        self._note_saved()
+        self.steps.saved(self._marks())
         return self.path
 
     def save_program(self, name: str) -> bool:
@@ -292,12 +279,8 @@ class Work:
         if self._is_bundled:
             return False
         self.files.write(self.here / name)
-        self._note_saved()
+        self.steps.saved(self._marks())
         return True
-
-    def _note_saved(self) -> None:
-        if self._journal is not None:
-            self._journal.saved(self._marks())
 
     def save_as(self, path: Path, *, overwrite: bool = False) -> Path:
         """Write it all as another file, whose name it has from now on.
@@ -327,10 +310,10 @@ class Work:
         self.document, self.path, self.name, self.is_new = other, path, path.stem, False
         self.folder, self._saved = path.parent, other.text
         if other.text != before:  # files are named otherwise from there: the steps are of another text
-            self.history = History()
+            self.steps.history = History()
         self._stamps = stamps_of([path])
-        self._forget_journal()
-        self._journal = self._open_journal()
+        self.steps.forget()  # it has another name now, and the next new page starts empty
+        self.steps.open(self._key)
         self._rewrite_journal()
         self._note()
         return path
@@ -345,7 +328,7 @@ class Work:
         unnamed = {file: there / file.relative_to(here) for file in self.files if file.is_relative_to(here)}
         self.files.move(unnamed | places, written=places)
         for file, place in (unnamed | places).items():
-            self.history.rename(str(file), str(place))
+            self.steps.history.rename(str(file), str(place))
 
     def reload(self) -> None:
         """Read the files again, or begin again if there are none. `undo` brings back what was not saved."""
@@ -365,7 +348,7 @@ class Work:
         if set(before) == set(self.texts):
             self._remember("reload", before)
         else:
-            self.history = History()
+            self.steps.history = History()
             self._rewrite_journal()
         self._stamps = {} if self.is_new else stamps_of([self.path])
 
@@ -375,31 +358,13 @@ class Work:
         """Marks of what is in the files, as far as is known."""
         return {SCENARIO: mark_of(self._saved), **self.files.marks}
 
-    def _open_journal(self) -> Journal | None:
-        if self.state is None:
-            return None
-        key = f"{self.folder / self.name} (new)" if self.is_new else str(self.path)
-        try:
-            return Journal(self.state, key)
-        except JournalError as error:
-            self.remark = str(error)
-            return None
+    @property
+    def _key(self) -> str:
+        """The journal's."""
+        return f"{self.folder / self.name} (new)" if self.is_new else str(self.path)
 
     def _rewrite_journal(self) -> None:
-        if self._journal is None:
-            return
-        self._known = set(self.texts)
-        try:
-            self._journal.rewrite(Kept(texts=self.texts, history=self.history, saved=self._marks()))
-        except JournalError as error:
-            self.remark = str(error)
-            self.close()
-
-    def _forget_journal(self) -> None:
-        """Empty the journal: what is saved under a name has another one, and the next new page starts empty."""
-        if self._journal is not None:
-            self._journal.forget()
-        self.close()
+        self.steps.rewrite(self.texts, self._marks())
 
     def _take_up(self, kept: Kept) -> None:
         """Continue from the steps in the journal."""
@@ -414,7 +379,7 @@ class Work:
         marks = self._marks()
         changed = [name for name, mark in kept.saved.items() if marks.get(name) != mark]
         had_unsaved = any(mark_of(text) != kept.saved.get(name) for name, text in kept.texts.items())
-        self.history = kept.history
+        self.steps.history = kept.history
         self._restore(kept.texts)
         if changed and not had_unsaved:  # by hand, with nothing of ours to lose
             self._restore(on_disk)
@@ -422,5 +387,5 @@ class Work:
         elif changed and not self.is_new:
             for name in changed:
                 (self.files.stamps if name else self._stamps)[Path(name) if name else self.path] = None
-        if not self.is_saved and self.history.done:
-            self.remark = "changes that were not saved last time are restored"
+        if not self.is_saved and self.steps.history.done:
+            self.steps.remark = "changes that were not saved last time are restored"

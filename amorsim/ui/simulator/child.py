@@ -8,7 +8,6 @@ simulation never waits for a reader, and the process ends when its session does:
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import faulthandler
 import json
 import os
@@ -20,13 +19,13 @@ import time
 import traceback
 from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
 from typing import IO, Any
 
 from amorsim.core.errors import AmorsimError
-from amorsim.core.trouble import explain, users_lines
+from amorsim.core.trouble import explain
 from amorsim.kernels.cache_folder import mark_warm
 from amorsim.ui.faults.lines import lines_of
+from amorsim.ui.simulator.busy import Busy, Interrupted
 from amorsim.ui.simulator.carried import Carried, Carrier
 from amorsim.ui.simulator.commands import Commands
 from amorsim.ui.simulator.faults import Fault
@@ -40,7 +39,7 @@ from amorsim.ui.simulator.recording import Recording
 from amorsim.ui.simulator.replaying import Replaying
 from amorsim.ui.simulator.scenes import SceneBuilder
 from amorsim.ui.simulator.source import Source
-from amorsim.ui.simulator.stacks import is_compiling, robot_of
+from amorsim.ui.simulator.stacks import robot_of
 from amorsim.ui.simulator.watching import Watching
 
 __all__ = ["Child", "main"]
@@ -52,14 +51,8 @@ LONGEST_END = 1.7  # [s] that a step may take to end once all is to end
 # Where not even a thread that only reads gets its turn (code that never lets Python go), the process ends by itself.
 LONGEST_SILENCE = 60.0  # [s]
 
-LONGEST_QUIET = 1.0  # [s] after which it is said that kernels are compiled
-
 # What the session says that the simulation needs not be asked for.
 _AT_ONCE = ("ping", "frame", "interrupt", "end")
-
-
-class Interrupted(BaseException):
-    """Raised in a user's controller that does not return; no `except Exception` of his catches it."""
 
 
 class Child:
@@ -79,10 +72,8 @@ class Child:
         self._writer = Writer(answers)
         self._commands: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._is_ending = threading.Event()
-        self._main = threading.main_thread().ident or 0
+        self._busy = Busy()
         self._process = os.getpid()
-        self._busy_since: float | None = None  # when the present step, or replay, began
-        self._in_step = False
         self._is_wanted = False  # a frame, by the session
         self._robots: tuple[int, ...] = (0,)  # of which it is to tell all
         self._number = 0
@@ -117,53 +108,26 @@ class Child:
         name = command["do"]
         if name == "ping":
             faulthandler.dump_traceback_later(LONGEST_SILENCE, exit=True, file=2)
-            self._writer.send(self._sign_of_life(command))
+            life = self._busy.sign_of_life(float(command.get("patience", 5.0)))
+            self._writer.send({"id": command["id"], "ok": True, "tick": self._tick, **life})
         elif name == "frame":
             self._robots = tuple(command["robots"])
             self._is_wanted = True
             self._changed = self._changed or bool(command["now"])
             self._commands.put({"do": ""})  # wakes an idle loop
         elif name == "interrupt":
-            self._interrupt()
+            self._busy.interrupt()
         else:
             self.end()
-
-    def _sign_of_life(self, command: Mapping[str, Any]) -> dict[str, Any]:
-        since = self._busy_since
-        held = 0.0 if since is None else time.monotonic() - since
-        answer: dict[str, Any] = {"id": command["id"], "ok": True, "held": held, "tick": self._tick}
-        if held > LONGEST_QUIET:
-            # On a busy machine it can take as long to read kernels from their cache, which is not worth a message.
-            answer["compiling"] = is_compiling(self._stack()[1], reading_counts=False)
-        if self._in_step and held > float(command.get("patience", 5.0)):
-            answer |= self._where()
-        return answer
-
-    def _stack(self) -> tuple[FrameType | None, traceback.StackSummary]:
-        """What the first thread is in."""
-        frame = sys._current_frames().get(self._main)
-        return frame, traceback.extract_stack(frame) if frame is not None else traceback.StackSummary()
-
-    def _where(self) -> dict[str, Any]:
-        """Which controller holds up the first thread, and where."""
-        frame, stack = self._stack()
-        # A kernel that is met for the first time (at a first contact ...) is compiled: that takes its time, and ends.
-        lines = [] if is_compiling(stack) else users_lines(stack)
-        return {"stack": "\n".join(lines), "robot": robot_of(frame)} if lines else {}
 
     def end(self) -> None:
         """Let the first thread end, and see to it that the process does."""
         self._is_ending.set()
         self._commands.put({"do": ""})
-        for seconds, then, arguments in ((LONGEST_STEP, self._interrupt, ()), (LONGEST_END, os._exit, (1,))):
+        for seconds, then, arguments in ((LONGEST_STEP, self._busy.interrupt, ()), (LONGEST_END, os._exit, (1,))):
             timer = threading.Timer(seconds, then, arguments)
             timer.daemon = True
             timer.start()
-
-    def _interrupt(self) -> None:
-        """Break off the controller that the first thread is in, if Python can."""
-        if self._in_step and self._where():
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._main), ctypes.py_object(Interrupted))
 
     # ------------------------------------------------------------------------------------------- the simulating thread
 
@@ -172,7 +136,7 @@ class Child:
     ) -> None:
         """Make the simulation, and simulate until the session ends."""
         try:
-            self._busy_since = time.monotonic()
+            self._busy.begin(in_step=False)
             if recipe.is_recorded:
                 ready = self._open(recipe, epoch)
             else:
@@ -180,7 +144,7 @@ class Child:
         except AmorsimError as error:
             self._writer.send({"push": "failed", "error": explain(error), "faults": lines_of(error)})
             return
-        self._busy_since = None
+        self._busy.end()
         source = self._source = self._does.source
         self._folder, self._tick = str(source.folder or ""), source.newest
         self._writer.send({"push": "ready", "scene": self._does.scene, "folder": self._folder, **ready})
@@ -248,7 +212,7 @@ class Child:
             pass
 
     def _carry_out(self, command: dict[str, Any]) -> None:
-        self._busy_since, self._in_step = time.monotonic(), True
+        self._busy.begin()
         try:
             answer = self._does.carry_out(command)
         except Interrupted:
@@ -258,7 +222,7 @@ class Child:
             sys.stderr.write("".join(traceback.format_exception(error)))
             answer = {"ok": False, "error": f"{type(error).__name__}: {error}"}
         finally:
-            self._busy_since, self._in_step = None, False
+            self._busy.end()
         self._changed = True
         self._tick = self._source.newest
         self._tell_inputs()
@@ -271,14 +235,14 @@ class Child:
         if self._is_ending.is_set():
             return
         source.watched = self._robots
-        self._busy_since, self._in_step = time.monotonic(), True
+        self._busy.begin()
         try:
             made = source.step(watched=is_watched)
         except Interrupted:
             made = False
             self._interrupted()
         finally:
-            self._busy_since, self._in_step = None, False
+            self._busy.end()
         self._expect_original()
         self._changed = True
         self._tick = source.newest

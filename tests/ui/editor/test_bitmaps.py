@@ -96,7 +96,7 @@ def test_a_bitmap_world_is_painted_cropped_undone_and_saved(tmp_path: Path) -> N
         assert (await drawn(session))["faults"] == []
         spans = [[40, 20, 30], [41, 20, 30]]
         await do(session, do="edit", label="paint", changes=[{"op": "paint", "spans": spans, "occupied": True}])
-        (journalled,) = session.work.history.done
+        (journalled,) = session.work.steps.history.done
         assert sum(len(patch.new) for patch in journalled.patches.values()) < 60  # a stroke, not a picture
         assert (tmp_path / "room.png").read_bytes() == before
         await drawn(session)

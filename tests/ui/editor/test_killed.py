@@ -52,7 +52,7 @@ def check(folder: Path, before: int) -> int:
     # A step is reported once it is made; one more may have been made, or, in the middle of an undo, one less.
     assert found in (last, last + 1) or (last + 1) % 7 == 0, f"{last} was reported, {found} is there"
     texts = work.texts
-    back = min(BACK, len(work.history.done))
+    back = min(BACK, len(work.steps.history.done))
     if found >= 5:  # each fifth step writes a program, too
         assert work.program("drive.py").text == program(int(found) // 5 * 5)
     for _ in range(back):

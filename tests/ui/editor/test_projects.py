@@ -346,7 +346,7 @@ def test_a_program_is_part_of_the_steps_and_of_the_journal(tmp_path: Path) -> No
         await do(session, do="write_code", file="mine.py", text=DRIVE, controller=at)
         await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")
         await do(session, do="write_code", file="mine.py", text=DRIVE + "# more\n")  # which is no step
-        assert len(session.work.history.done) == 3
+        assert len(session.work.steps.history.done) == 3
         assert session.work.document.get(f"{at}.use") == "mine.py:drive"
         said = await session.request({"do": "write_code", "file": "mine.py", "text": "", "controller": at})
         assert "is there already" in said["error"]
@@ -416,7 +416,7 @@ def test_a_program_for_a_bundled_scenario_is_saved_with_its_copy(tmp_path: Path)
         await do(session, do="save_as", name="own")
         assert (tmp_path / "mine.py").read_text() == DRIVE
         assert session.work.is_saved
-        assert len(session.work.history.done) == 1
+        assert len(session.work.steps.history.done) == 1
         await do(session, do="undo")
         await do(session, do="redo")
         assert session.work.is_saved

@@ -124,7 +124,7 @@ def test_what_is_drawn_and_said_is_that_of_the_present_text(tmp_path: Path) -> N
         things = {thing["name"]: thing for thing in seen["things"]}
         assert things["scout"]["faults"] == 1
         assert things["rover"]["faults"] == 0
-        assert len(session.work.history.done) == 1
+        assert len(session.work.steps.history.done) == 1
 
     talk(str(file), tmp_path, say)
     assert file.read_text() == am.open_document("doors").text
@@ -137,7 +137,7 @@ def test_a_step_that_fails_in_the_middle_changes_nothing(tmp_path: Path) -> None
         said = await session.request({"do": "edit", "label": "two", "changes": changes})
         assert not said["ok"]
         assert session.work.texts == before
-        assert session.work.history.done == []
+        assert session.work.steps.history.done == []
 
     talk("demo", tmp_path, say)
 
@@ -315,7 +315,7 @@ def test_what_makes_no_sense_is_refused_and_changes_nothing(command: dict[str, A
         assert not said["ok"]
         assert said["error"]
         assert {name: text for name, text in session.work.texts.items() if name in before} == before
-        assert session.work.history.done == []
+        assert session.work.steps.history.done == []
 
     talk("demo", tmp_path, say)
 

@@ -55,12 +55,12 @@ def test_steps_and_work_that_was_not_saved_are_there_again(user: User) -> None:
     wall(work, 3.0)
     seed(work, 6)
     work.undo()
-    texts, done, undone = work.texts, work.history.done, work.history.undone
+    texts, done, undone = work.texts, work.steps.history.done, work.steps.history.undone
     again = user.open("demo")
     assert again.texts == texts
-    assert again.history.done == done
-    assert again.history.undone == undone
-    assert "not saved" in again.remark
+    assert again.steps.history.done == done
+    assert again.steps.history.undone == undone
+    assert "not saved" in again.steps.remark
     assert again.redo() == "seed 6"
     while again.undo():
         pass
@@ -76,16 +76,16 @@ def test_a_saved_scenario_keeps_its_steps_and_says_nothing(user: User, tmp_path:
     seed(work, 6)
     work.save()
     again = user.open(str(tmp_path / "mine.toml"))
-    assert again.remark == ""
+    assert again.steps.remark == ""
     assert again.is_saved
-    assert [step.label for step in again.history.done] == ["seed 5", "wall", "seed 6"]
+    assert [step.label for step in again.steps.history.done] == ["seed 5", "wall", "seed 6"]
     while again.undo():
         pass
     again.save()
     assert (tmp_path / "mine.toml").read_text() == am.open_document("demo").text
     assert (tmp_path / "office.wld").read_bytes() == am.open_document("demo").path.with_name("office.wld").read_bytes()
     # The bundled one begins afresh.
-    assert user.open("demo").history.done == []
+    assert user.open("demo").steps.history.done == []
 
 
 def test_a_file_that_was_changed_between_is_taken_as_it_is_and_can_be_undone(user: User, tmp_path: Path) -> None:
@@ -130,10 +130,10 @@ def test_what_has_no_file_can_begin_again(user: User) -> None:
 def test_two_editors_of_one_scenario_do_not_write_one_journal(user: User, tmp_path: Path) -> None:
     work = user.open("demo")
     other = Work("demo", tmp_path, state=tmp_path / ".state")
-    assert "another Editor" in other.remark
+    assert "another Editor" in other.steps.remark
     seed(other, 9)
     seed(work, 5)
-    assert [step.label for step in user.open("demo").history.done] == ["seed 5"]
+    assert [step.label for step in user.open("demo").steps.history.done] == ["seed 5"]
 
 
 def test_a_journal_that_cannot_be_read_is_begun_again(user: User, tmp_path: Path) -> None:
@@ -142,7 +142,7 @@ def test_a_journal_that_cannot_be_read_is_begun_again(user: User, tmp_path: Path
     (file,) = (tmp_path / ".state" / "edit").glob("*.jsonl")
     for text in ("", "nothing", "[]", json.dumps({"format": 99}), '{"format": 1, "texts": 3, "saved": {}}'):
         file.write_text(text)
-        assert user.open("demo").history.done == []
+        assert user.open("demo").steps.history.done == []
     lines = [
         '{"format": 1, "texts": {"": "format = 1\\n"}, "saved": {}}',
         '{"step": "x", "patches": {"": [11, "", "# one\\n"]}}',
@@ -152,13 +152,13 @@ def test_a_journal_that_cannot_be_read_is_begun_again(user: User, tmp_path: Path
     file.write_text("\n".join(lines))
     work = user.open("demo")
     assert work.text == "format = 1\n# one\n"
-    assert len(work.history.done) == 1
+    assert len(work.steps.history.done) == 1
 
 
 def test_a_state_folder_that_cannot_be_written_is_said_and_stops_nothing(tmp_path: Path) -> None:
     (tmp_path / "state").write_text("a file, and no folder")
     work = Work("demo", tmp_path, state=tmp_path / "state")
-    assert "steps are not kept" in work.remark
+    assert "steps are not kept" in work.steps.remark
     seed(work, 5)
     assert work.undo() == "seed 5"
 
@@ -168,7 +168,7 @@ def test_five_hundred_steps_can_be_undone_and_the_journal_stays_small(user: User
     for number in range(510):
         seed(work, number + 2)
     again = user.open("demo")
-    assert len(again.history.done) == 500
+    assert len(again.steps.history.done) == 500
     (file,) = (tmp_path / ".state" / "edit").glob("*.jsonl")
     assert file.stat().st_size < 100_000
     while again.undo():
@@ -191,7 +191,7 @@ import sys
 from pathlib import Path
 from amorsim.ui.editor.work import Work
 work = Work("demo", Path(sys.argv[1]), state=Path(sys.argv[1]) / ".state")
-for number in range(len(work.history.done), 100_000):
+for number in range(len(work.steps.history.done), 100_000):
     work.edit("seed", lambda work: work.document.set("simulation.seed", number + 2))
     print(number + 2, flush=True)
 """
