@@ -71,7 +71,8 @@ def do_it(editor: Editor, show: Callable[[str], None]) -> None:
     editor.until("stage.selection.only?.path === 'robots.0'")
     _open(editor, "robots.0.controller")
     editor.step(lambda: page.select_option("[id='use-robots.0.controller']", "wander"))
-    page.locator('[data-section="robots.0.controller"]').scroll_into_view_if_needed()
+    page.wait_for_selector('[data-path="robots.0.controller.speed"]')  # what was chosen is there to be seen
+    _scroll_to(editor, "robots.0.controller")
     show("robot")
 
     page.select_option("select[aria-label='add a thing']", "post")
@@ -116,6 +117,13 @@ def _open(editor: Editor, section: str) -> None:
     """Unfold a section of the inspector."""
     editor.page.wait_for_selector(f'[data-section="{section}"]')
     editor.page.evaluate("section => (document.querySelector(`[data-section='${section}']`).open = true)", section)
+
+
+def _scroll_to(editor: Editor, section: str) -> None:
+    """Bring a section of the inspector into sight, in one go: the inspector may be made again meanwhile."""
+    editor.page.evaluate(
+        "section => document.querySelector(`[data-section='${section}']`).scrollIntoView({ block: 'end' })", section
+    )
 
 
 if __name__ == "__main__":

@@ -51,6 +51,13 @@ def test_a_fleet_at_random_is_drawn_where_a_run_starts_it_and_its_box_is_dragged
     page.locator("canvas").first.focus()
     editor.step(lambda: page.keyboard.press("ArrowRight"))
     assert editor.see(box) == [[0.7, 1.5], [5.5, 5.0]]
+    # A copy starts elsewhere, and is selected by a box.
+    page.keyboard.press("Escape")
+    editor.drag((0.2, 1.2), (6.0, 5.5))
+    assert [one["title"] for one in editor.see("stage.selection.things")] == ["fleet"]
+    editor.step(lambda: page.keyboard.press("Control+d"))
+    assert editor.see("stage.things.find(({path}) => path === 'robots.1').places[0].points") == [[0.9, 1.3], [5.7, 4.8]]
+    editor.step(lambda: page.keyboard.press("Control+z"))
     editor.until("!ghosts.isAsking")
     ghosts = page.evaluate(f"Object.fromEntries({PAGE}.stage.ghosts)")
     page.keyboard.press("Escape")

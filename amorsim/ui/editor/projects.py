@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from amorsim.core.errors import AmorsimError
+from amorsim.core.numbers import is_number
 from amorsim.plugins.manager import default_registry
 from amorsim.ui.editor.files import PROGRAM
 from amorsim.ui.editor.formats import map_files
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ASKS", "Projects"]
 
-ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "starts", "code", "worlds")
+ASKS = ("difference", "others", "zip", "picture", "preview", "histogram", "starts", "clearance", "code", "worlds")
 MOST_LISTED = 200  # files of the project that are listed
 LONGEST_BENCH = 240.0  # [s] of an experiment, or of writing a world: their kernels may have to be compiled
 LONGEST_CODE = 1_000_000  # letters
@@ -80,6 +81,9 @@ class Projects:
                 return {"ok": True, **await self._experiment("square", robot=robot)}
             case {"do": "histogram", "robot": str(robot), "sensor": str(sensor)}:
                 return {"ok": True, **await self._experiment("noise", robot=robot, sensor=sensor)}
+            case {"do": "clearance", "x": x, "y": y} if is_number(x, below=1e6) and is_number(y, below=1e6):
+                gap = await asyncio.to_thread(self._session.reader.ask, "clearance", x=float(x), y=float(y))
+                return {"ok": True, "gap": gap}
             case {"do": "starts"}:
                 return {
                     "ok": True,

@@ -10,7 +10,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from amorsim.core.errors import AmorsimError
+from amorsim.core.shapes import Shape
+from amorsim.core.starts import wall_gaps
 from amorsim.core.trouble import error_in_words
 from amorsim.plugins.manager import default_registry
 from amorsim.scenario.code_check import check_code
@@ -20,6 +24,9 @@ from amorsim.ui.editor.keeping import picture_of, save_model, write_world
 from amorsim.ui.editor.looking import CODE_LIMIT, Seen, look, placed
 
 __all__ = ["main"]
+
+_POINT = 1e-6  # [m], the radius of a point, whose clearance is asked for
+_FARTHEST = 1000.0  # [m] that walls are looked for
 
 
 def main() -> None:
@@ -96,6 +103,14 @@ class _Functions:
         if found is None:
             raise AmorsimError("there is no such thing")
         return save_model(self._partial(), found, sensor, target, parent, self._registry)
+
+    def clearance(self, x: float, y: float) -> float:
+        """How far the nearest wall of the world that was seen last is from a point [m]; 0 in a wall."""
+        world = self._partial().map
+        if world is None:
+            raise AmorsimError("the world cannot be read; mend its faults first")
+        gaps, _ = wall_gaps(world, [Shape.circle(_POINT)], np.array([[x, y, 0.0]]), cap=_FARTHEST)
+        return max(0.0, float(gaps[0]) + _POINT)
 
     def square(self, text: str, path: Path, robot: str, **_: Any) -> Any:
         """What a robot's errors do on a square."""

@@ -117,3 +117,19 @@ def test_a_bitmap_world_is_painted_cropped_undone_and_saved(tmp_path: Path) -> N
 
     talk(str(file), tmp_path, say)
     assert (np.asarray(Image.open(tmp_path / "room.png").convert("L")) == levels).all()
+
+
+def test_the_clearance_of_a_point_is_that_to_the_nearest_occupied_cell(tmp_path: Path) -> None:
+    levels = np.full((40, 60), 255, dtype=np.uint8)
+    levels[:, 0] = 0
+    Image.fromarray(levels).save(tmp_path / "m.png")
+    file = tmp_path / "m.toml"
+    file.write_text('format = 1\n[world]\nmap = "m.png"\nresolution = 0.1\n')
+
+    async def say(session: EditSession) -> None:
+        await drawn(session)
+        assert (await do(session, do="clearance", x=2.0, y=2.0))["gap"] == pytest.approx(1.9, abs=1e-4)
+        assert (await do(session, do="clearance", x=0.05, y=2.0))["gap"] == 0.0
+        assert not (await session.request({"do": "clearance", "x": "far", "y": 2.0}))["ok"]
+
+    talk(str(file), tmp_path, say)

@@ -172,6 +172,7 @@ def test_a_generated_world_is_made_into_walls_that_can_be_drawn(tmp_path: Path) 
     talk("", tmp_path, say)
 
 
+@pytest.mark.long  # starts a process of its own
 def test_a_generated_world_becomes_a_file_in_one_step_and_is_written_by_a_save(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         world = {"map": {"generate": "office", "seed": 3}}
@@ -454,6 +455,7 @@ def test_errors_and_noise_are_previewed(tmp_path: Path) -> None:
     talk("demo", tmp_path, say)
 
 
+@pytest.mark.long  # starts a process of its own
 def test_starts_at_random_are_drawn_as_a_run_draws_them(tmp_path: Path) -> None:
     async def say(session: EditSession) -> None:
         fleet = {"name": "f", "model": "pioneer2dx", "count": 4, "start": {"random": [1.0, 1.0, 5.0, 5.0]}}

@@ -37,6 +37,20 @@ export function lastCopy() {
   }
 }
 
+/** Shift the points of a table that lie at a path: where many start, or the way that a thing moves.
+ * @param {any} table
+ * @param {string[]} path */
+function shift(table, path, dx, dy) {
+  const holder = path.slice(0, -1).reduce((inner, key) => inner?.[key], table);
+  const key = path[path.length - 1];
+  const found = holder?.[key];
+  const moved = (/** @type {number[]} */ [x, y]) => [round(x + dx), round(y + dy)];
+  if (!found) return;
+  if (!Array.isArray(found)) Object.assign(found, { x: round(found.x + dx), y: round(found.y + dy) });
+  else if (Array.isArray(found[0])) holder[key] = found.map(moved);
+  else holder[key] = [...moved(found), ...(found.length === 4 ? moved(found.slice(2)) : [])];
+}
+
 /** The changes that put copies, shifted by so much [m]; `names` are the things there are, to which the copies come.
  * @param {any[]} names
  * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
@@ -56,6 +70,10 @@ export function pasted(names, clip, [dx, dy]) {
     if (list === "landmarks" || list === "lights") [copy.x, copy.y] = [round((copy.x ?? 0) + dx), round((copy.y ?? 0) + dy)];
     else if (thing?.pose && !copy.start) {
       copy.pose = { ...copy.pose, x: round(thing.pose[0] + dx), y: round(thing.pose[1] + dy) };
+    }
+    for (const place of thing?.places ?? []) {
+      const at = place.path.slice(thing.path.length + 1);
+      if (at.startsWith("start.") || at.startsWith("motion.")) shift(copy, at.split("."), dx, dy);
     }
     changes.push({ op: "add", path: list, value: copy });
   }

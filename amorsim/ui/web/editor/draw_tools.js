@@ -90,8 +90,8 @@ export class LineTool extends DrawTool {
   }
 
   get says() {
-    const more = this.goesOn ? " Escape ends." : "";
-    return `Click where the wall begins, and where it ends; or type its length.${more} Shift: every 15°. Alt: no snapping.`;
+    const what = this.goesOn ? "Click one end after another, or type lengths. Escape ends." : "Click both ends, or type the length.";
+    return `${what} Shift: 15°. Alt: no snapping.`;
   }
 
   about(mark) {
@@ -210,7 +210,7 @@ export class CircleTool extends DrawTool {
 
 export class MeasureTool extends DrawTool {
   get says() {
-    return "Click two points: distance and angle, and how far the pointer is from the nearest wall.";
+    return "Click two points: distance and angle, and how far the nearest wall is.";
   }
 
   about(mark) {
@@ -225,6 +225,13 @@ export class MeasureTool extends DrawTool {
 
   point({ x, y }) {
     this.points = this.points.length === 1 ? [...this.points, [x, y]] : [[x, y]];
+    if (!this.stage.walls.walls.length) this.ask(x, y);
+  }
+
+  /** Say how far the nearest cell of a bitmap is: the page has walls alone. */
+  async ask(x, y) {
+    const said = await this.page.connection.ask({ do: "clearance", x, y });
+    if (said.ok) this.page.hint(`nearest wall ${said.gap.toFixed(3)} m`);
   }
 }
 

@@ -5,7 +5,7 @@ import { StillRobotLayer, StillStage, atRest, stillFrame } from "../shared/still
 import { BodiesLayer, NamesLayer } from "../shared/world.js";
 import { Carried } from "./carried.js";
 import { Walls, isIn } from "./geometry.js";
-import { GhostsLayer } from "./ghosts.js";
+import { GhostsLayer, startsOf } from "./ghosts.js";
 import { gripsOf } from "./grips.js";
 import { MarksLayer, PreviewLayer, WordsLayer } from "./layers.js";
 import { thingAt } from "./picking.js";
@@ -263,7 +263,11 @@ export class EditStage extends StillStage {
    * @returns {Chosen[]} */
   within(box) {
     const [x0, y0, x1, y1] = box;
-    const things = this.things.filter(({ pose, kind, moves }) => pose && moves && this.isFree(kind) && pose[0] >= x0 && pose[0] <= x1 && pose[1] >= y0 && pose[1] <= y1);
+    const isInside = ([x, y]) => x >= x0 && x <= x1 && y >= y0 && y <= y1;
+    const things = this.things.filter((thing) => {
+      const points = thing.pose ? (thing.moves ? [thing.pose] : []) : startsOf(thing).flatMap((place) => place.points);
+      return points.length && this.isFree(thing.kind) && points.every(isInside);
+    });
     const walls = this.isFree("wall") ? this.walls.walls.flatMap((wall, n) => (isIn(wall, box) ? [this.chosenWall(n)] : [])) : [];
     return [...things.map((thing) => this.chosenOf(thing)), ...walls];
   }
