@@ -23,6 +23,7 @@ __all__ = ["Dxf"]
 
 _MOST_BYTES = 50_000_000
 _MOST_ENTITIES = 500_000
+_MOST_INSERTED = 200_000  # by one insert: ezdxf takes some 40 us for each
 _DEEPEST = 20
 _UNIT = 0.001  # [m]
 _NO_UNIT = (
@@ -117,6 +118,7 @@ class _Walls:
         self._wanted = wanted
         self._off = off
         self._count = 0
+        self._weights: dict[str, int] = {}
 
     def add(self, entities: Iterable[Any], depth: int, above: str = "0") -> None:
         """Add the lines of some entities; `above` is the layer of the block that they are in."""
@@ -145,12 +147,34 @@ class _Walls:
                 self._add_entity(entity, kind)
 
     def _add_insert(self, insert: Any, depth: int, layer: str) -> None:
-        if depth > _DEEPEST:
-            raise MapError(f"its blocks are inserted in each other more than {_DEEPEST} deep")
-        if insert.mcount > _MOST_ENTITIES:
-            raise MapError(f"a block is inserted {insert.mcount} times")
+        block = insert.block()
+        if block is None or block.block.is_xref:
+            self._drawing.leave_out("inserts of blocks that are not in the file")
+            return
+        weight = insert.mcount * self._weigh(block, ())
+        if self._count + weight > _MOST_ENTITIES or weight > _MOST_INSERTED:
+            raise MapError(
+                f"block {block.name!r} unpacks to {weight} entities, with the blocks that are inserted in it; expected "
+                f"{_MOST_INSERTED} at most"
+            )
         for each in insert.multi_insert() if insert.mcount > 1 else (insert,):
             self.add(each.virtual_entities(), depth + 1, layer)
+
+    def _weigh(self, block: Any, outer: tuple[str, ...]) -> int:
+        """The entities of a block, those of blocks that are inserted in it included."""
+        name = str(block.name).casefold()
+        if name in outer or len(outer) > _DEEPEST:
+            way = " in ".join(repr(each) for each in (name, *reversed(outer[-3:])))
+            problem = "in itself" if name in outer else f"more than {_DEEPEST} deep"
+            raise MapError(f"its blocks are inserted {problem}: {way}")
+        if name not in self._weights:
+            weight = len(block)
+            for insert in block.query("INSERT"):
+                inner = insert.block()
+                if inner is not None:
+                    weight += int(insert.mcount) * self._weigh(inner, (*outer, name))
+            self._weights[name] = weight
+        return self._weights[name]
 
     def _add_entity(self, entity: Any, kind: str) -> None:
         error = self.lines.error

@@ -119,7 +119,8 @@ class GeoJson(MapLoader):
         places = [*parts.lines, *(ring for rings in parts.polygons for ring in rings)]
         every = np.concatenate(places) if places else np.zeros((1, 2))
         low, high = every.min(axis=0), every.max(axis=0)
-        is_angular = bool((np.abs(every) <= (180.0, 90.0)).all())
+        # A ring over the date line may go on beyond 180 degrees.
+        is_angular = bool((np.abs(every) <= (360.0, 90.0)).all())
         if self.coordinates == "metres":
             if is_angular and places and max(high - low) < 0.1:
                 remarks.append(
@@ -129,8 +130,12 @@ class GeoJson(MapLoader):
             return lambda line: line
         if not is_angular:
             raise MapError("it has numbers that are no longitude and latitude; say coordinates = 'metres'")
+        # What lies on both sides of the date line is narrower when counted from 0 to 360 degrees.
+        eastward = every[:, 0] % 360.0
+        if eastward.max() - eastward.min() < high[0] - low[0]:
+            low[0], high[0] = eastward.min(), eastward.max()
         middle = 0.5 * (low + high)
-        longitude = float(middle[0]) if self.longitude is None else self.longitude
+        longitude = _near_zero(float(middle[0])) if self.longitude is None else self.longitude
         latitude = float(middle[1]) if self.latitude is None else self.latitude
         if not abs(latitude) <= 89.0:
             raise MapError(f"it lies about latitude {latitude:.6g}; expected 89 degrees at most from the equator")
@@ -139,7 +144,13 @@ class GeoJson(MapLoader):
         flat = 1.0 - _ECCENTRICITY * math.sin(math.radians(latitude)) ** 2
         along = _RADIUS / math.sqrt(flat) * math.cos(math.radians(latitude))
         up = _RADIUS * (1.0 - _ECCENTRICITY) / flat**1.5
-        return lambda line: np.radians(line - (longitude, latitude)) * (along, up)
+
+        def project(line: Points) -> Points:
+            apart = line - (longitude, latitude)
+            apart[:, 0] -= 360.0 * np.round(apart[:, 0] / 360.0)
+            return np.asarray(np.radians(apart) * (along, up))
+
+        return project
 
 
 class _Parts:
@@ -211,7 +222,7 @@ class _Parts:
 
 def _parse(path: Path) -> Any:
     try:
-        return json.loads(read_bytes(path, _MOST_BYTES).decode("utf-8-sig"))
+        return json.loads(read_bytes(path, _MOST_BYTES).decode("utf-8-sig"), parse_int=float)
     except UnicodeDecodeError as error:
         raise MapError(f"byte {error.start} is no UTF-8, and GeoJSON is") from error
     except json.JSONDecodeError as error:
@@ -232,6 +243,11 @@ def _box(document: Any) -> tuple[float, float, float, float] | None:
         return None
     left, bottom, right, top = map(float, box)
     return (left, bottom, right, top) if left < right and bottom < top else None
+
+
+def _near_zero(degrees: float) -> float:
+    """The same longitude, from -180 to 180 degrees."""
+    return degrees - 360.0 * round(degrees / 360.0)
 
 
 def _join(where: str, key: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from pathlib import Path
 from typing import Any
 
@@ -208,3 +209,40 @@ def test_what_is_wrong_is_said(tmp_path: Path, text: str, words: str) -> None:
 def test_sniff() -> None:
     assert Dxf.sniff(b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n")
     assert not Dxf.sniff(b"0 0 10 0\n")
+
+
+def test_a_block_in_itself_is_named(tmp_path: Path) -> None:
+    drawing = ezdxf.new("R2000")
+    for name, inner in (("A", "B"), ("B", "A")):
+        drawing.blocks.new(name).add_blockref(inner, (0, 0))
+    drawing.modelspace().add_blockref("A", (0, 0))
+    drawing.saveas(tmp_path / "a.dxf")
+    with pytest.raises(MapError, match="its blocks are inserted in itself: 'a' in 'b' in 'a'"):
+        Dxf(unit=1.0).load(tmp_path / "a.dxf")
+
+
+def test_blocks_that_unpack_to_too_much_are_refused_before_they_are(tmp_path: Path) -> None:
+    drawing = ezdxf.new("R2000")
+    drawing.blocks.new("B0").add_line((0, 0), (1, 0))
+    for level in range(1, 7):
+        block = drawing.blocks.new(f"B{level}")
+        for _ in range(10):
+            block.add_blockref(f"B{level - 1}", (0, 0))
+    drawing.modelspace().add_blockref("B6", (0, 0))
+    drawing.saveas(tmp_path / "a.dxf")
+    began = time.process_time()
+    with pytest.raises(MapError, match=r"block 'B6' unpacks to 2\d+ entities, .* expected 200000 at most"):
+        Dxf(unit=1.0).load(tmp_path / "a.dxf")
+    assert time.process_time() - began < 5.0  # unpacked, 20 s and more
+
+
+def test_blocks_of_other_files_are_remarked_on(tmp_path: Path) -> None:
+    drawing = ezdxf.new("R2000")
+    drawing.add_xref_def("other.dxf", "X")
+    space = drawing.modelspace()
+    space.add_line((0, 0), (1, 0))
+    space.add_blockref("X", (0, 0))
+    drawing.saveas(tmp_path / "a.dxf")
+    assert Dxf(unit=1.0).load(tmp_path / "a.dxf").warnings == (
+        "left out: 1 inserts of blocks that are not in the file",
+    )

@@ -120,6 +120,35 @@ def test_what_is_wrong_is_said(tmp_path: Path, document: object, words: str) -> 
     assert str(caught.value).startswith(f"{path}: ")
 
 
+ACROSS = [(-0.001, 0.0), (0.001, 0.0), (0.001, 0.001), (-0.001, 0.001), (-0.001, 0.0)]
+
+
+@pytest.mark.parametrize(
+    "longitudes",
+    [
+        lambda x: (x + 180.0 + 180.0) % 360.0 - 180.0,  # from 179.999 to -179.999
+        lambda x: x + 180.0,  # on to 180.001
+        lambda x: x - 180.0,
+    ],
+)
+@pytest.mark.parametrize("longitude", [None, 180.0, -180.0, 179.9])
+def test_a_ring_over_the_date_line_is_in_one_piece(tmp_path: Path, longitudes, longitude: float | None) -> None:
+    def load(ring: list[list[float]], middle: float | None) -> am.Map:
+        path = written(tmp_path, geometry("Polygon", [ring]))
+        return GeoJson(coordinates="degrees", resolution=1.0, longitude=middle, latitude=10.0).load(path)
+
+    there = load([[longitudes(x), 10.0 + y] for x, y in ACROSS], longitude)
+    here = load([[x, 10.0 + y] for x, y in ACROSS], None if longitude is None else longitude % 360.0 - 180.0)
+    np.testing.assert_allclose(there.segments[:4], here.segments[:4], atol=1e-6)
+    assert there.shape == here.shape
+
+
+def test_a_number_of_thousands_of_digits_is_refused_with_its_place(tmp_path: Path) -> None:
+    path = written(tmp_path, '{"type": "LineString", "coordinates": [[1' + 5000 * "0" + ", 0], [1, 1]]}")
+    with pytest.raises(MapError, match=r"coordinates\[0\]: expected \[x, y\], two finite numbers"):
+        GeoJson().load(path)
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     walls=hnp.arrays(np.float64, st.tuples(st.integers(0, 6), st.just(4)), elements=st.floats(-1, 1, width=64)),
