@@ -27,6 +27,7 @@ from amorsim.core.parameters import own_first
 from amorsim.core.poses import compose, relative
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser, mounts_of, scans_of
+from amorsim.estimators.starts import covariance_at_start, refuse_lost
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.mapping import occupancy
 from amorsim.kernels.mapping.scan_cells import window_for
@@ -100,7 +101,8 @@ class GridMapping(MapArea, Estimator):
         Raises
         ------
         ComponentError
-            If a sensor is missing or of another kind, two sources of poses are named, or the map would be too large.
+            If a sensor is missing or of another kind, two sources of poses are named, the robot knows nothing of its
+            start, which the map or its wheels need, or the map would be too large.
         """
         robot, rows = context.robot, context.rows
         check_laser("grid_mapping", robot, self.laser)
@@ -113,11 +115,13 @@ class GridMapping(MapArea, Estimator):
             _check_place(robot, self.place)
         elif not self.estimator:
             check_encoder("grid_mapping", robot, self.encoder)
+        if not (self.estimator or self.place) or None in (self.center_x, self.center_y):
+            refuse_lost("grid_mapping", context)
         area = area_of("grid_mapping", self)
         cells = rows, area.rows * area.cols
         state: State = {
-            "pose": np.array(context.pose, dtype=np.float64),
-            "covariance": np.zeros((rows, 3, 3)),
+            "pose": np.nan_to_num(context.pose),
+            "covariance": np.nan_to_num(covariance_at_start(context)),
             "origin": area_origins(self, context.pose, area),
         }
         if not self.place and not self.estimator:

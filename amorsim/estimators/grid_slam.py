@@ -27,6 +27,7 @@ from amorsim.core.poses import compose, wrap_angle
 from amorsim.estimators.map_area import MapArea, area_of, area_origins, log_odds_evidence, map_beliefs
 from amorsim.estimators.scan_tracking import empty_outlines, placed
 from amorsim.estimators.scans import Beams, beams_of, check_fresh, check_laser
+from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon
 from amorsim.kernels.kinematics.poses import directions
 from amorsim.kernels.mapping import occupancy
@@ -115,11 +116,13 @@ class GridSlam(MapArea, Estimator):
         Raises
         ------
         ComponentError
-            If a sensor is missing or of another kind, or the map would be too large.
+            If a sensor is missing or of another kind, the robot knows nothing of its start, or the map
+            would be too large.
         """
         robot, rows = context.robot, context.rows
         check_laser("grid_slam", robot, self.laser)
         check_encoder("grid_slam", robot, self.encoder)
+        refuse_lost("grid_slam", context)
         area = area_of("grid_slam", self)
         beams = robot.sensors[self.laser].size
         pose = np.array(context.pose, dtype=np.float64)
@@ -137,6 +140,7 @@ class GridSlam(MapArea, Estimator):
             "drawn": np.full((rows, self.nodes, 3), np.nan),
             "origin": area_origins(self, context.pose, area),
             "log_odds": np.full((rows, area.rows * area.cols), np.nan, dtype=np.float32),
+            **start_state(context),
         }
 
     def update(
@@ -288,4 +292,4 @@ def _estimate_of(state: State) -> Estimate:
     for j in range(3):
         for k in range(3):
             spread += turn[:, :, j, None] * turn[:, None, :, k] * state["spread"][:, None, None, j, k]
-    return Estimate(compose(pose, state["moved"]), covariance + spread + _FLOOR)
+    return with_start(Estimate(compose(pose, state["moved"]), covariance + spread + _FLOOR), state)

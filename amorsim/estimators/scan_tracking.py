@@ -24,6 +24,7 @@ from amorsim.contracts import (
 from amorsim.core.errors import ComponentError
 from amorsim.core.poses import compose
 from amorsim.estimators.scans import beams_of, check_fresh, check_laser
+from amorsim.estimators.starts import refuse_lost, start_state, with_start
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon
 from amorsim.kernels.matching import tracking
 from amorsim.kernels.matching.correlative import Window
@@ -102,7 +103,7 @@ class ScanTracker(Estimator):
         Raises
         ------
         ComponentError
-            If a sensor is missing or of another kind.
+            If a sensor is missing or of another kind, or the robot knows nothing of its start.
         """
         robot, rows = context.robot, context.rows
         check_laser(who, robot, self.laser)
@@ -113,6 +114,7 @@ class ScanTracker(Estimator):
                 f"{who} follows the sensor {self.encoder!r} in every step of {context.dt:g} s, but it reads at "
                 f"{rate:g} Hz; give it no rate"
             )
+        refuse_lost(who, context)
         beams = robot.sensors[self.laser].size
         pose = np.array(context.pose, dtype=np.float64)
         state: State = {
@@ -125,6 +127,7 @@ class ScanTracker(Estimator):
             "match": np.full((rows, tracking.RECORD), np.nan),
             "scan": np.full((rows, beams, 2), np.nan),
             "scan_pose": pose.copy(),
+            **start_state(context),
         }
         state |= {f"key_{name}": array for name, array in empty_outlines(rows, beams)._asdict().items()}
         return state
@@ -192,7 +195,7 @@ class ScanTracker(Estimator):
     def _estimate(self, state: State) -> Estimate:
         covariance = np.empty_like(state["spread"])
         tracking.total_covariances(_tracks(state), covariance)
-        return Estimate(state["pose"].copy(), covariance)
+        return with_start(Estimate(state["pose"].copy(), covariance), state)
 
     def beliefs(self, state: State) -> Beliefs:
         """Of this step's match: ``match_correction`` [m, m, rad], ``match_used``, and what tells how good it is.

@@ -89,7 +89,7 @@ class Estimators:
         Raises
         ------
         ComponentError
-            If an estimator raises, or returns no `Estimate` or a pose that is not finite.
+            If an estimator raises, or returns no `Estimate`, or a pose or covariance that is not finite.
         """
         for name, fed_by in self._fed_by.items():
             estimator, given = self._estimators[name], readings
@@ -104,6 +104,8 @@ class Estimators:
                 raise self._whose.wrong(f"estimator {name!r}", estimator, problem)
             if not is_finite(estimate.pose):
                 raise self._whose.not_finite(f"estimator {name!r}", estimator, "the estimated pose", estimate.pose)
+            if not is_finite(estimate.covariance):
+                raise self._whose.not_finite(f"estimator {name!r}", estimator, "the covariance", estimate.covariance)
             self.estimates[name] = estimate
         self._updates += 1
 

@@ -1,5 +1,6 @@
 """What a component raises, or returns that is not finite, is reported with its owner and time."""
 
+import math
 import re
 from typing import ClassVar
 
@@ -341,6 +342,16 @@ class Lost(Estimator):
 
 
 @attrs.frozen(kw_only=True)
+class Exploded(Estimator):
+    value: float = math.nan
+
+    def update(self, robot, readings, command, elapsed, state, draws):
+        covariance = np.zeros((robot.rows, 3, 3))
+        covariance[0, 2, 2] = self.value[0, 0]
+        return Estimate(np.zeros((robot.rows, 3)), covariance)
+
+
+@attrs.frozen(kw_only=True)
 class Nothing(Estimator):
     def update(self, robot, readings, command, elapsed, state, draws):
         return None
@@ -357,6 +368,15 @@ def test_an_estimate_that_is_not_finite_names_the_row():
     )
     with pytest.raises(ComponentError, match=r"expected an Estimate\(pose, covariance\), got a NoneType"):
         am.Simulation(building.scenario(building.robot(estimators={"mine": Nothing()})))
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_covariance_that_is_not_finite_names_the_row(value):
+    message = str(error_of(building.robot(estimators={"mine": Exploded(value=value)})))
+    assert message == (
+        "estimator 'mine' (Exploded) of robot 'rover' at tick 0 (0 s): expected finite numbers for the covariance, got "
+        f"[[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, {value}]]"
+    )
 
 
 def test_a_path_that_is_not_finite_ends_the_run():
