@@ -110,11 +110,15 @@ def test_an_array_that_is_written_to_does_not_change_the_map_planned_on(name):
 # What takes long enough to be interrupted: a hall of a million cells whose goal is walled in from sight, or samples
 # without end.
 LONG = {
+    "a_star": {},
     "dijkstra": {},
     "wavefront": {},
     "d_star_lite": {},
     "theta_star": {},
     "voronoi": {},
+    "potential_field": {},
+    "prm": {"samples": 300_000, "budget": 1_000_000},
+    "rrt": {"budget": 1_000_000, "step": 0.02},
     "rrt_star": {"budget": 1_000_000},
     "hybrid_a_star": {"budget": 1_000_000, "radius": 8.0},
 }
