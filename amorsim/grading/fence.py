@@ -29,6 +29,7 @@ _OF_FILES = _EXECUTE | _WRITE | _READ | _TRUNCATE
 _TCP, _TCP_SINCE = 0b11, 4  # to bind and to connect
 _SCOPES, _SCOPES_SINCE = 0b11, 6  # abstract sockets, signals
 _NO_NEW_RIGHTS = 38  # of prctl(2)
+_MEMORY = Path("/dev/shm")  # where a thousand links are made in no time
 _SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc", "/opt", "/proc", "/sys")
 
 
@@ -72,14 +73,12 @@ class Fence:
     def __init__(self, path: Path, hidden: Collection[Path] = ()) -> None:
         self.folder = path.parent
         self.settings: dict[str, str] = {}
-        self._own: Path | None = None
+        self._own: list[Path] = []  # what it may write into
         self._hidden = [each.resolve() for each in hidden]
         if not is_offered():
             return
-        self._own = Path(tempfile.mkdtemp(prefix="amorsim-graded-"))
-        self.folder, kernels, rest = (self._own / name for name in ("files", "kernels", "tmp"))
-        for each in (self.folder, rest):
-            each.mkdir()
+        self.folder, rest = _new_folder(), _new_folder()
+        self._own = [self.folder, rest]
         beside = sorted(path.parent.resolve().iterdir())
         self._beside = [each for each in beside if not self._shows_hidden(each)]
         for each in self._beside:
@@ -87,15 +86,16 @@ class Fence:
         self.settings = {"TMPDIR": str(rest)}
         if (compiled := cache_folder()) is not None:
             # numba wants to write beside what it reads; what it writes is thrown away.
-            mirrored = kernels / "amorsim" / compiled.name
-            shutil.copytree(compiled, mirrored, copy_function=lambda at, to: Path(to).symlink_to(at))
+            kernels = _new_folder(_MEMORY if os.access(_MEMORY, os.W_OK) else None)
+            self._own.append(kernels)
+            _mirror(compiled, kernels / "amorsim" / compiled.name)
             self.settings["NUMBA_CACHE_DIR"] = str(kernels)
             self._beside.append(compiled)
         self._listed = [path.parent.resolve()]
 
     def said(self) -> dict[str, list[str]]:
         """What `fence_in` takes, as plain values; nothing where it can do nothing."""
-        if self._own is None:
+        if not self._own:
             return {}
         package = Path(__file__).resolve().parents[1]
         prefixes = (sys.prefix, sys.base_prefix, sys.exec_prefix, *sys.path)
@@ -104,18 +104,32 @@ class Fence:
         return {
             "readable": [str(each) for each in readable],
             "listed": [str(each) for each in self._listed],
-            "writable": [str(self._own)],
+            "writable": [str(each) for each in self._own],
         }
 
     def close(self) -> None:
-        """Remove its folder."""
-        if self._own is not None:
-            shutil.rmtree(self._own, ignore_errors=True)
+        """Remove its folders."""
+        for each in self._own:
+            shutil.rmtree(each, ignore_errors=True)
 
     def _shows_hidden(self, path: Path) -> bool:
         """Whether what is hidden lies at or beneath a path."""
         at = path.resolve()
         return any(each == at or at in each.parents for each in self._hidden)
+
+
+def _new_folder(parent: Path | None = None) -> Path:
+    return Path(tempfile.mkdtemp(prefix="amorsim-graded-", dir=parent))
+
+
+def _mirror(folder: Path, made: Path) -> None:
+    """Make a folder with links to the files of another one, and the same for all folders in it."""
+    made.mkdir(parents=True)
+    for each in os.scandir(folder):
+        if each.is_dir():
+            _mirror(folder / each.name, made / each.name)
+        else:
+            os.symlink(each.path, f"{made}/{each.name}")  # noqa: PTH211 - there are a thousand
 
 
 def fence_in(readable: Iterable[str] = (), listed: Iterable[str] = (), writable: Iterable[str] = ()) -> None:
