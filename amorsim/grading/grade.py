@@ -118,7 +118,7 @@ def grade(
                 progress(f"{label}, {case}: {cases[-1].problem or f'{cases[-1].total:.2f} points'}")
         grades.append(Grade(submission=path, label=label, cases=tuple(cases)))
         write_text(folder / f"{label}.html", _page(read, grades[-1]).text)
-    write_text(folder / "grades.csv", _table(read, grades))
+        write_text(folder / "grades.csv", _table(read, grades))  # each time, so that Ctrl-C loses none
     return grades
 
 

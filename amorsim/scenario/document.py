@@ -10,8 +10,8 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import ScenarioDocument
-from amorsim.core.errors import DocumentError, Fault, ScenarioError, did_you_mean
-from amorsim.core.reading import read_bytes, reason
+from amorsim.core.errors import DocumentError, Fault, ScenarioError
+from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry
 from amorsim.plugins.registry import Registry
@@ -24,6 +24,7 @@ from amorsim.scenario.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.journal import Journal
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.meaning import Meaning, read_meaning
+from amorsim.scenario.mistaken import mistaken
 from amorsim.scenario.names_in_lists import index_of
 from amorsim.scenario.origins import Origin, Origins, kind_of
 from amorsim.scenario.partial import Partial, read_partial
@@ -59,12 +60,12 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         data = read_bytes(file)
         return Document(data.decode(), file, registry=registry)
     except FileNotFoundError:
-        raise DocumentError(f"{path}: there is no such file.{did_you_mean(str(path), names)}") from None
+        raise DocumentError(f"{path}: {mistaken(file, no_such_file(file), names)}") from None
     except UnicodeDecodeError as error:
         byte = f"byte {error.start} is {error.object[error.start]:#04x}"
         raise DocumentError(f"{path}: not a text file in UTF-8: {byte}") from None
     except (OSError, ValueError) as error:
-        raise DocumentError(f"{path}: cannot be read: {reason(error)}") from None
+        raise DocumentError(f"{path}: {mistaken(file, f'cannot be read: {reason(error)}', names)}") from None
 
 
 def _of_foreign(file: Path, read: ScenarioDocument, registry: Registry) -> Document:

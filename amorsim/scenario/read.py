@@ -14,7 +14,7 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import Fault, ScenarioError, did_you_mean
+from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.reading import is_file
@@ -23,6 +23,7 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign, split_options
+from amorsim.scenario.mistaken import mistaken
 from amorsim.scenario.models import FORMAT, read_file, read_toml
 from amorsim.scenario.overrides import overridden
 from amorsim.scenario.resolved import resolved_table
@@ -95,10 +96,7 @@ def _find(
         return path, book, overridden(document.tables, path, overrides, book, registry)
     written = read_file(path)
     if isinstance(written, str):
-        hint = did_you_mean(str(source), names)
-        if not path.suffix:
-            written += f"; bundled scenarios: {', '.join(names) or 'none'}.{hint}"
-        raise ScenarioError([Fault(file=str(source), path="", message=written)])
+        raise ScenarioError([Fault(file=str(source), path="", message=mistaken(path, written, names))])
     book = book_of(written, path)
     overrides = overrides if isinstance(overrides, str) else tuple(overrides)
     tables = overridden(written.text, path, overrides, book, registry) if overrides else written.values

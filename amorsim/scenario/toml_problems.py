@@ -10,7 +10,7 @@ _ANYTHING = "write KEY = VALUE, [TABLE] or [[LIST]]"
 _REMEDIES = (
     ("Invalid value", "write a number, a 'text', true, false, a [list] or a { table }"),
     ("Expected '=' after a key", "write KEY = VALUE"),
-    ("Expected newline", "write one value, and nothing but a # comment behind it; a decimal point is a dot"),
+    ("Expected newline", "write one value, and nothing but a # comment behind it"),
     ("Expected ']'", "close the header: [TABLE], or [[LIST]] for an item of a list"),
     ("Expected ", "close the text with the quote that it begins with"),
     ("Unterminated string", "close the text with the quote that it begins with"),
@@ -22,10 +22,16 @@ _REMEDIES = (
     ("Invalid initial character for a key", "write a key of letters, digits, '_' and '-', or \"any text in quotes\""),
     ("Cannot mutate immutable namespace", "put it into the { braces } of the table that is there already"),
 )
+# What word processors put in place of a quote, where a value begins; and a comma in a pair of a table, as of a decimal.
+_CURLY = re.compile(
+    "[=\\[,{]\\s*[\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}"
+    "\N{DOUBLE LOW-9 QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}\N{RIGHT SINGLE QUOTATION MARK}]"
+)
+_COMMA = re.compile(r"=\s*(-?\d+),(\d+)")
 
 
-def toml_problem(error: Exception) -> str:
-    """What is wrong with a line of TOML, by the error of its reader, and what to do."""
+def toml_problem(error: Exception, statement: str) -> str:
+    """What is wrong with a statement of TOML, by the error of its reader, and what to do."""
     text = str(error)
     if isinstance(error, RecursionError):
         return "not valid TOML that can be read: too many tables or lists inside one another; write fewer"
@@ -37,6 +43,10 @@ def toml_problem(error: Exception) -> str:
     column = re.search(r", column (\d+)\)", text)
     plain = re.sub(r" \(at .*?\)", "", text)
     remedy = next((remedy for begin, remedy in _REMEDIES if plain.startswith(begin)), _ANYTHING)
+    if _CURLY.search(statement):
+        remedy = 'write straight quotes around a text: "text"'
+    elif comma := _COMMA.search(statement):
+        remedy += f"; a decimal point is a dot: {comma[1]}.{comma[2]}"
     return f"not valid TOML: {plain}" + (f" (column {column[1]})" if column else "") + f"; {remedy}"
 
 

@@ -75,7 +75,7 @@ def read_written(text: str) -> Written:
             break
         except (ValueError, RecursionError) as error:
             index = _first_bad(statements, str(error))
-            bad[index] = toml_problem(error)
+            bad[index] = toml_problem(error, statements[index].text)
             old = statements[index]
             statements[index] = Statement(old.text, "bad")
             if old.kind != "pair":
@@ -145,7 +145,7 @@ def _problem_of(text: str) -> str:
     try:
         parse(text)
     except (ValueError, RecursionError) as error:
-        return toml_problem(error)
+        return toml_problem(error, text)
     return plain_problem()
 
 

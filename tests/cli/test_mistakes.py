@@ -29,7 +29,7 @@ def assert_refused(amorsim: Command, folder: Path, *arguments: object, says: tup
         (["nosuch.wld"], ("nosuch.wld: there is no such file",)),
         (["demi"], ("demi: there is no such file", "Did you mean 'demo'?")),
         ([""], ("expected the name of a scenario",)),
-        (["study"], ("study: cannot be read: it is a folder",)),
+        (["study"], ("study: it is a folder; expected a scenario, such as study/scenario.toml\n",)),
         (["study/scenario.toml", "--seed", "-1"], ("--seed: expected a whole number >= 0", "got -1")),
         (["study/scenario.toml", "--seed", "1.5"], ("--seed", "integer")),
         (["study/scenario.toml", "--duration", "0"], ("--duration: expected a number [s] > 0 and <= 1e+09, got 0.0",)),
@@ -78,6 +78,8 @@ def test_what_cannot_be_run(
         ("x = 1.0", "x = 4.0", ("robots.rover.pose: at (4.000, 1.000) m the footprint overlaps a wall",)),
         ("track = {", "trak = {", ("errors.drive.trak", "Did you mean 'track'?")),
         ("format = 1", "format = 1 1", ("scenario.toml:5: not valid TOML",)),
+        ("x = 1.0, ", "x = 1,0, ", ("scenario.toml:18: not valid TOML", "a decimal point is a dot: 1.0")),
+        ('"rooms.wld"', "\N{LEFT DOUBLE QUOTATION MARK}rooms.wld\N{RIGHT DOUBLE QUOTATION MARK}", ("straight quotes",)),
         (
             "[[robots]]",
             "[[robots]]\nname = 'rover'\nmodel = 'pioneer2dx'\npose = { x = 3.0, y = 3.0 }\n[[robots]]",

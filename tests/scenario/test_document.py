@@ -222,6 +222,9 @@ def test_a_file_that_is_not_there_or_no_text_is_reported(tmp_path):
             open_document(path)
     with pytest.raises(am.DocumentError, match="Did you mean 'demo'"):
         open_document("dmo")
+    (tmp_path / "scenario.toml").touch()
+    with pytest.raises(am.DocumentError, match=r"it is a folder; expected a scenario, such as .*scenario\.toml$"):
+        open_document(tmp_path)
 
 
 def test_reading_and_changing_a_thousand_robots_takes_less_than_a_third_of_a_second(tmp_path):

@@ -1,0 +1,23 @@
+"""Which scenario may be meant by a path at which there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from amorsim.core.errors import did_you_mean
+
+__all__ = ["mistaken"]
+
+
+def mistaken(path: Path, problem: str, bundled: Sequence[str]) -> str:
+    """The problem with a path that is no scenario's file, with the scenarios that may be meant.
+
+    Of a folder these are its files, of a name without an ending those that are bundled.
+    """
+    if path.is_dir():
+        files = sorted(path.glob("*.toml"), key=lambda file: (file.name != "scenario.toml", file.name))
+        return f"it is a folder; expected a scenario, such as {files[0] if files else 'demo'}"
+    if path.suffix:
+        return problem
+    return f"{problem}; bundled scenarios: {', '.join(bundled) or 'none'}.{did_you_mean(str(path), bundled)}"
