@@ -151,11 +151,13 @@ def read_robot(
 
 def _unread(node: Node, registry: Registry) -> dict[tuple[str, ...], type]:
     """The classes of a robot's drive and sensors, by where they are, whatever is wrong with their values."""
-    places = [("drive", ("drive",), node.child("drive"))] if "drive" in node else []
+    places: list[tuple[str, tuple[str, ...], Node]] = []
+    if "drive" in node:
+        places.append(("drive", ("drive",), node.child("drive")))
     sensors = node.child("sensors")
     if sensors.is_table:
         places += [("sensor", ("sensors", name), child) for name, child in sensors.children()]
-    found = {}
+    found: dict[tuple[str, ...], type] = {}
     for kind, path, child in places:
         use = child.value.get("use") if child.is_table else None
         if isinstance(use, str) and use in registry.names(kind):
