@@ -120,14 +120,14 @@ def _read_bodies(
             robot = same_robots.read(node, lambda node: read_robot(node, maps, world, registry, marks))
             if robot is not None and world is not None and not {"pose", "start"} & set(node.value):
                 robot = _put(node, robot, world, is_map_alone)
-            series = [] if robot is None else read_series(node, robot, world)
+            series = read_series(node, robot, world)
             fleet += series
             names[node.path] = [one.name for one in series]
             stand += placed(node, series) if node.is_table else []
     if obstacles.value is not None and obstacles.expect_list("a list of tables, [[obstacles]]"):
         for number, node in enumerate(obstacles.items(), start=1):
             obstacle = same_obstacles.read(node, functools.partial(read_obstacle, number=number, registry=registry))
-            bodies = [] if obstacle is None else read_series(node, obstacle, world)
+            bodies = read_series(node, obstacle, world)
             others += bodies
             names[node.path] = [one.name for one in bodies]
             stand += placed(node, bodies) if node.is_table else []

@@ -7,6 +7,7 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.errors import did_you_mean
 from amorsim.core.numbers import is_number
 from amorsim.core.parameters import Parameter, ParameterError, describe
 from amorsim.scenario.angles import to_degrees, to_radians
@@ -25,7 +26,9 @@ KINDS = ("normal", "uniform")
 _NO_ERROR = ("noise", "rate", "latency")
 
 
-def read_deviations(node: Node, parts: Mapping[str, Any]) -> dict[str, Deviation]:
+def read_deviations(
+    node: Node, parts: Mapping[str, Any], classes: Mapping[tuple[str, ...], type] | None = None
+) -> dict[str, Deviation]:
     """Deviations by path from a table of errors.
 
     Parameters
@@ -33,18 +36,27 @@ def read_deviations(node: Node, parts: Mapping[str, Any]) -> dict[str, Deviation
     parts
         ``drive``, ``sensors`` and ``pose`` of the nominal robot; what could not be read is None, and errors
         of it are passed over.
+    classes
+        Of drives and sensors that could not be read, by their paths: errors of fields that these have not are faults.
     """
     found: dict[str, Deviation] = {}
     if node.expect_table("a table of errors, as in drive.track = { scale = 1.02 }"):
-        _read_table(node, (), dict(parts), found)
+        _read_table(node, (), dict(parts), found, classes or {})
     return found
 
 
-def _read_table(node: Node, path: tuple[str, ...], parts: dict[str, Any], found: dict[str, Deviation]) -> None:
+def _read_table(
+    node: Node,
+    path: tuple[str, ...],
+    parts: dict[str, Any],
+    found: dict[str, Deviation],
+    classes: Mapping[tuple[str, ...], type],
+) -> None:
     for key, child in node.children():
         is_angle_key = key.endswith("_deg")
         at = (*path, key.removesuffix("_deg"))
         if _is_unread(parts, at):
+            _check_names(child, at, classes)
             continue
         if at[0] == "sensors" and at[2:] and at[2] in _NO_ERROR:
             child.fault(f"{at[2]!r} has no error; change the noise chain of the sensor itself")
@@ -53,7 +65,7 @@ def _read_table(node: Node, path: tuple[str, ...], parts: dict[str, Any], found:
             changed(parts, list(at), lambda nominal: nominal)
         except (LookupError, ParameterError) as error:
             if isinstance(child.value, dict) and not _is_deviation(child.value) and not is_angle_key:
-                _read_table(child, at, parts, found)
+                _read_table(child, at, parts, found, classes)
             else:
                 problem = error.problem if isinstance(error, ParameterError) else str(error.args[0])
                 # It may quote all that stands there.
@@ -74,6 +86,17 @@ def _is_unread(parts: dict[str, Any], path: tuple[str, ...]) -> bool:
     if path[0] in parts and parts[path[0]] is None:
         return True
     return path[0] == "sensors" and len(path) > 1 and path[1] in parts["sensors"] and not parts["sensors"][path[1]]
+
+
+def _check_names(node: Node, path: tuple[str, ...], classes: Mapping[tuple[str, ...], type]) -> None:
+    """A fault for each error of a drive or sensor that could not be read, if its class has no such field."""
+    cls = classes.get(path)
+    known: tuple[str, ...] = ()
+    if cls is not None:
+        known = (*describe(cls), *(("mount", *_NO_ERROR) if path[0] == "sensors" else ()))
+    for key, child in node.children() if known and node.is_table else ():
+        if (name := key.removesuffix("_deg")) not in known:
+            child.fault(f"there is no parameter {name!r}, but: {', '.join(known)}.{did_you_mean(name, known)}")
 
 
 def _is_deviation(table: dict[str, Any]) -> bool:

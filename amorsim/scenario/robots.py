@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Drive
-from amorsim.core.errors import AmorsimError, did_you_mean
+from amorsim.core.errors import AmorsimError, PluginError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import RAISED, error_in_words
@@ -30,6 +31,7 @@ from amorsim.scenario.faults import Book, Node, Source, shown
 from amorsim.scenario.fields import file_fields, read_component, read_fields
 from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.kidnapping import Kidnapping
+from amorsim.scenario.kinds import check_colour
 from amorsim.scenario.models import LOOKS, drop_removed, merge_models
 from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
@@ -131,10 +133,11 @@ def read_robot(
         values["kidnappings"] = _kidnappings(node.child("kidnappings"))
     if "knowledge" in node:
         values["knowledge"] = maps.read_knowledge(node.child("knowledge"), world, marks)
-    values.update(read_fields(node, file_fields(Robot, names=("on_collision", *LOOKS))))
+    values.update(_looks(node, Robot, ("on_collision",)))
     if "errors" in node:
         pose = values.get("pose", Pose())
-        values["errors"] = read_deviations(node.child("errors"), {"drive": drive, "sensors": sensors, "pose": pose})
+        parts = {"drive": drive, "sensors": sensors, "pose": pose}
+        values["errors"] = read_deviations(node.child("errors"), parts, _unread(node, registry))
     if drive is not None:
         _check_sizes(node, drive, sensors)
     if node.book.count > before or is_incomplete:
@@ -144,6 +147,23 @@ def read_robot(
     except ParameterError as error:
         node.child(error.name).fault(error.problem)
         return None
+
+
+def _unread(node: Node, registry: Registry) -> dict[tuple[str, ...], type]:
+    """The classes of a robot's drive and sensors, by where they are, whatever is wrong with their values."""
+    places: list[tuple[str, tuple[str, ...], Node]] = []
+    if "drive" in node:
+        places.append(("drive", ("drive",), node.child("drive")))
+    sensors = node.child("sensors")
+    if sensors.is_table:
+        places += [("sensor", ("sensors", name), child) for name, child in sensors.children()]
+    found: dict[tuple[str, ...], type] = {}
+    for kind, path, child in places:
+        use = child.value.get("use") if child.is_table else None
+        if isinstance(use, str) and use in registry.names(kind):
+            with contextlib.suppress(PluginError):
+                found[path] = registry.get(kind, use)
+    return found
 
 
 def _check_sizes(node: Node, drive: Drive, sensors: Mapping[str, MountedSensor | None]) -> None:
@@ -172,7 +192,7 @@ def read_obstacle(node: Node, number: int, registry: Registry) -> Obstacle | Non
         values["pose"] = read_pose(node.child("pose"))
     if "motion" in node:
         values["motion"] = read_motion(node.child("motion"), registry)
-    values.update(read_fields(node, file_fields(Obstacle, names=LOOKS)))
+    values.update(_looks(node, Obstacle))
     if node.book.count > before:
         return None
     try:
@@ -201,6 +221,16 @@ def read_zone(node: Node, number: int, registry: Registry) -> Zone | None:
     except ParameterError as error:
         node.child(error.name).fault(error.problem)
         return None
+
+
+def _looks(node: Node, cls: type[Robot | Obstacle], more: tuple[str, ...] = ()) -> dict[str, Any]:
+    """What a body looks like, and more fields of its class."""
+    values = read_fields(node, file_fields(cls, names=(*more, *LOOKS)))
+    try:  # here already, for a body with other faults is never made
+        check_colour(values.get("colour"))
+    except ParameterError as error:
+        node.child(error.name).fault(error.problem)
+    return values
 
 
 def _kidnappings(node: Node) -> list[Kidnapping]:

@@ -91,8 +91,13 @@ def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Pla
 _READ: dict[str, Callable[[Node], Shape | Pose | None]] = {"shape": read_shape, "pose": read_pose}
 
 
-def read_series(node: Node, body: Body, world: Map | None) -> list[Body]:
-    """The bodies that a table with `count` and `start` means, of the one it was read as; none after faults."""
+def read_series(node: Node, body: Body | None, world: Map | None) -> list[Body]:
+    """The bodies that a table with `count` and `start` means, of the one it was read as; none after faults.
+
+    Where the table could not be read as a body, what is wrong with its `count` and `start` is said all the same.
+    """
+    if not node.is_table:
+        return []
     before = node.book.count
     count = _count(node.child("count"), body) if "count" in node else None
     poses: list[Pose] = []
@@ -106,7 +111,7 @@ def read_series(node: Node, body: Body, world: Map | None) -> list[Body]:
             child.fault(f"{_EXPECTED}, got {shown(child.value)}")
         elif kinds[0] == "random":
             start = read_component(RandomStart, child)
-            if start is not None and world is not None:
+            if start is not None and world is not None and body is not None:
                 _check_room(node, body, start, count or 1, world)
         elif kinds[0] == "grid":
             grid = read_component(GridStart, child)
@@ -116,7 +121,7 @@ def read_series(node: Node, body: Body, world: Map | None) -> list[Body]:
             poses = _poses(child, count or 1)
     elif count is not None and count > 1:
         node.child("start").fault(f"missing; {count} of them cannot start at one place; {_EXPECTED}")
-    if node.book.count > before:
+    if body is None or node.book.count > before:
         return []
     names = [body.name]
     if count is not None:
@@ -134,11 +139,11 @@ def read_series(node: Node, body: Body, world: Map | None) -> list[Body]:
     return [attrs.evolve(body, name=name, pose=pose) for name, pose in zip(names, poses, strict=True)]
 
 
-def _count(node: Node, body: Robot | Obstacle) -> int | None:
+def _count(node: Node, body: Robot | Obstacle | None) -> int | None:
     if type(node.value) is not int or not 1 <= node.value <= MOST:
         node.fault(f"expected a whole number >= 1 and <= {MOST}, got {shown(node.value)}")
         return None
-    if problem := too_large(node.value, least_bytes(body)):
+    if body is not None and (problem := too_large(node.value, least_bytes(body))):
         node.fault(f"{node.value} of them {problem}")
         return None
     return node.value
