@@ -196,7 +196,7 @@ def find_modes(
     """
     table.keys[:] = -1
     count = 0
-    last, b = np.int64(-1), 0  # resampled particles of one bin follow each other
+    last, b = -1, 0  # resampled particles of one bin follow each other
     for p in range(particles.shape[0]):
         key = bin_of(particles[p, 0], particles[p, 1], particles[p, 2], side, turns)
         if key != last:
