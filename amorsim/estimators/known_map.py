@@ -101,7 +101,8 @@ def field_of(known: Map, resolution: float, ends: Ends) -> Field:
     unit = (float(added[0]) - base) / (_LARGEST // ends.beams) or 1.0
     steps = np.rint((added - base) / unit).astype(np.int32)[squares.reshape(-1)]
     steps.flags.writeable = False
-    return Field(steps, *squares.shape, resolution, margin * resolution, unit, base)
+    rows, cols = squares.shape
+    return Field(steps, rows, cols, resolution, margin * resolution, unit, base)
 
 
 @functools.lru_cache(maxsize=4)

@@ -31,6 +31,7 @@ from amorsim.estimators.ages import refuse_late
 from amorsim.estimators.known_map import Ends, field_of, free_of, map_of, no_field, nowhere, place_of
 from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
 from amorsim.kernels.filters import beams, modes, particles
+from amorsim.kernels.filters.beams import Field
 from amorsim.kernels.kinematics.poses import compose
 
 __all__ = ["HYPOTHESES", "MonteCarlo"]
@@ -302,7 +303,7 @@ class MonteCarlo(Estimator):
         mixture = beams.Mixture(*(_column(part, count) for part in parts))
         tempering, place = _column(self.tempering, count), place_of(known)
 
-        def sensing(field: beams.Field) -> particles.Sensing:
+        def sensing(field: Field) -> particles.Sensing:
             return particles.Sensing(
                 scan, mixture, tempering, self.model == "beam", self.weighting == "cubed", field, known.grid, place
             )
@@ -316,7 +317,7 @@ class MonteCarlo(Estimator):
             for kind in sorted(kinds)
         ]
 
-    def _field(self, known: Map, count: int, hit: float, rest: float) -> beams.Field:
+    def _field(self, known: Map, count: int, hit: float, rest: float) -> Field:
         ends = Ends(self.hit_std, self.distance_max, hit, rest, count, self.weighting == "cubed")
         return field_of(known, self.field_resolution, ends)
 
