@@ -249,6 +249,7 @@ def _particles() -> Step:
             return _likelihoods(cloud, x)
 
     smc = particles.SMC(fk=Localization(T=10**9), N=PARTICLES, resampling="systematic", ESSrmin=1.0)
+    next(smc)  # the first step does not resample, so it leaves that uncompiled
     return lambda: next(smc)
 
 

@@ -303,7 +303,7 @@ class MonteCarlo(Estimator):
         mixture = beams.Mixture(*(_column(part, count) for part in parts))
         tempering, place = _column(self.tempering, count), place_of(known)
 
-        def sensing(field: beams.Field) -> particles.Sensing:
+        def sensing(field: Field) -> particles.Sensing:
             return particles.Sensing(
                 scan, mixture, tempering, self.model == "beam", self.weighting == "cubed", field, known.grid, place
             )

@@ -58,8 +58,11 @@ class Reckoned(NamedTuple):
 def reckon(drive: Drive, pose: Array, covariance: Array, before: Array, after: Array, variance: Any) -> Reckoned:
     """Poses and covariances after the nominal drive's joints `(N, j)` have moved, to first order.
 
-    White noise on the travel of each rolling joint widens the covariance, by `variance` `(N, 1)` [m^2/m].
+    White noise on the travel of each rolling joint widens the covariance, by `variance` `(N, 1)` [m^2/m]. Joints that
+    are nan, as `angles_of` gives before the first reading, have not moved.
     """
+    if np.isnan(after).any():
+        before, after = np.nan_to_num(before), np.nan_to_num(after)
     rows = len(after)
     rolling = _rolling(drive.joints)
     radius = drive.rolling_radius()
@@ -111,7 +114,13 @@ def check_encoder(who: str, robot: RobotModel, name: str) -> None:
 
 
 def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -> tuple[Array, Array]:
-    """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first."""
+    """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first.
+
+    A reading of nan is none: the joints stand until the next one, which shows all that they have moved since.
+    """
     sensor: Any = robot.sensors[encoder].sensor
     after = sensor.angles(measured)
+    lacks = np.isnan(after)
+    if lacks.any():
+        after = np.where(lacks.any(axis=1, keepdims=True), joints, after)
     return np.where(np.isnan(joints), after, joints), after  # the first reading is the reference of all others
