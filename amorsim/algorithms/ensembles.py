@@ -20,7 +20,7 @@ class Ensemble(NamedTuple):
 
     Attributes
     ----------
-    count
+    counts
         How many replicas have a value.
     mean, low, high
         The mean, and its interval by Student's t.
@@ -32,7 +32,7 @@ class Ensemble(NamedTuple):
         The mean of the middle half, which a few replicas that went astray do not move.
     """
 
-    count: npt.NDArray[np.int64]
+    counts: npt.NDArray[np.int64]
     mean: Array
     low: Array
     high: Array
@@ -62,7 +62,7 @@ def ensemble(values: npt.ArrayLike, *, confidence: float = 0.95) -> Ensemble:
     if not 0.0 < confidence < 1.0:
         raise ValueError(f"confidence: expected a number between 0 and 1, got {confidence!r}")
     figures = np.full((8, len(given)), math.nan)
-    count = np.count_nonzero(~np.isnan(given), axis=1)
+    counts = np.count_nonzero(~np.isnan(given), axis=1)
     for step, here in enumerate(given):
         there = np.sort(here[~np.isnan(here)])
         if not len(there):
@@ -77,4 +77,4 @@ def ensemble(values: npt.ArrayLike, *, confidence: float = 0.95) -> Ensemble:
         quartiles = np.quantile(there, (0.5, 0.25, 0.75)).tolist()
         rms = math.sqrt(math.fsum((there**2).tolist()) / len(there))
         figures[:, step] = mean, mean - half, mean + half, rms, *quartiles, math.fsum(middle) / len(middle)
-    return Ensemble(count, *figures)
+    return Ensemble(counts, *figures)

@@ -18,7 +18,7 @@ def test_figures_of_a_time_are_those_of_its_values() -> None:
     for step, here in enumerate(values):
         there = here[~np.isnan(here)]
         interval = mean_interval(there)
-        assert found.count[step] == len(there)
+        assert found.counts[step] == len(there)
         assert (found.mean[step], found.low[step]) == pytest.approx((interval.value, interval.low))
         assert found.high[step] == pytest.approx(interval.high)
         assert found.rms[step] == pytest.approx(math.sqrt(np.mean(there**2)))
@@ -34,7 +34,7 @@ def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end() -> None:
 
 def test_too_few_values_have_no_figures() -> None:
     found = ensemble([[math.nan, math.nan], [2.0, math.nan]])
-    assert found.count.tolist() == [0, 1]
+    assert found.counts.tolist() == [0, 1]
     assert np.isnan(found.mean[0])
     assert found.mean[1] == found.median[1] == found.interquartile_mean[1] == 2.0
     assert np.isnan(found.low[1])
