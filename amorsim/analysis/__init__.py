@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from amorsim.algorithms.consistency import Consistency, nees, nis, verdict
+    from amorsim.algorithms.ensembles import Ensemble, ensemble
     from amorsim.algorithms.map_scores import MapScores, distances_to_walls, map_scores
     from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
     from amorsim.algorithms.trajectories import Transform, umeyama
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "amorsim.algorithms.consistency": "Consistency nees nis verdict",
+    "amorsim.algorithms.ensembles": "Ensemble ensemble",
     "amorsim.algorithms.map_scores": "MapScores distances_to_walls map_scores",
     "amorsim.algorithms.resampling": "bootstrap_interval holm paired_effect permutation_p",
     "amorsim.algorithms.trajectories": "Transform umeyama",
@@ -53,6 +55,7 @@ __all__ = [
     "Comparison",
     "Consistency",
     "Difference",
+    "Ensemble",
     "LogEntry",
     "MapScores",
     "PoseErrors",
@@ -64,6 +67,7 @@ __all__ = [
     "bootstrap_interval",
     "compare",
     "distances_to_walls",
+    "ensemble",
     "export_run",
     "holm",
     "map_scores",

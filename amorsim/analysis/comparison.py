@@ -8,6 +8,7 @@ import itertools
 import json
 import math
 import os
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ Key = tuple[Any, ...]
 
 LEVEL = 0.05
 ABOUT = "comparison.json"
+_MADE_OF = ("seeds", "replicas", "duration", "amorsim", "python", "packages", "system", "processor")
 
 
 @attrs.frozen(kw_only=True)
@@ -116,12 +118,15 @@ class Comparison:
     ----------
     differences_of
         The paired differences themselves, by metric, first and second.
+    origin
+        What was compared: ``studies`` with seeds and versions, and the ``command`` that repeats it.
     """
 
     labels: tuple[str, ...]
     summaries: tuple[Summary, ...]
     differences: tuple[Difference, ...]
     differences_of: Mapping[tuple[str, str, str], Array]
+    origin: Mapping[str, Any] = attrs.field(factory=dict)
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.differences))
@@ -146,6 +151,7 @@ class Comparison:
             "labels": self.labels,
             "summaries": [attrs.asdict(each) for each in self.summaries],
             "differences": [{**attrs.asdict(each), "claim": str(each)} for each in self.differences],
+            "origin": dict(self.origin),
         }
         write_text(folder / ABOUT, json.dumps(about, indent=2) + "\n")
         return [folder / "comparison.csv", folder / ABOUT]
@@ -183,7 +189,7 @@ def compare(
     if axis is not None:
         if len(read) != 1:
             raise AnalysisError(f"axis: is for one study, got {len(read)}")
-        return _along(read[0], axis, metrics)
+        return attrs.evolve(_along(read[0], axis, metrics), origin=_origin(read, axis, metrics))
     if len(read) < 2:
         raise AnalysisError(f"expected two studies at least, or one with axis=, got {len(read)}")
     names = list(labels) or _names(read)
@@ -197,7 +203,22 @@ def compare(
         name: _keyed(study, [*sorted(study.axes), "seed", "replica"], chosen)
         for name, study in zip(names, read, strict=True)
     }
-    return paired(systems, {name: read[0].about["metrics"][name] for name in chosen})
+    found = paired(systems, {name: read[0].about["metrics"][name] for name in chosen})
+    return attrs.evolve(found, origin=_origin(read, None, metrics))
+
+
+def _origin(studies: Sequence[Study], axis: str | None, metrics: Sequence[str]) -> dict[str, Any]:
+    """What is compared: each study with all that it is made of, and the command that repeats the comparison."""
+    folders = [study.folder.resolve().name for study in studies]
+    command = ["amorsim", "compare", *folders, *(["--axis", axis] if axis else [])]
+    for metric in metrics:
+        command += ["--metric", metric]
+    about = [
+        {"folder": folder, "scenario": Path(str(study.about.get("scenario", ""))).name}
+        | {key: study.about[key] for key in _MADE_OF if key in study.about}
+        for folder, study in zip(folders, studies, strict=True)
+    ]
+    return {"studies": about, "command": shlex.join(command)}
 
 
 def _names(studies: Sequence[Study]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import attrs
 import typer
 
 from amorsim.cli.console import compile_once, complain, say
@@ -12,6 +13,7 @@ from amorsim.cli.progress import study_progress
 
 if TYPE_CHECKING:
     from amorsim.analysis.comparison import Comparison
+    from amorsim.sweeps.several import Several
     from amorsim.sweeps.table import Study
 
 __all__ = ["command"]
@@ -58,9 +60,11 @@ def command(
     if not any(are_studies) and axis is None:
         if len(systems) < 2:
             raise AnalysisError("expected two scenarios at least")
-        studies = _simulated(systems, metric or ["position_error"], replicas, seeds, duration, jobs, out)
+        several = _several(systems, metric or ["position_error"], replicas, seeds, duration)
+        studies = _simulated(several, jobs, out)
         folder = studies[0].folder.parent
         found = compare(*studies, labels=[study.folder.name for study in studies])
+        found = attrs.evolve(found, origin={**found.origin, "command": several.command})
     else:
         check_free(out)
         found = compare(*systems, axis=axis, metrics=metric or ())
@@ -73,17 +77,8 @@ def command(
     say("\n" + ", ".join(map(str, made)))
 
 
-def _simulated(
-    systems: list[str],
-    metrics: list[str],
-    replicas: int,
-    seeds: str,
-    duration: float | None,
-    jobs: int,
-    out: Path | None,
-) -> list[Study]:
-    """A study of each scenario, with the same seeds and replicas; goes on with what was begun before."""
-    from amorsim.analysis.comparison import ABOUT
+def _several(systems: list[str], metrics: list[str], replicas: int, seeds: str, duration: float | None) -> Several:
+    """What a user wants to simulate and compare."""
     from amorsim.core.errors import AnalysisError
     from amorsim.runs.asked import look_up
     from amorsim.sweeps.several import Several
@@ -95,13 +90,20 @@ def _simulated(
     for name in systems:
         look_up(name)
     compile_once(lambda: None)
-    several = Several(
+    return Several(
         scenarios=tuple(systems), metrics=tuple(metrics), replicas=replicas, seeds=numbers, duration=duration
     )
+
+
+def _simulated(several: Several, jobs: int, out: Path | None) -> list[Study]:
+    """A study of each scenario, with the same seeds and replicas; goes on with what was begun before."""
+    from amorsim.analysis.comparison import ABOUT
+    from amorsim.core.errors import AnalysisError
+
     folder = several.folder(out, "comparison", ended=ABOUT)
     studies = []
     for place, label in enumerate(several.labels):
-        say(f"{label}: {len(numbers)} x {replicas} replicas")
+        say(f"{label}: {len(several.seeds)} x {several.replicas} replicas")
         with study_progress() as progress:
             study = several.sweep(place, folder, jobs=jobs, progress=progress)
         if not study.is_complete:

@@ -30,7 +30,7 @@ _TCP, _TCP_SINCE = 0b11, 4  # to bind and to connect
 _SCOPES, _SCOPES_SINCE = 0b11, 6  # abstract sockets, signals
 _NO_NEW_RIGHTS = 38  # of prctl(2)
 _MEMORY = Path("/dev/shm")  # where a thousand links are made in no time
-_SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc", "/opt", "/proc", "/sys")
+_SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc", "/opt", "/nix/store", "/proc", "/sys")
 
 
 class _Ruleset(ctypes.Structure):

@@ -47,10 +47,7 @@ def study_page(folder: Path) -> Page:
             ("duration", f"{about['duration']:g} s"),
             ("a replica ends", about["stop"]),
             *((f"axis {name}", _labels(labels)) for name, labels in about["axes"].items()),
-            ("amorsim", about["amorsim"]),
-            ("Python", about["python"]),
-            ("packages", ", ".join(f"{name} {version}" for name, version in about["packages"].items())),
-            ("machine", f"{about['system']} {about['processor']}"),
+            *_circumstances(about),
         ]
     )
     page.paragraph("To repeat it, with the file of the study:")
@@ -153,4 +150,38 @@ def comparison_page(folder: Path) -> Page:
         "the signs of the differences, corrected for their number (Holm). The gain is the variance of the difference "
         "of independent values over that of the pairs: pairs need that many times fewer replicas."
     )
+    try:
+        _origin(page, about.get("origin", {}))
+    except (KeyError, TypeError, AttributeError) as error:
+        raise StudyError(f"{file}: cannot be read ({type(error).__name__}: {error})") from None
     return page
+
+
+def _origin(page: Page, origin: dict[str, Any]) -> None:
+    """How a comparison was made; nothing where its file does not say it."""
+    if not origin:
+        return
+    page.heading("How it was made")
+    for each in origin["studies"]:
+        page.facts(
+            [
+                ("study", each["folder"]),
+                ("scenario", each["scenario"]),
+                ("seeds", ", ".join(map(str, each["seeds"]))),
+                ("replicas", each["replicas"]),
+                ("duration", f"{each['duration']:g} s"),
+                *_circumstances(each),
+            ]
+        )
+    page.paragraph("To repeat it:")
+    page.command(origin["command"])
+
+
+def _circumstances(about: dict[str, Any]) -> list[tuple[str, object]]:
+    """Versions and machine of a study."""
+    return [
+        ("amorsim", about["amorsim"]),
+        ("Python", about["python"]),
+        ("packages", ", ".join(f"{name} {version}" for name, version in about["packages"].items())),
+        ("machine", f"{about['system']} {about['processor']}"),
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,16 @@ class Several:
         """A name for each: that of its file, with a number where several files have the same."""
         stems = [Path(name).stem for name in self.scenarios]
         return [stem if stems.count(stem) == 1 else f"{stem}-{place}" for place, stem in enumerate(stems, start=1)]
+
+    @property
+    def command(self) -> str:
+        """The command that compares them."""
+        words = ["amorsim", "compare", *self.scenarios, "--replicas", str(self.replicas)]
+        words += ["--seeds", ",".join(map(str, self.seeds))]
+        words += [] if self.duration is None else ["--duration", f"{self.duration:g}"]
+        for metric in self.metrics:
+            words += ["--metric", metric]
+        return shlex.join(words)
 
     def folder(self, out: Path | None, name: str, *, ended: str) -> Path:
         """The folder to simulate in, made: the one in which the same was begun and has not ended, or a new one.

@@ -125,6 +125,10 @@ def test_a_comparison_goes_on_after_ctrl_c(
     result = amorsim("compare", *pair, *OF_FOUR, "--out", "c")
     assert result.status == 0, result.err
     assert chunks.done == 4
+    command = (
+        "amorsim compare s/small.toml s/other.toml --replicas 2 --seeds 1,2 --duration 0.5 --metric position_error"
+    )
+    assert json.loads((tmp_path / "c" / "comparison.json").read_text())["origin"]["command"] == command
     for name in ("comparison.json", "comparison.csv"):
         assert (tmp_path / "c" / name).read_text() == (tmp_path / "whole" / name).read_text()
 

@@ -77,7 +77,11 @@ def test_a_study_has_a_report(made: Path) -> None:
 
 
 def test_a_comparison_has_a_report(made: Path) -> None:
-    check(am.report(made / "comparison"), "What may be claimed", "gain of pairing", "1.05 - 1.0")
+    path = am.report(made / "comparison")
+    command = f"amorsim compare study --axis {TRACK} --metric length"
+    how = ("How it was made", "small.toml", "seeds", am.read_study(made / "study").about["amorsim"], command)
+    check(path, "What may be claimed", "gain of pairing", "1.05 - 1.0", *how)
+    assert am.report(made / "comparison", made / "second.html").read_bytes() == path.read_bytes()
 
 
 def test_what_a_file_says_is_no_markup() -> None:

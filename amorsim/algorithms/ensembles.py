@@ -1,0 +1,80 @@
+"""What many replicas did at each time: mean, spread, and how sure the mean is."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.algorithms.intervals import student_t_quantile
+
+__all__ = ["Ensemble", "ensemble"]
+
+Array = npt.NDArray[np.float64]
+
+
+class Ensemble(NamedTuple):
+    """Figures of replicas at each time, `(S,)` each; nan where too few replicas have a value.
+
+    Attributes
+    ----------
+    counts
+        How many replicas have a value.
+    mean, low, high
+        The mean, and its interval by Student's t.
+    rms
+        The root of the mean square.
+    median, lower, upper
+        The median and the quartiles: half of the replicas lie between these.
+    interquartile_mean
+        The mean of the middle half, which a few replicas that went astray do not move.
+    """
+
+    counts: npt.NDArray[np.int64]
+    mean: Array
+    low: Array
+    high: Array
+    rms: Array
+    median: Array
+    lower: Array
+    upper: Array
+    interquartile_mean: Array
+
+
+def ensemble(values: npt.ArrayLike, *, confidence: float = 0.95) -> Ensemble:
+    """Figures of values `(S, R)` of R replicas at S times; nan is no value.
+
+    Parameters
+    ----------
+    confidence
+        Of the interval of the mean.
+
+    Raises
+    ------
+    ValueError
+        If the values have another shape, or the confidence is not between 0 and 1.
+    """
+    given = np.asarray(values, dtype=np.float64)
+    if given.ndim != 2:
+        raise ValueError(f"expected values (times, replicas), got an array of shape {given.shape}")
+    if not 0.0 < confidence < 1.0:
+        raise ValueError(f"confidence: expected a number between 0 and 1, got {confidence!r}")
+    figures = np.full((8, len(given)), math.nan)
+    counts = np.count_nonzero(~np.isnan(given), axis=1)
+    for step, here in enumerate(given):
+        there = np.sort(here[~np.isnan(here)])
+        if not len(there):
+            continue
+        mean = math.fsum(there.tolist()) / len(there)
+        half = math.nan
+        if len(there) > 1:
+            quantile = student_t_quantile(0.5 * (1.0 + confidence), len(there) - 1)
+            half = quantile * float(np.std(there, ddof=1)) / math.sqrt(len(there))
+        cut = len(there) // 4
+        middle = there[cut : len(there) - cut].tolist()
+        quartiles = np.quantile(there, (0.5, 0.25, 0.75)).tolist()
+        rms = math.sqrt(math.fsum((there**2).tolist()) / len(there))
+        figures[:, step] = mean, mean - half, mean + half, rms, *quartiles, math.fsum(middle) / len(middle)
+    return Ensemble(counts, *figures)
