@@ -6,7 +6,9 @@ import contextlib
 import inspect
 import json
 import os
+import select
 import sys
+import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -38,6 +40,7 @@ def main() -> None:
         answers.write(json.dumps([kind, value]) + "\n")
         answers.flush()
 
+    _end_with_the_grader(requests.fileno())
     first = json.loads(requests.readline())
     _limit(first["memory"])
     renounce()
@@ -93,6 +96,20 @@ def _estimated(answer: Any) -> list[Any]:
     else:
         pose, covariance = answer, np.zeros((3, 3))
     return [np.asarray(pose, dtype=np.float64).tolist(), np.asarray(covariance, dtype=np.float64).tolist()]
+
+
+def _end_with_the_grader(pipe: int) -> None:
+    """End this process when the grader is gone, whatever the submission is doing then: nobody else would."""
+    if not hasattr(select, "poll"):  # on Windows
+        return
+
+    def watch() -> None:
+        closing = select.poll()
+        closing.register(pipe, 0)  # for its end alone, which comes also where something is still to be read
+        closing.poll()
+        os._exit(1)
+
+    threading.Thread(target=watch, name="amorsim-grader-gone", daemon=True).start()
 
 
 def _limit(memory: int) -> None:

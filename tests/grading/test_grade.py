@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import subprocess
 import sys
 import tempfile
 import time
@@ -313,6 +314,34 @@ def test_a_submission_that_does_not_read_holds_nothing_up(tmp_path: Path) -> Non
         remote({}, estimate, RobotClock(0, 0.0, 0.1))
         with pytest.raises(am.ControllerError, match=r"took longer than 0.5 s in all \(at 0.1 s\)"):
             remote(more_than_a_pipe_holds, estimate, RobotClock(1, 0.1, 0.1))
+
+
+GRADER = """\
+import sys
+from pathlib import Path
+from amorsim.controllers.user import RobotClock
+from amorsim.grading.remote import Remote
+
+with Remote(Path(sys.argv[1]), "drive", "controller", time_limit=60.0, memory_limit=6 * 10**9) as remote:
+    remote._say({"readings": {}, "estimate": [[0.0] * 3, [[0.0] * 3] * 3], "clock": [0, 0.0, 0.1]})
+    print(remote._process.pid, flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks for a process in /proc")
+def test_a_submission_ends_with_a_grader_that_is_killed(tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text("def drive(readings, estimate, clock):\n    while True:\n        pass\n")
+    command = [sys.executable, "-c", GRADER, str(tmp_path / "slow.py")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as grader:
+        assert grader.stdout is not None
+        submission = Path("/proc", grader.stdout.readline().strip(), "stat")
+        assert runs(submission)
+        grader.kill()
+    deadline = time.monotonic() + 20.0
+    while runs(submission) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not runs(submission)
 
 
 @pytest.mark.long
