@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from amorsim.core.errors import did_you_mean
+from amorsim.core.reading import is_folder
 
 __all__ = ["mistaken"]
 
@@ -15,7 +16,7 @@ def mistaken(path: Path, problem: str, bundled: Sequence[str]) -> str:
 
     Of a folder these are its files, of a name without an ending those that are bundled.
     """
-    if path.is_dir():
+    if is_folder(path):
         files = sorted(path.glob("*.toml"), key=lambda file: (file.name != "scenario.toml", file.name))
         return f"it is a folder; expected a scenario, such as {files[0] if files else 'demo'}"
     if path.suffix:
