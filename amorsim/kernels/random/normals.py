@@ -1,8 +1,8 @@
 """Standard normal draws from uniform ones, by Box and Muller's transform (Ann. Math. Statist. 29, 1958).
 
-The logarithm, sine and cosine are worked out here, by sums and products alone: in loops without a branch or a call,
-which compilers make several draws wide, and with the same bits on every processor, whatever its library of mathematics.
-Each is good to some units in the last place.
+The logarithm is worked out here, as sine and cosine are, by sums and products alone: in loops without a branch or a
+call, which compilers make several draws wide, and with the same bits on every processor, whatever its library of
+mathematics. Each is good to some units in the last place.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.kernels.compile import inlined, part
+from amorsim.kernels.random.quarter_turns import cosine_of_quarters, sine_of_quarters
 
 __all__ = ["normals"]
 
@@ -21,13 +22,6 @@ Floats = npt.NDArray[np.float64]
 _MANTISSA = 52  # bits of it
 _ROOT_HALF = 0x3FE6A09E667F3BCD  # the bits of the square root of 1/2
 _LN_2 = 0.6931471805599453
-
-# Taylor's coefficients of sine and cosine of r quarter turns, (pi / 2)**k / k!: for r of at most a half the terms left
-# out are below 5e-17 and 3e-18.
-_S0, _S1, _S2, _S3 = 1.5707963267948966, -0.6459640975062463, 0.07969262624616705, -0.004681754135318688
-_S4, _S5, _S6, _S7 = 0.00016044118478735983, -3.598843235212085e-06, 5.692172921967927e-08, -6.688035109811468e-10
-_C1, _C2, _C3, _C4 = -1.2337005501361697, 0.25366950790104803, -0.02086348076335296, 0.0009192602748394266
-_C5, _C6, _C7, _C8 = -2.5202042373060607e-05, 4.710874778818172e-07, -6.386603083791852e-09, 6.565963114979473e-11
 
 
 @part
@@ -64,9 +58,8 @@ def normals(first: Floats, second: Floats, first_bits: npt.NDArray[np.int64], po
         # The angle is n + r quarter turns, to the last bit.
         n = np.floor(4.0 * second[b] + 0.5)
         r = 4.0 * second[b] - n
-        z = r * r
-        sin = r * (_S0 + z * (_S1 + z * (_S2 + z * (_S3 + z * (_S4 + z * (_S5 + z * (_S6 + z * _S7)))))))
-        cos = 1.0 + z * (_C1 + z * (_C2 + z * (_C3 + z * (_C4 + z * (_C5 + z * (_C6 + z * (_C7 + z * _C8)))))))
+        sin = sine_of_quarters(r)
+        cos = cosine_of_quarters(r)
         odd = (n == 1.0) | (n == 3.0)
         x = sin if odd else cos
         y = cos if odd else sin
