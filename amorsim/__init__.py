@@ -79,6 +79,7 @@ if TYPE_CHECKING:
         PluginError,
         RunError,
         ScenarioError,
+        ShapeError,
         SnapshotError,
         StudyError,
     )
@@ -145,7 +146,7 @@ _MODULES = {
     "amorsim.controllers.user": "Twist WheelSpeeds",
     "amorsim.core.errors": (
         "AmorsimError AnalysisError ComponentError ContactError ControllerError DocumentError Fault GraphError "
-        "MapError PlanError PluginError RunError ScenarioError SnapshotError StudyError"
+        "MapError PlanError PluginError RunError ScenarioError ShapeError SnapshotError StudyError"
     ),
     "amorsim.core.estimated_map": "estimated_map",
     "amorsim.core.map": "Map",
@@ -270,6 +271,7 @@ __all__ = [
     "Sensor",
     "SensorModel",
     "Shape",
+    "ShapeError",
     "Sightings",
     "Simulation",
     "SnapshotError",

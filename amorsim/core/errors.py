@@ -25,6 +25,7 @@ __all__ = [
     "PluginError",
     "RunError",
     "ScenarioError",
+    "ShapeError",
     "SnapshotError",
     "StudyError",
     "did_you_mean",
@@ -53,6 +54,10 @@ class ComponentError(AmorsimError):
 
 class PlanError(AmorsimError):
     """A start, goal or map that a planner cannot take."""
+
+
+class ShapeError(AmorsimError, ValueError):
+    """A shape that no body can have."""
 
 
 class ContactError(AmorsimError):

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
+from amorsim.core.errors import ShapeError
 from amorsim.kernels.collision.footprints import Bodies
 
 __all__ = ["Shape", "pack"]
@@ -52,16 +53,16 @@ class Shape:
 
     def __attrs_post_init__(self) -> None:
         if not self.vertices or not all(self.vertices):
-            raise ValueError("a shape has one convex part at least, and a part one vertex")
+            raise ShapeError("a shape has one convex part at least, and a part one vertex")
         if not math.isfinite(self.radius) or self.radius < 0.0:
-            raise ValueError(f"the radius of a shape is 0 m or more, not {self.radius!r}")
+            raise ShapeError(f"the radius of a shape is 0 m or more, not {self.radius!r}")
         for part in self.vertices:
             if len(part) < 3 and self.radius == 0.0:
-                raise ValueError(f"a part of {len(part)} vertices needs a radius above 0 m to have an area")
+                raise ShapeError(f"a part of {len(part)} vertices needs a radius above 0 m to have an area")
             if len(part) > 2 and (_area(part) <= 0.0 or _reflex_corner(part) is not None):
-                raise ValueError(f"a part is convex and anticlockwise, which {part} is not")
+                raise ShapeError(f"a part is convex and anticlockwise, which {part} is not")
         if not SMALLEST <= self.reach <= LARGEST:
-            raise ValueError(
+            raise ShapeError(
                 f"expected a shape that reaches {SMALLEST:g} m to {LARGEST:g} m from its body's origin, "
                 f"got {self.reach:.6g} m"
             )
@@ -72,12 +73,12 @@ class Shape:
 
         Raises
         ------
-        ValueError
+        ShapeError
             If the radius is not above 0, or a number is not finite.
         """
         radius, x, y = float(radius), float(x), float(y)
         if not math.isfinite(radius) or radius <= 0.0:
-            raise ValueError(f"expected a circle with a radius above 0 m, got {radius!r}")
+            raise ShapeError(f"expected a circle with a radius above 0 m, got {radius!r}")
         _check_finite(((x, y),), "the centre of a circle")
         angles = [2.0 * math.pi * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS)]
         border = tuple((x + radius * math.cos(angle), y + radius * math.sin(angle)) for angle in angles)
@@ -89,12 +90,12 @@ class Shape:
 
         Raises
         ------
-        ValueError
+        ShapeError
             If a side is not above 0, or a number is not finite.
         """
         for name, side in (("length", length), ("width", width)):
             if not math.isfinite(side) or side <= 0.0:
-                raise ValueError(f"expected a rectangle with a {name} above 0 m, got {side!r}")
+                raise ShapeError(f"expected a rectangle with a {name} above 0 m, got {side!r}")
         _check_finite(((float(x), float(y)),), "the centre of a rectangle")
         left, right = x - length / 2.0, x + length / 2.0
         low, high = y - width / 2.0, y + width / 2.0
@@ -109,15 +110,15 @@ class Shape:
 
         Raises
         ------
-        ValueError
+        ShapeError
             If there are fewer than three vertices, a number is not finite, the polygon has no area or its
             border meets itself, or the rounding is negative.
         """
         ring = _ring(vertices)
         if not math.isfinite(rounding) or rounding < 0.0:
-            raise ValueError(f"the rounding of a polygon is 0 m or more, not {rounding!r}")
+            raise ShapeError(f"the rounding of a polygon is 0 m or more, not {rounding!r}")
         if 0.0 < rounding < SMALLEST:
-            raise ValueError(f"the rounding of a polygon is 0 m, or {SMALLEST:g} m at least, not {rounding!r}")
+            raise ShapeError(f"the rounding of a polygon is 0 m, or {SMALLEST:g} m at least, not {rounding!r}")
         parts = tuple(_convex_parts(ring))
         border = ring
         if rounding > 0.0:
@@ -172,9 +173,9 @@ def _starts(counts: list[int]) -> NDArray[np.int64]:
 def _check_finite(points: Sequence[Point], what: str) -> None:
     for point in points:
         if not all(map(math.isfinite, point)):
-            raise ValueError(f"{what} is given in finite numbers [m], not {point}")
+            raise ShapeError(f"{what} is given in finite numbers [m], not {point}")
         if max(map(abs, point)) > LARGEST:
-            raise ValueError(f"{what} is at most {LARGEST:g} m from its body's origin, not at {point}")
+            raise ShapeError(f"{what} is at most {LARGEST:g} m from its body's origin, not at {point}")
 
 
 def _area(ring: Sequence[Point]) -> float:
@@ -206,25 +207,25 @@ def _ring(vertices: ArrayLike | Iterable[Sequence[float]]) -> Ring:
             dtype=np.float64,
         )
     except (TypeError, ValueError):
-        raise ValueError("the vertices of a polygon are pairs of numbers [m], as in [[0, 0], [1, 0], [0, 1]]") from None
+        raise ShapeError("the vertices of a polygon are pairs of numbers [m], as in [[0, 0], [1, 0], [0, 1]]") from None
     if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(f"the vertices of a polygon are pairs [m], (V, 2), not an array of shape {array.shape}")
+        raise ShapeError(f"the vertices of a polygon are pairs [m], (V, 2), not an array of shape {array.shape}")
     ring: list[Point] = [(float(x), float(y)) for x, y in array]
     _check_finite(ring, "a vertex of a polygon")
     if len(ring) > 1 and ring[0] == ring[-1]:
         ring.pop()
     if len(ring) < 3:
-        raise ValueError(f"expected a polygon of three vertices at least, got {len(ring)}")
+        raise ShapeError(f"expected a polygon of three vertices at least, got {len(ring)}")
     size = _size(ring)
     if abs(_area(ring)) <= _FLAT * size * size:
         # Equal lobes of a figure of eight cancel, so the message names which of the two is wrong.
         if shapely.MultiPoint(ring).convex_hull.area <= _FLAT * size * size:
-            raise ValueError(f"expected a polygon with an area, got vertices on one line: {ring}")
-        raise ValueError(f"expected a polygon whose border does not meet itself, got {ring}")
+            raise ShapeError(f"expected a polygon with an area, got vertices on one line: {ring}")
+        raise ShapeError(f"expected a polygon whose border does not meet itself, got {ring}")
     outline = shapely.Polygon(ring)
     if not outline.is_valid:
         reason = shapely.is_valid_reason(outline)
-        raise ValueError(f"expected a polygon whose border does not meet itself, got one with a {reason}")
+        raise ShapeError(f"expected a polygon whose border does not meet itself, got one with a {reason}")
     if _area(ring) < 0.0:
         ring.reverse()
     i = 0
@@ -276,5 +277,5 @@ def _best_diagonal(ring: Ring) -> int:
             reflex += _bend(ring[0], ring[end], ring[end + 1]) < 0.0
             choices.append((reflex, math.dist(ring[0], ring[end]), end))
     if not choices:
-        raise ValueError(f"a polygon whose border nearly meets itself cannot be cut into convex parts: {ring}")
+        raise ShapeError(f"a polygon whose border nearly meets itself cannot be cut into convex parts: {ring}")
     return min(choices)[2]

@@ -11,6 +11,7 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import amorsim as am
 from amorsim.core.shapes import Shape, pack
 from tests.examples import settings
 
@@ -94,25 +95,25 @@ def test_the_paths_of_a_tenth_are_straight():
     ids=str,
 )
 def test_what_is_no_simple_polygon_is_refused(vertices, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(am.ShapeError, match=message):
         Shape.polygon(vertices)
 
 
 @pytest.mark.parametrize("radius", [0.0, -1.0, math.nan, math.inf])
 def test_a_circle_needs_a_radius(radius):
-    with pytest.raises(ValueError, match="radius"):
+    with pytest.raises(am.ShapeError, match="radius"):
         Shape.circle(radius)
 
 
 @pytest.mark.parametrize(("length", "width"), [(0.0, 1.0), (1.0, -1.0), (math.nan, 1.0), (1.0, math.inf)])
 def test_a_rectangle_needs_its_sides(length, width):
-    with pytest.raises(ValueError, match="rectangle"):
+    with pytest.raises(am.ShapeError, match="rectangle"):
         Shape.rectangle(length, width)
 
 
 @pytest.mark.parametrize("rounding", [-0.1, math.nan, math.inf])
 def test_rounding_is_not_negative(rounding):
-    with pytest.raises(ValueError, match="rounding"):
+    with pytest.raises(am.ShapeError, match="rounding"):
         Shape.polygon(NOTCHED, rounding=rounding)
 
 
@@ -129,7 +130,7 @@ def test_rounding_is_not_negative(rounding):
     ],
 )
 def test_parts_that_kernels_could_not_handle_are_refused(fields, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(am.ShapeError, match=message):
         Shape(border=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)), **fields)
 
 
