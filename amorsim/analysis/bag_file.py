@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -23,7 +23,7 @@ __all__ = ["write_bag"]
 
 Array = npt.NDArray[np.float64]
 
-_VERSION = 8  # of the bag's format: ROS 2 Iron and later read it
+_VERSION: Final = 8  # of the bag's format: ROS 2 Iron and later read it
 _MAP = "map"
 _NO_COVARIANCE = np.zeros(36)
 _PLACES = (("xx", (0,)), ("xy", (1, 6)), ("xh", (5, 30)), ("yy", (7,)), ("yh", (11, 31)), ("hh", (35,)))
