@@ -74,6 +74,7 @@ def test_options_are_those_of_a_world(amorsim: Command, tmp_path: Path) -> None:
     assert "Did you mean" in amorsim("convert", "grey.png", "b.map", "--set", "world.treshold=0.5").err
 
 
+@pytest.mark.long
 def test_a_scenario_gives_its_map(amorsim: Command, study: Path, tmp_path: Path) -> None:
     result = amorsim("convert", study, "study.png")
     assert result.status == 0

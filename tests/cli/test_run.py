@@ -217,6 +217,7 @@ def test_a_robot_that_stands_still_for_want_of_a_controller_is_reported(amorsim:
     assert "rover: drove 0.00 m in 1 s (it has no controller), no collision; at the end the estimate" in out
 
 
+@pytest.mark.long
 def test_a_collision_that_ended_a_controller_is_reported_with_its_time(amorsim: Command, study: Path) -> None:
     result = amorsim("run", study, "--duration", "20", "--out", "run", "--set", "robots.rover.controller.speed=1.2")
     line = (study.parent.parent / "run" / "events.csv").read_text().splitlines()[1]

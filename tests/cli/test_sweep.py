@@ -58,6 +58,7 @@ def test_a_study_that_is_not_there_is_reported(amorsim: Command) -> None:
     assert "none.toml" in result.err
 
 
+@pytest.mark.long
 def test_an_axis_is_compared_and_reported(amorsim: Command, file: Path, tmp_path: Path) -> None:
     amorsim("sweep", file, "--out", "out", "--quiet")
     result = amorsim("compare", "out", "--axis", TRACK, "--metric", "length", "--out", "c")
@@ -111,6 +112,7 @@ class Interrupted:
 OF_FOUR = ("--replicas", 2, "--seeds", "1,2", "--duration", 0.5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("after", [1, 3])
 def test_a_comparison_goes_on_after_ctrl_c(
     amorsim: Command, pair: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: int
@@ -133,6 +135,7 @@ def test_a_comparison_goes_on_after_ctrl_c(
         assert (tmp_path / "c" / name).read_text() == (tmp_path / "whole" / name).read_text()
 
 
+@pytest.mark.long
 def test_without_a_named_folder_the_one_that_was_begun_is_found(
     amorsim: Command, pair: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -152,6 +155,7 @@ def test_without_a_named_folder_the_one_that_was_begun_is_found(
     assert (runs / "comparison-003" / "comparison.json").exists()
 
 
+@pytest.mark.long
 def test_a_folder_of_another_comparison_is_refused(amorsim: Command, pair: tuple[str, str], tmp_path: Path) -> None:
     assert amorsim("compare", *pair, *OF_FOUR, "--out", "c").status == 0
     result = amorsim("compare", *pair, *OF_FOUR[:-1], 0.6, "--out", "c")

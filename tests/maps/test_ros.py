@@ -221,6 +221,7 @@ def test_no_code_in_a_file_is_run(tmp_path: Path) -> None:
     assert not (tmp_path / "ran").exists()
 
 
+@pytest.mark.long
 def test_a_large_map_takes_no_more_than_its_layers_and_its_outlines(tmp_path: Path) -> None:
     side = 2000
     path = write(tmp_path, np.full((side, side), 255))
