@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import subprocess
 import sys
 import tempfile
@@ -253,7 +254,10 @@ def test_what_is_hidden_cannot_be_read(tmp_path: Path) -> None:
 
 @with_landlock
 @pytest.mark.long
-def test_a_submission_has_its_own_files_and_a_folder(course: Path) -> None:
+def test_a_submission_has_its_own_files_and_a_folder(course: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = course.parent / "temporary"
+    place.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(place))
     (course.parent / "gains.txt").write_text("0.4")
     (course.parent / "helper.py").write_text("def gain(text):\n    return float(text)\n")
     honest = """\
@@ -278,7 +282,7 @@ def drive(readings, estimate, clock):
     assert [case.problem for case in found["honest"].cases] == ["", ""]
     assert found["honest"].total == found["good"].total
     assert not (course.parent / "log.txt").exists()
-    assert not list(Path(tempfile.gettempdir()).glob("amorsim-graded-*"))
+    assert not list(place.iterdir())
 
 
 def runs(stat: Path) -> bool:
@@ -333,7 +337,8 @@ with Remote(Path(sys.argv[1]), "drive", "controller", time_limit=60.0, memory_li
 def test_a_submission_ends_with_a_grader_that_is_killed(tmp_path: Path) -> None:
     (tmp_path / "slow.py").write_text("def drive(readings, estimate, clock):\n    while True:\n        pass\n")
     command = [sys.executable, "-c", GRADER, str(tmp_path / "slow.py")]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as grader:
+    place = os.environ | {"TMPDIR": str(tmp_path)}  # for what a killed grader leaves
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=place) as grader:
         assert grader.stdout is not None
         submission = Path("/proc", grader.stdout.readline().strip(), "stat")
         assert runs(submission)
