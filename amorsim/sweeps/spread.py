@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import re
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -138,20 +138,37 @@ def _through(client: Any, distributed: Any, plan: Plan, todo: Iterator[Work]) ->
             raise _gone(client)
         # Some in advance, so that no worker waits; not all, so that this process stays small.
         for work in itertools.islice(todo, max(0, max(2, 2 * threads) - len(under_way))):
-            future = client.submit(run_chunk, plan, work.index, work.folder, pure=False, retries=1)
+            with _speaking_to(client):
+                future = client.submit(run_chunk, plan, work.index, work.folder, pure=False, retries=1)
             under_way[future] = work
         if not under_way:
             return
-        try:
-            with client.as_current():  # wait() looks for it there
-                done = distributed.wait(list(under_way), timeout=_LOOK, return_when="FIRST_COMPLETED").done
-        except TimeoutError:
-            continue
-        except Exception:
-            raise _gone(client) from None
+        with _speaking_to(client):
+            done = _done(client, distributed, list(under_way))
         for future in done:
             work = under_way.pop(future)
-            yield _outcome(client, distributed, future, work)
+            with _speaking_to(client):
+                outcome = _outcome(client, distributed, future, work)
+            yield outcome
+
+
+@contextlib.contextmanager
+def _speaking_to(client: Any) -> Iterator[None]:
+    """Whatever goes wrong is the connection's fault: chunks report their own faults, and a client raises many kinds."""
+    try:
+        yield
+    except Exception as error:
+        raise _gone(client) from error
+
+
+def _done(client: Any, distributed: Any, futures: list[Any]) -> Iterable[Any]:
+    """Those of the futures that are done within a moment."""
+    try:
+        with client.as_current():  # wait() looks for it there
+            done: Iterable[Any] = distributed.wait(futures, timeout=_LOOK, return_when="FIRST_COMPLETED").done
+    except TimeoutError:
+        return ()
+    return done
 
 
 def _threads(client: Any) -> int:

@@ -131,6 +131,26 @@ def test_a_cluster_that_goes_away_leaves_what_was_done(tmp_path: Path, monkeypat
     assert len(set(whole["point"])) == 60
 
 
+@pytest.mark.parametrize("what", ["result", "exception"])
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_that_goes_away_while_it_answers_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    import distributed
+
+    def break_off(future: Any) -> None:
+        raise distributed.comm.CommClosedError("Connection reset by peer")
+
+    monkeypatch.setattr(distributed.Future, what, break_off)
+    monkeypatch.setattr(distributed.Future, "status", "finished" if what == "result" else "error")
+    with (
+        distributed.Client(n_workers=1, processes=False, dashboard_address=None, set_as_default=False) as client,
+        pytest.raises(am.StudyError, match=r"the Dask cluster .*has gone away") as error,
+    ):
+        am.sweep(small(tmp_path / "s", 2), tmp_path / "out", dask=client)
+    assert isinstance(error.value.__cause__, distributed.comm.CommClosedError)
+
+
 @pytest.mark.long
 def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
     given = small(tmp_path / "s", 40)
