@@ -163,6 +163,8 @@ class Setter:
             return False
         if origin.source != "default":
             return True
+        if at[-2] == "pose" and found_at(self._opened, at[:-1]) is MISSING:
+            return False  # no pose at all means another place: the map's start, or where a motion begins
         opened = found_at(self._opened, at)
         # A place is given by all of its coordinates, be some of them 0.
         return opened is MISSING or not (at[-1] in _COORDINATES or _are_equal(opened, value))

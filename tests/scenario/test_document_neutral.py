@@ -126,3 +126,12 @@ def test_a_place_keeps_all_of_its_coordinates(tmp_path):
     assert "pose = { x = 0.0, y = 1.5 }\n" in document.text
     document.set("robots.rover.sensors.laser.mount.y", 0.0)
     assert "sensors.laser.mount = { x = 0.1, y = 0.0 }\n" in document.text
+
+
+def test_a_place_at_the_origin_is_said_where_there_was_none(tmp_path):
+    document = document_of(tmp_path, '[[obstacles]]\nname = "door"\nshape = { circle = 0.1 }\n')
+    document.set("obstacles.door.pose.x", 0.0)
+    assert "pose.x = 0.0\n" in document.text
+    document.undo()
+    document.set("obstacles.door.pose", {"x": 0.0, "y": 0.0})
+    assert document.get("obstacles.door.pose") == {"x": 0.0, "y": 0.0}

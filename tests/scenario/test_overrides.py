@@ -6,7 +6,7 @@ import pytest
 
 from amorsim.core.errors import ScenarioError
 from amorsim.scenario.read import load
-from amorsim.scenario.spec import Deviation
+from amorsim.scenario.spec import Deviation, Pose
 
 TWO = """
 [[robots]]
@@ -48,6 +48,12 @@ def test_tables_are_made_on_the_way(read):
         "drive.track": Deviation(scale=1.02),
         "drive.wheel_radius_left": Deviation(value=0.08),
     }
+
+
+@pytest.mark.parametrize("setting", ["x=0.0", "x=0", "y=0.0", "heading_deg=0"])
+def test_a_robot_that_had_no_pose_can_be_set_to_the_origin(read, setting):
+    # Without a pose it would stand at the map's start.
+    assert read(TWO, f"robots.scout.pose.{setting}").robots[1].pose == Pose()
 
 
 def test_what_the_model_says_can_be_reached_too(read):
