@@ -130,6 +130,14 @@ class View(Protocol):
         It is the minimum over rays at most 0.05 degrees apart, both edges included; `half_angle` [rad] is `(N, 1)`.
         """
 
+    def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
+        """Bearing [rad] and range [m] `(N, m)` of the nearest wall within a cone at each of `origins` `(N * m, 3)`.
+
+        It is the first of the least over a number of `rays`, spread evenly from edge to edge; bearings are from the
+        origins' headings. Where no wall is within `range_max` [m] `(N, 1)`, the bearing is that of the first ray, and
+        the range inf. `half_angle` [rad] is `(N, 1)`.
+        """
+
     def bodies(self) -> BodyStates:
         """Poses and twists of all bodies of each row's replica; `neighbours` is faster if there are many."""
 

@@ -25,7 +25,8 @@ no wall shorter than this has a slope of its own; the area that an ultrasonic pu
 # Rays that look for the nearest return, as fractions of a cone's half angle. Those for bodies are as dense as the rays
 # of a sonar's reading in a cone of 30 degrees. Their number is fixed: if it depended on the widest cone of all rows, a
 # row's bits would depend on the other rows.
-_WALL_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
+_WALL_RAYS = 31
+_CLOSER_FAN = np.linspace(-1.0, 1.0, 31)[None, :]
 _BODY_FAN = np.linspace(-1.0, 1.0, 601)[None, :]
 _BODY_STEP = 2.0 / 600.0  # from one of these to the next
 
@@ -60,8 +61,7 @@ def nearest_incidence(view: View, origins: Array, half_angle: Array, range_max: 
     `origins` are world poses `(N * m, 3)` of cones, `half_angle` [rad] and `range_max` [m] `(N, 1)`.
     """
     per_row = len(origins) // view.rows
-    fan = _spread(half_angle, per_row, _WALL_FAN)
-    bearing, nearest = _nearest(fan, view.cast(origins, fan, range_max, bodies=False))
+    bearing, nearest = (of.reshape(-1, 1) for of in view.nearest_wall(origins, half_angle, range_max, _WALL_RAYS))
     found = _wall_incidence(view, origins, bearing, nearest, range_max)
     which = _near_bodies(view, origins, half_angle, range_max, nearest)
     if which is not None:
@@ -98,7 +98,7 @@ def _nearest_bodies(view: View, origins: Array, half_angle: Array, range_max: Ar
     # First the ray with the nearest body. Then finer rays around it: a thin post's normal changes much between rays.
     rays = _spread(half_angle, per_row, _BODY_FAN)
     aside, _ = _nearest_body(view, origins, rays, range_max)
-    aside, reach = _nearest_body(view, origins, aside + half * _BODY_STEP * _WALL_FAN, range_max)
+    aside, reach = _nearest_body(view, origins, aside + half * _BODY_STEP * _CLOSER_FAN, range_max)
     _, body = view.look(origins, aside, range_max, landmarks=False)
     return _body_incidence(view, origins, aside, body), reach
 

@@ -82,6 +82,28 @@ def test_a_limit_for_each_origin_cuts_that_origins_beams_only() -> None:
     look(ask)
 
 
+def test_cones_of_different_widths_are_those_of_their_rays() -> None:
+    def ask(view: Any, aim: Any) -> Any:
+        origins = np.repeat(view.pose, 2, axis=0)
+        origins[1::2, 2] += 1.0
+        half = np.array([[0.1], [0.2], [0.1]])
+        bearing, nearest = view.nearest_wall(origins, half, 50.0, 31)
+        for row, width in enumerate(half[:, 0]):
+            fan = width * np.linspace(-1.0, 1.0, 31)[None, :]
+            every = view.cast(origins, fan, np.array([[50.0]]), bodies=False)[2 * row : 2 * row + 2]
+            np.testing.assert_array_equal(bearing[row], fan[0, every.argmin(axis=1)])
+            np.testing.assert_array_equal(nearest[row], every.min(axis=1))
+            alone = view.cone(origins, np.full((3, 1), width), 50.0)[row]
+            np.testing.assert_array_equal(view.cone(origins, half, 50.0)[row], alone)
+        return nearest[:, :1]
+
+    sensors = {"encoder": building.encoder(), "asks": Asks(ask=ask)}
+    robot = building.robot(sensors=sensors, pose=am.Pose(x=1.0, y=1.0))
+    errors = {"pose.x": am.Deviation(add=am.Distribution(kind="uniform", values=(0.0, 3.0)))}
+    scenario = building.scenario(attrs.evolve(robot, errors=errors), map=building.room(10.0, 10.0))
+    am.Simulation(scenario, replicas=3).step()
+
+
 def test_neighbours_are_the_bodies_near_in_each_replica_by_itself() -> None:
     """A trailer of one's own is none; a fast one is, when asked ahead, from farther away."""
     asked: list[Any] = []

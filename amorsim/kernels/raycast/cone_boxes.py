@@ -74,10 +74,12 @@ def enter_box(
     sin_b: Floats,
     about: float,
     least: float,
-) -> float:
+    nearest: int,
+) -> tuple[float, int]:
     """The less of `least` and the distance at which one of the rays next to number `about` enters the box of wall `m`.
 
-    The cone's point (x, y) is in the free cell (row, col).
+    And the number of its ray, where that of `least` is `nearest`: the lowest of those that go as far. The cone's point
+    (x, y) is in the free cell (row, col).
     """
     last = cos_b.shape[1] - 1
     first = math.floor(about - NEXT)
@@ -89,6 +91,8 @@ def enter_box(
         into_y, out_y = _between(walls[7, m], walls[9, m], row, resolution, y, dy)
         # It gets in if neither axis leaves before the other is in; where both happen at once, x is first.
         into = max(into_x, into_y)
-        gets_in = (into_x <= out_y) & (into_y < out_x) & (into < least)
+        is_nearer = (into < least) | ((into == least) & (k < nearest))
+        gets_in = (into_x <= out_y) & (into_y < out_x) & is_nearer
         least = into if gets_in else least
-    return least
+        nearest = k if gets_in else nearest
+    return least, nearest

@@ -33,6 +33,7 @@ ROOM = 6 * AT_ONCE
 _NOWHERE, _FARTHEST = 0x7FF0000000000000, 0x7FFFFFFFFFFFFFFF  # the bits of inf, and the greatest of all
 _TINY = 1e-300
 _TOUCH = 1e-3  # [cells]
+_NO_RAY = 1 << 62
 _STEPS = 12  # cells that a ray walks before it jumps
 
 
@@ -241,24 +242,25 @@ def _rays_between(
 
 @part
 def _cast_about(
-    grid: Grid, walls: Floats, m: int, eye: Eye, cone: Cone, range_max: float, least: float, casts: bool
-) -> float:
-    """The less of `least` and the distance along the rays that wall `m` bounds nearer.
+    grid: Grid, walls: Floats, m: int, eye: Eye, cone: Cone, range_max: float, least: float, nearest: int, casts: bool
+) -> tuple[float, int]:
+    """The less of `least` and the distance along the rays that wall `m` bounds nearer, and the number of its ray.
 
-    Less than 0 where rays are needed and none `casts`, or where the point may be within what the wall occupies.
+    That of `least` is `nearest`. The distance is less than 0 where rays are needed and none `casts`, or where the point
+    may be within what the wall occupies.
     """
     x, y, col, row, cos_h, sin_h = eye
     half_angle, _, cos_b, sin_b = cone
     what, a, b, x0, y0, x1, y1, _, _, _ = side_of(walls, m, x, y, cos_h, sin_h, least * (1.0 + SAFETY))
     if what == PASSED:
-        return least
+        return least, nearest
     if what == INSIDE:
-        return -1.0
+        return -1.0, nearest
     rays = cos_b.shape[1]
     step = 2.0 * half_angle / (rays - 1)
     first, last = _rays_between(x0, y0, x1, y1, half_angle, step, rays)
     if first > last:
-        return least
+        return least, nearest
     # The nearness of the line is a sine over the rays, and less than half of its turn is here.
     best = first
     if a * sin_b[0, first] < b * cos_b[0, first]:
@@ -267,7 +269,7 @@ def _cast_about(
             best = min(max(int(np.rint((bearing_of(a, b) + half_angle) / step)), first), last)
     nearness = a * cos_b[0, best] + b * sin_b[0, best]
     if nearness * least * (1.0 + SAFETY) < 1.0:
-        return least
+        return least, nearest
     free = (1.0 - SAFETY) / nearness
     # From the nearest ray outward to either side, as far as the bound stays below what was found.
     for way in (-1, 1):
@@ -276,11 +278,13 @@ def _cast_about(
             if (a * cos_b[0, k] + b * sin_b[0, k]) * least * (1.0 + SAFETY) < 1.0:
                 break
             if not casts:
-                return -1.0
+                return -1.0, nearest
             dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
-            least = min(least, _cast_from(grid, x, y, col, row, dx, dy, free, range_max))
+            distance = _cast_from(grid, x, y, col, row, dx, dy, free, range_max)
+            if distance < least or (distance == least and k < nearest):
+                least, nearest = distance, k
             k += way
-    return least
+    return least, nearest
 
 
 @part
@@ -294,11 +298,11 @@ def hear_walls(
     count: int,
     aside: float,
     casts: bool,
-) -> tuple[bool, float]:
-    """The least over all rays, from a free cell, by the walls around it; or False if they do not decide it.
+) -> tuple[bool, float, int]:
+    """The least over all rays, from a free cell, and the lowest ray that has it; or False if walls do not decide it.
 
     The room holds `count` walls, found at a place `aside` [m] from here. False also if rays are needed and `casts` is
-    not set.
+    not set. Where nothing is in range the ray is number 0.
     """
     x, y, col, row, cos_h, sin_h = eye
     half_angle, edge, cos_b, sin_b = cone
@@ -311,6 +315,7 @@ def hear_walls(
     right_y = sin_h * edge[0] - cos_h * edge[1]
     left_x = cos_h * edge[0] - sin_h * edge[1]
     left_y = sin_h * edge[0] + cos_h * edge[1]
+    nearest = _NO_RAY
     cast = -1
     for chunk in range(0, count, AT_ONCE):
         if away[chunk] - aside > least:
@@ -326,17 +331,21 @@ def hear_walls(
             m = found[chunk + (which & (AT_ONCE - 1))]
             if walls[6, m] < walls[8, m]:
                 if _touches(walls, m, grid.resolution, x, y):
-                    return False, 0.0
+                    return False, 0.0, 0
                 ahead = cos_h * f[_X + which] + sin_h * f[_Y + which]
                 aleft = cos_h * f[_Y + which] - sin_h * f[_X + which]
                 number = (bearing_of(ahead, aleft) + half_angle) / step
-                least = enter_box(walls, m, col, row, grid.resolution, x, y, cos_h, sin_h, cos_b, sin_b, number, least)
+                least, nearest = enter_box(
+                    walls, m, col, row, grid.resolution, x, y, cos_h, sin_h, cos_b, sin_b, number, least, nearest
+                )
                 continue
             if m == cast:
                 continue
             cast = m
-            nearest = _cast_about(grid, walls, m, eye, cone, range_max, least, casts)
-            if nearest < 0.0:
-                return False, 0.0
-            least = nearest
-    return True, least + 0.0 if least <= range_max else np.inf
+            distance, nearest = _cast_about(grid, walls, m, eye, cone, range_max, least, nearest, casts)
+            if distance < 0.0:
+                return False, 0.0, 0
+            least = distance
+    if least <= range_max:
+        return True, least + 0.0, nearest
+    return True, np.inf, 0

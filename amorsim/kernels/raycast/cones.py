@@ -1,4 +1,4 @@
-"""The nearest return within a cone of rays: what a sonar hears first.
+"""The nearest return within a cone of rays, what a sonar hears first; and which ray it is on.
 
 Where the map has line features, the walls about a place are put in order once for all cones there, and asked
 (`amorsim.kernels.raycast.cone_walls`); without them, or where a cone has few cells, cells are
@@ -17,7 +17,7 @@ from amorsim.kernels.grid.grid import Grid, is_occupied
 from amorsim.kernels.grid.segments import RINGS, SegmentIndex, walls_about
 from amorsim.kernels.raycast.cone_cells import SAFETY, WIDEST, ask_cells
 from amorsim.kernels.raycast.cone_walls import AT_ONCE, ROOM, Cone, Eye, WallRoom, hear_walls
-from amorsim.kernels.raycast.rays import cell_of, to_frame
+from amorsim.kernels.raycast.rays import cast_ray, cell_of, direction, to_frame
 
 __all__ = ["cast_cones"]
 
@@ -25,8 +25,23 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _FEW = 8  # rays of a cone up to which all are cast
+_CLOSE = 1e-4  # [rad] from one ray to the next, below which all are cast: bearings of walls are too rough then
 _NEARBY = 1.0  # [m] added to the search for walls around one place, to serve the cones near it
 _FINE = 400  # cells in the range; from here on, looking up walls is always faster than testing cells
+
+
+@part
+def _cast_all(
+    grid: Grid, x: float, y: float, cos_h: float, sin_h: float, cos_b: Floats, sin_b: Floats, range_max: float
+) -> tuple[float, int]:
+    """The least over all rays, each cast, and the first that has it."""
+    least, nearest, limit = np.inf, 0, range_max
+    for k in range(cos_b.shape[1]):
+        dx, dy = direction(cos_h, sin_h, cos_b[0, k], sin_b[0, k])
+        found = cast_ray(grid, x, y, dx, dy, limit)
+        if not found >= least:  # less, or nan
+            least, nearest, limit = found, k, found
+    return least, nearest
 
 
 @part
@@ -41,13 +56,17 @@ def _hear(
     range_max: Floats,
     room: WallRoom,
     out: Floats,
+    ray: Integers,
 ) -> None:
     """`cast_cones`, with room to work in."""
     half_angle, edge, cos_b, sin_b = cone
+    wants_ray = ray.shape[0] > 0
     cos_yaw = math.cos(yaw)
     sin_yaw = math.sin(yaw)
     resolution = grid.resolution
-    has_lines = lines.walls.shape[1] > 0 and half_angle < WIDEST and cos_b.shape[1] > _FEW
+    rays = cos_b.shape[1]
+    is_close = 2.0 * half_angle < _CLOSE * (rays - 1)
+    has_lines = lines.walls.shape[1] > 0 and half_angle < WIDEST and rays > _FEW and not is_close
     # Where walls were put in order, how far out, and how many there are.
     here_x, here_y, here_reach, count = 0.0, 0.0, -1.0, 0
     for n in range(poses.shape[0]):
@@ -62,6 +81,8 @@ def _hear(
             row = cell_of(y, resolution)
             if is_occupied(grid, row, col):
                 out[n] = 0.0
+                if wants_ray:
+                    ray[n] = 0
                 continue
             aside = math.sqrt((x - here_x) * (x - here_x) + (y - here_y) * (y - here_y))
             if not aside + reach <= here_reach:
@@ -70,11 +91,19 @@ def _hear(
                     lines, x, y, here_reach, room.found, room.about, room.away, room.candidates, room.rings
                 )
             eye = Eye(x, y, col, row, cos_h, sin_h)
-            heard, least = hear_walls(grid, lines, eye, cone, reach, room, count, aside * (1.0 + SAFETY), is_fine)
+            casts = is_fine or wants_ray
+            heard, least, nearest = hear_walls(
+                grid, lines, eye, cone, reach, room, count, aside * (1.0 + SAFETY), casts
+            )
             if heard:
                 out[n] = least
+                if wants_ray:
+                    ray[n] = nearest
                 continue
-        out[n] = ask_cells(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, reach)
+        if wants_ray:
+            out[n], ray[n] = _cast_all(grid, x, y, cos_h, sin_h, cos_b, sin_b, reach)
+        else:
+            out[n] = ask_cells(grid, x, y, cos_h, sin_h, half_angle, edge, cos_b, sin_b, reach)
 
 
 @kernel
@@ -90,11 +119,13 @@ def cast_cones(
     sin_b: Floats,
     range_max: Floats,
     out: Floats,
+    ray: Integers,
 ) -> None:
     """Write the least distance [m] over the rays of each cone (N,), to the bit what `rays.cast` and a minimum give.
 
     Arguments are those of `scans.cast_scans`, with the bearings (1, k), evenly spread from -half_angle to half_angle,
-    and `range_max` (N,).
+    and `range_max` (N,). `ray` (N,) gets the first ray that has the least, 0 where nothing is within the range; not
+    written if it is empty.
     """
     cone = Cone(half_angle, np.array([math.cos(half_angle), math.sin(half_angle)]), cos_b, sin_b)
     walls = lines.walls.shape[1]
@@ -108,4 +139,4 @@ def cast_cones(
         f,
         f.view(np.int64),
     )
-    _hear(grid, lines, origin_x, origin_y, yaw, poses, cone, range_max, room, out)
+    _hear(grid, lines, origin_x, origin_y, yaw, poses, cone, range_max, room, out, ray)

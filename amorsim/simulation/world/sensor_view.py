@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 __all__ = ["GroupView", "cone_bearings", "directions_of"]
 
 Array = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
 Table = tuple[Array, Array]  # cosines and sines of beams, (1, k) or one row for each origin
+
+_NO_RAYS: Ints = np.empty(0, dtype=np.int64)  # for calls that do not need which ray is the nearest
 
 CONE_WORK = 16  # cost of a cone, in rays
 CONE_STEP = math.radians(0.05)  # the definition of a sonar's reading: rays at most this far apart
@@ -214,17 +217,34 @@ class GroupView:
         """The nearest return in a cone; see `amorsim.contracts.View.cone`."""
         _check_origins("cone", origins)
         per_row = len(origins) // self.rows
+        own, replica = self._carried(per_row)
         limits = self._per_origin(range_max, per_row)
-        widths = np.asarray(half_angle)
-        widest = float(widths.flat[0])
-        if (widths == widest).all():
-            return self._cones(origins, widest, limits, traversal).reshape(self.rows, per_row)
-        out = np.empty((self.rows, per_row))
-        for angle in np.unique(widths):
-            # Also casts rows of other widths and drops them: rare, and no row depends on another.
-            found = self._cones(origins, float(angle), limits, traversal).reshape(self.rows, per_row)
-            out = np.where(widths == angle, found, out)
-        return out
+        out = np.empty(len(origins))
+        for angle, which in _by_width(half_angle, per_row):
+            if traversal == "bresenham":
+                out[which] = self.cast(origins, cone_bearings(angle), limits[:, None], traversal).min(axis=1)[which]
+                continue
+            here, there, table, reach = origins[which], replica[which], _cone_directions(angle), limits[which]
+            found = self._hear_walls(there, here, angle, *table, reach, _NO_RAYS)
+            if self._world.has_company:
+                self._world.cast(own[which], there, here, *table, reach, found[:, None])
+            out[which] = found
+        return out.reshape(self.rows, per_row)
+
+    def nearest_wall(self, origins: Array, half_angle: Array, range_max: Array, rays: int) -> tuple[Array, Array]:
+        """Bearing and range of the nearest wall in a cone; see `amorsim.contracts.View.nearest_wall`."""
+        _check_origins("nearest_wall", origins)
+        per_row = len(origins) // self.rows
+        _, replica = self._carried(per_row)
+        limits = self._per_origin(range_max, per_row)
+        bearing, out = np.empty(len(origins)), np.empty(len(origins))
+        for angle, which in _by_width(half_angle, per_row):
+            bearings = angle * np.linspace(-1.0, 1.0, rays)[None, :]
+            ray = np.empty(len(out[which]), dtype=np.int64)
+            table = self._table(bearings)
+            out[which] = self._hear_walls(replica[which], origins[which], angle, *table, limits[which], ray)
+            bearing[which] = bearings[0, ray]
+        return bearing.reshape(self.rows, per_row), out.reshape(self.rows, per_row)
 
     def _per_row(self, values: Array) -> Array:
         """One number for each row `(N,)`, from `(N, 1)` or one for all; a copy, as kernels need writable arrays."""
@@ -243,24 +263,20 @@ class GroupView:
             return np.ascontiguousarray(range_max[:, 0])
         return self._per_origin(range_max, len(origins) // self.rows)
 
-    def _cones(self, origins: Array, half_angle: float, limits: Array, traversal: str) -> Array:
-        """The nearest returns `(N * m,)` in cones of one width."""
-        if traversal == "bresenham":
-            return np.asarray(self.cast(origins, cone_bearings(half_angle), limits[:, None], traversal).min(axis=1))
-        table = _cone_directions(half_angle)
+    def _hear_walls(
+        self, replica: Ints, origins: Array, half_angle: float, cos_b: Array, sin_b: Array, limits: Array, ray: Ints
+    ) -> Array:
+        """The nearest walls `(Q,)` in cones of one width, and in `ray` `(Q,)` or empty by which ray each is."""
         out = np.empty(len(origins))
-        world = self._world
-
-        _, replica = self._carried(len(origins) // self.rows)
+        terrain = self._world.terrain
 
         def part(a: int, b: int) -> None:
-            for map_, rows in world.terrain.between(replica, a, b):
+            for map_, rows in terrain.between(replica, a, b):
                 walls = map_.grid, map_.segment_index, *map_.origin
-                cones.cast_cones(*walls, origins[rows], half_angle, *table, limits[rows], out[rows])
+                beams = origins[rows], half_angle, cos_b, sin_b, limits[rows]
+                cones.cast_cones(*walls, *beams, out[rows], ray[rows])
 
-        world.workers.share(len(origins), CONE_WORK, part)
-        if world.has_company:
-            self._cast_bodies(origins, *table, limits, out[:, None])
+        self._world.workers.share(len(origins), CONE_WORK, part)
         return out
 
     def _cast_bodies(self, origins: Array, cos_b: Array, sin_b: Array, limits: Array, out: Array) -> None:
@@ -274,6 +290,18 @@ class GroupView:
             own = np.repeat(self._bodies, per_row)
             known = self._carriers[per_row] = own, self._world.replica_index[own]
         return known
+
+
+def _by_width(half_angle: Array, per_row: int) -> Iterator[tuple[float, Any]]:
+    """Each half angle [rad] of `(N, 1)`, or one for all, with an index of the cones `(N * per_row,)` that have it."""
+    widths = np.ravel(half_angle)
+    widest = float(widths[0])
+    if len(widths) == 1 or (widths == widest).all():
+        yield widest, slice(None)
+        return
+    of_cone = np.repeat(widths, per_row)
+    for angle in np.unique(widths):
+        yield float(angle), np.flatnonzero(of_cone == angle)
 
 
 def _check_origins(asked: str, origins: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, Self
 
 import attrs
@@ -77,18 +77,19 @@ class Terrain:
         """The map of the replica with that index."""
         return self.maps[int(self.of_replica[index])]
 
-    def between(self, replica: Ints, first: int, end: int) -> Iterator[tuple[Map, slice]]:
+    def between(self, replica: Ints, first: int, end: int) -> Sequence[tuple[Map, slice]]:
         """Rows `first` to `end` - 1 in slices, each with the map that its rows are on.
 
         `replica` is the index of each row's replica; rows in order of replica make the fewest slices.
         """
         if len(self.maps) == 1:
-            yield self.maps[0], slice(first, end)
-            return
+            return ((self.maps[0], slice(first, end)),)
         which = self.of_replica[replica[first:end]]
         ends = (np.flatnonzero(which[1:] != which[:-1]) + 1 + first).tolist()
-        for begin, until in zip([first, *ends], [*ends, end], strict=True):
-            yield self.maps[int(which[begin - first])], slice(begin, until)
+        return [
+            (self.maps[int(which[begin - first])], slice(begin, until))
+            for begin, until in zip([first, *ends], [*ends, end], strict=True)
+        ]
 
 
 class Terrains:
