@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +18,7 @@ from amorsim.scenario.fields import read_component
 from amorsim.scenario.layout import Path_, found_at
 from amorsim.scenario.maps import MapFile, find_loader
 
-__all__ = ["NamedFile", "copied", "named_files", "near"]
+__all__ = ["NamedFile", "copied", "named_files", "near", "renamed"]
 
 
 class NamedFile(NamedTuple):
@@ -68,6 +69,29 @@ def near(file: Path, folder: Path) -> str:
         return Path(os.path.relpath(file, folder)).as_posix()
     except ValueError:
         raise RunError(f"{file}: no relative path leads there from {folder}; copy the files") from None
+
+
+def renamed(values: dict[str, Any], registry: Registry, here: Path, folder: Path) -> dict[str, Any]:
+    """Tables that name the same files from another folder.
+
+    Parameters
+    ----------
+    values
+        Tables of a scenario, by their lists: ``{"robots": [...]}``.
+    here, folder
+        Where their names of files start, and where those of the result do.
+
+    Raises
+    ------
+    RunError
+        If no relative path leads from there to one of the files.
+    """
+    found = copy.deepcopy(values)
+    for named in named_files(values, registry, here):
+        holder = found_at(found, named.at[:-1])
+        file = Path(os.path.abspath(here / named.name))  # noqa: PTH100 - a link keeps the name that it was given
+        holder[named.at[-1]] = named.said(near(file, folder))
+    return found
 
 
 def copied(named: NamedFile, file: Path, values: dict[str, Any], copies: Copies, registry: Registry) -> str:

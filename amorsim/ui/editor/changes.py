@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from amorsim.core.errors import AmorsimError, DocumentError
 from amorsim.core.numbers import is_number
+from amorsim.scenario.elsewhere import renamed
 from amorsim.scenario.fields import NONE
 from amorsim.scenario.layout import MISSING, found_at
 from amorsim.scenario.toml_values import parse
@@ -30,7 +32,7 @@ def apply(work: Work, changes: Sequence[Change]) -> list[str]:
 
     - ``{op: "set", path, value}``: say a value; null is ``"none"``.
     - ``{op: "remove", path}``: say it no more; a sensor or estimator of the model is left out.
-    - ``{op: "add", path, value}``: an item more in a list.
+    - ``{op: "add", path, value}``: an item more in a list; with ``folder``, its names of files start there.
     - ``{op: "move", path, index}``: an item of a list to another place in it.
     - ``{op: "pose", path, value}``: where a thing stands, x, y [m] and heading [deg]; null is what stays.
     - ``{op: "point", path, number, value}``: one of the points of a place, x, y [m]; ``insert`` makes it one more.
@@ -99,11 +101,22 @@ def _remove(work: Work, change: Change) -> None:
 
 def _add(work: Work, change: Change) -> str:
     path, value = _path(change), change.get("value")
+    if "folder" in change:
+        value = _from_folder(work, path, value, change["folder"])
     there = _said(work, path)
     if _own(work, path) is MISSING and isinstance(there, list) and there:  # a list of the model's, with one more
         work.document.set(path, [*there, value])
         return f"{path}.{len(there)}"
     return work.document.add(path, value)
+
+
+def _from_folder(work: Work, path: str, value: Any, folder: Any) -> Any:
+    """A table that was copied where names of files start in a folder, with their names from here."""
+    if not isinstance(folder, str) or not Path(folder).is_absolute():
+        raise AmorsimError(f"folder: expected an absolute path, got {shown(folder)}")
+    if Path(folder) == work.here:
+        return value
+    return renamed({path: [value]}, work.registry, Path(folder), work.here)[path][0]
 
 
 def _move(work: Work, change: Change) -> None:

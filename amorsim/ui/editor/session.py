@@ -316,7 +316,7 @@ class EditSession:
             case {"do": "text"}:
                 return {"ok": True, "text": work.text}
             case {"do": "tables", "paths": [*paths]} if len(paths) <= MOST_TABLES:
-                return {"ok": True, "tables": [own_table(work, path) for path in paths]}
+                return {"ok": True, "tables": [own_table(work, path) for path in paths], "folder": str(work.here)}
             case {"do": "menu"}:
                 kinds = ("robot", "motion", "controller", "world_generator")
                 names = {kind: list(self._registry.names(kind)) for kind in kinds}

@@ -78,9 +78,14 @@ def edit(
         os._exit(0)
 
     async def all_of_it() -> None:
-        opened.add(work)
+        session, _ = opened.add(work)
+
+        def ready(door: Door) -> None:
+            invitation.ready(door)
+            session.start()  # whose process would take turns with this one while the user waits for the address
+
         try:
-            await serve(pages, host=host, port=port, ready=invitation.ready, ending=end, longest_message=LONGEST)
+            await serve(pages, host=host, port=port, ready=ready, ending=end, longest_message=LONGEST)
         finally:
             await opened.close()
 
@@ -100,13 +105,12 @@ class _Opened:
         self._pages, self._folder, self._may_run_code = pages, folder, may_run_code
         self._sessions: list[tuple[EditSession, Page, _Runs]] = []
 
-    def add(self, work: Work) -> Page:
-        """Edit a scenario from now on."""
+    def add(self, work: Work) -> tuple[EditSession, Page]:
+        """The session of a scenario, to be started, and its page."""
         session = EditSession(work, may_run_code=self._may_run_code, open_other=self.open)
         page = self._pages.add("edit", work.name, session)
         self._sessions.append((session, page, _Runs(session, page, self._pages)))
-        session.start()
-        return page
+        return session, page
 
     async def open(self, name: str) -> str:
         """The path of the page of a file, of a copy of a bundled scenario, or of an empty page.
@@ -127,7 +131,9 @@ class _Opened:
             raise AmorsimError(f"{MOST_OPEN} scenarios are open; end this Editor and start another")
         if is_file and not path.is_file():
             raise AmorsimError(f"there is no file {name}")
-        return self.add(Work(str(path) if is_file else name, self._folder, state=state_folder())).path
+        session, page = self.add(Work(str(path) if is_file else name, self._folder, state=state_folder()))
+        session.start()
+        return page.path
 
     async def end_runs(self) -> None:
         """End all simulations."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import attrs
 
 from amorsim.runs.asked import make_simulation, read_scenario, with_options
-from amorsim.simulation.simulation import Simulation
+
+if TYPE_CHECKING:
+    from amorsim.simulation.simulation import Simulation
 
 __all__ = ["Recipe"]
 

@@ -128,6 +128,59 @@ def test_a_robot_and_a_sensor_are_saved_with_what_differs_alone(tmp_path: Path) 
     assert am.load_device(tmp_path / "eye.toml").sensor.beams == 91
 
 
+def test_what_is_pasted_from_another_folder_names_the_same_files(tmp_path: Path) -> None:
+    old, new = tmp_path / "old", tmp_path / "new" / "deep"
+    (old / "parts").mkdir(parents=True)
+    new.mkdir(parents=True)
+    for folder in (old, new):
+        (folder / "room.wld").write_text("0 0 5000 0\n5000 0 5000 5000\n5000 5000 0 5000\n0 5000 0 0\n")
+    (old / "drive.py").write_text("def drive(readings, estimate, clock):\n    return 0.0\n")
+    (old / "base.toml").write_text('format = 1\nmodel = "pioneer2dx"\nsensors.eye = { model = "parts/eye.toml" }\n')
+    (old / "parts" / "eye.toml").write_text('format = 1\nuse = "laser"\nbeams = 7\n')
+    (old / "mine.toml").write_text('format = 1\nmodel = "base.toml"\n')
+    (old / "way.csv").write_text("time,x,y,heading_deg\n0,1,1,0\n5,2,2,0\n")
+    (old / "first.toml").write_text(
+        'format = 1\nworld.map = "room.wld"\n'
+        '[[robots]]\nname = "a"\nmodel = "mine.toml"\npose = { x = 2.0, y = 2.0 }\n'
+        'controller = { use = "drive.py:drive" }\nsensors.other = { model = "parts/eye.toml" }\n'
+        '[[obstacles]]\nname = "b"\nshape = { circle = 0.2 }\nmotion = { use = "track", file = "way.csv" }\n'
+    )
+    (new / "second.toml").write_text('format = 1\nworld.map = "room.wld"\n')
+    copied: dict[str, Any] = {}
+
+    async def copy(session: EditSession) -> None:
+        copied.update(await do(session, do="tables", paths=["robots.0", "obstacles.0"]))
+
+    async def paste(session: EditSession) -> None:
+        robot, obstacle = copied["tables"]
+        changes = [
+            {"op": "add", "path": "robots", "value": robot, "folder": copied["folder"]},
+            {"op": "add", "path": "obstacles", "value": obstacle, "folder": copied["folder"]},
+        ]
+        await do(session, do="edit", label="paste", changes=changes)
+        assert session.work.document.faults() == ()
+        await do(session, do="save")
+        archive = zipfile.ZipFile(io.BytesIO(base64.b64decode((await do(session, do="zip"))["zip"])))
+        archive.extractall(tmp_path / "elsewhere")
+
+    async def paste_here(session: EditSession) -> None:
+        change = {"op": "add", "path": "robots", "value": copied["tables"][0], "folder": copied["folder"]}
+        await do(session, do="edit", label="paste", changes=[change | {"value": change["value"] | {"name": "c"}}])
+        assert session.work.document.values["robots"][1]["model"] == "mine.toml"
+
+    talk(str(old / "first.toml"), tmp_path, copy)
+    work = talk(str(new / "second.toml"), tmp_path, paste)
+    talk(str(old / "first.toml"), tmp_path, paste_here)
+    robot = work.document.values["robots"][0]
+    assert robot["model"] == "../../old/mine.toml"
+    assert robot["sensors"]["other"]["model"] == "../../old/parts/eye.toml"
+    assert robot["controller"]["use"] == "../../old/drive.py:drive"
+    assert work.document.values["obstacles"][0]["motion"]["file"] == "../../old/way.csv"
+    assert am.load(new / "second.toml").robots[0].sensors["eye"].sensor.beams == 7
+    old.rename(tmp_path / "gone")
+    assert am.load(tmp_path / "elsewhere" / "second" / "second.toml").robots[0].sensors["eye"].sensor.beams == 7
+
+
 def test_the_world_is_written_after_it_is_said_what_is_lost(tmp_path: Path) -> None:
     file = own_copy("doors", tmp_path)
 

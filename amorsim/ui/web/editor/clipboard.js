@@ -11,20 +11,24 @@ export async function copyOf(page) {
   const { stage } = page;
   const walls = stage.chosenWalls.map((n) => [...stage.walls.walls[n]]);
   const paths = stage.selection.things.flatMap((one) => /** @type {import("./stage.js").Chosen} */ (one).path ?? []).filter((path) => path.includes("."));
-  const said = paths.length ? await page.connection.ask({ do: "tables", paths }) : { ok: true, tables: [] };
+  const said = paths.length ? await page.connection.ask({ do: "tables", paths }) : { ok: true, tables: [], folder: "" };
   if (!said.ok) {
     page.hint(said.error);
     return null;
   }
   const things = said.tables.map((table, n) => ({ list: paths[n].split(".")[0], table, thing: stage.things.find(({ path }) => path === paths[n]) }));
   const count = walls.length + things.length;
-  const clip = count ? { walls, things, count } : null;
+  return count ? { walls, things, count, folder: said.folder } : null;
+}
+
+/** Keep a copy for other scenarios, and other windows.
+ * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip */
+export function keep(clip) {
   try {
-    if (clip) localStorage.setItem(KEPT, JSON.stringify(clip)); // for other scenarios, and other windows
+    localStorage.setItem(KEPT, JSON.stringify(clip));
   } catch {
     localStorage.removeItem(KEPT);
   }
-  return clip;
 }
 
 /** What was copied last, here or in another window; null where nothing was.
@@ -75,8 +79,19 @@ export function pasted(names, clip, [dx, dy]) {
       const at = place.path.slice(thing.path.length + 1);
       if (at.startsWith("start.") || at.startsWith("motion.")) shift(copy, at.split("."), dx, dy);
     }
-    changes.push({ op: "add", path: list, value: copy });
+    changes.push({ op: "add", path: list, value: copy, ...(clip.folder ? { folder: clip.folder } : {}) });
   }
   if (clip.walls.length) changes.push({ op: "walls", add: clip.walls.map(([a, b, c, d]) => [a + dx, b + dy, c + dx, d + dy].map(round)) });
   return changes;
+}
+
+/** Put copies as one step, and select them; shifted by so much [m], or just aside.
+ * @param {import("./editor.js").EditorPage} page
+ * @param {string} label
+ * @param {NonNullable<Awaited<ReturnType<typeof copyOf>>>} clip
+ * @param {number[]} [shift] */
+export async function put(page, label, clip, shift) {
+  const aside = 2 * (page.grid || 0.1);
+  const said = await page.edit(label, pasted([...page.stage.things], clip, shift ?? [aside, -aside]));
+  if (said.ok && said.added.length) page.choose(said.added);
 }

@@ -5,7 +5,7 @@ import { Connection } from "../shared/socket.js";
 import { startTheme } from "../shared/theme.js";
 import { Hand } from "../shared/tool.js";
 import { showMenu } from "./adding.js";
-import { copyOf, lastCopy, pasted } from "./clipboard.js";
+import { copyOf, keep, lastCopy, put } from "./clipboard.js";
 import { CircleTool, LineTool, MeasureTool, RectangleTool } from "./draw_tools.js";
 import { showText } from "./files.js";
 import { Ghosts } from "./ghosts.js";
@@ -215,23 +215,20 @@ export class EditorPage {
     const found = await copyOf(this);
     if (!found) return;
     this.clip = found;
+    keep(found);
     this.hint(`${isCut ? "cut" : "copied"} ${found.count === 1 ? "1 thing" : `${found.count} things`}`);
     if (isCut) await this.remove();
   }
 
-  /** Put copies of what was copied, shifted by so much [m]. */
-  async paste(shift = [2 * (this.grid || 0.1), -2 * (this.grid || 0.1)]) {
-    this.clip = lastCopy() ?? this.clip;
-    if (!this.clip) return;
-    const said = await this.edit("paste", pasted([...this.stage.things], this.clip, shift));
-    if (said.ok && said.added.length) this.choose(said.added);
+  /** Put copies of what was copied, here or in another window. @param {number[]} [shift] [m] */
+  async paste(shift) {
+    const clip = lastCopy() ?? this.clip;
+    if (clip) await put(this, "paste", clip, shift);
   }
 
   async duplicate() {
-    const kept = this.clip;
-    await this.copy();
-    await this.paste();
-    this.clip = kept ?? this.clip;
+    const clip = await copyOf(this);
+    if (clip) await put(this, "duplicate", clip);
   }
 
   // ----------------------------------------------------------------------------------------------------------- tools
