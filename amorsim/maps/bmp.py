@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from pathlib import Path
 from typing import ClassVar
@@ -15,8 +16,8 @@ from amorsim.contracts import MapLoader
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 from amorsim.core.parameters import parameter
-from amorsim.maps.pictures import OPAQUE, SIGNATURES, Colours, Picture, Rule, open_picture
-from amorsim.maps.unknown import OCCUPIED, UNKNOWN, unknown_as
+from amorsim.maps.pictures import OPAQUE, SIGNATURES, Colours, Rule, open_picture
+from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as
 
 __all__ = ["Bitmap"]
 
@@ -87,9 +88,8 @@ class Bitmap(MapLoader):
             classes, remarks = self._classes(path)
             side = self._side(classes.shape[1])
             classes, stretched = self._stretched(classes, side)
-            return Map.from_array(
-                classes & OCCUPIED if self.transparent == "unknown" else classes,
-                unknown=classes & UNKNOWN if self.transparent == "unknown" else None,
+            return map_of_classes(
+                classes,
                 resolution=side,
                 origin=(self.origin_x, self.origin_y, self.origin_yaw),
                 warnings=(*remarks, *stretched),
@@ -154,9 +154,13 @@ class Bitmap(MapLoader):
         threshold, remarks = self.threshold, picture.remarks
         if threshold is None and picture.format == "JPEG":
             threshold, remarks = _MID_GREY, (*remarks, _LOSSY)
-        rule = _two_colours(picture, paper) if threshold is None else _darker(threshold, picture.white)
+        white = picture.white
+        choose = functools.partial(_two_colours, white)
         if self.transparent != "unknown":
-            return picture.classes(rule, paper), remarks
+            if threshold is None:
+                return picture.classes_by(choose, paper), remarks
+            return picture.classes(_darker(threshold, white), paper), remarks
+        rule = choose(picture.colours(paper)) if threshold is None else _darker(threshold, white)
         as_unknown = UNKNOWN | (OCCUPIED if self.unknown == "occupied" else 0)
 
         def known(colours: Colours) -> NDArray[np.uint8]:
@@ -172,12 +176,11 @@ def _darker(threshold: float, white: int) -> Rule:
     return rule
 
 
-def _two_colours(picture: Picture, paper: str) -> Rule:
+def _two_colours(white: int, colours: Colours) -> Rule:
     """The rule that the darker of a picture's two colours is occupied."""
-    colours = picture.colours(paper)
     luma = _luma(colours)
     if len(colours) == 1:
-        return _darker(_MID_GREY, picture.white)
+        return _darker(_MID_GREY, white)
     if len(colours) > 2:
         raise MapError(
             f"it has {len(colours)} colours, and a bitmap map has two, the darker one occupied; pass "
@@ -185,8 +188,8 @@ def _two_colours(picture: Picture, paper: str) -> Rule:
         )
     if luma[0] == luma[1]:
         raise MapError("its two colours are equally bright, so neither is the darker, occupied one; make one black")
-    between = math.fsum(luma) / (2.0 * picture.white * sum(_LUMA))
-    return _darker(between, picture.white)
+    between = math.fsum(luma) / (2.0 * white * sum(_LUMA))
+    return _darker(between, white)
 
 
 def _luma(colours: Colours) -> NDArray[np.int32]:

@@ -1,7 +1,9 @@
-"""Pictures as pillow reads them: decoded within limits, and classified pixel by pixel without unpacking colours."""
+"""Pictures as pillow reads them: decoded within limits, and classified band by band without unpacking all colours."""
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,6 +16,7 @@ from PIL import Image, UnidentifiedImageError
 
 from amorsim.core.errors import MapError
 from amorsim.core.reading import check_readable, reason
+from amorsim.maps.png_strips import PngFile, png_file
 
 __all__ = ["OPAQUE", "SIGNATURES", "Picture", "open_picture"]
 
@@ -27,6 +30,9 @@ OPAQUE = 255
 _MOST_BYTES = 800_000_000
 # [pixels] that are read together, so that their colours take little memory.
 _BAND = 500_000
+# [pixels] of several channels from which on a picture is decoded in strips where it can be: 16 MB as a whole.
+_IN_STRIPS = 4_000_000
+_MOST_NUMBERED = 256  # colours, of which a byte says the number
 _GREYS = ("1", "L", "F")
 _DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")
 _CLEAR = ("LA", "La", "PA", "RGBA", "RGBa")
@@ -39,10 +45,12 @@ Rule = Callable[[Colours], NDArray[np.uint8]]
 
 @attrs.frozen(kw_only=True)
 class Picture:
-    """A decoded picture. Pixels of one byte or of a deep grey are classified by a table of all that there may be."""
+    """A picture. Pixels of one byte or of a deep grey are classified by a table of all that there may be."""
 
     image: Image.Image
     remarks: tuple[str, ...] = ()
+    strips: Callable[[int], Iterator[tuple[int, Image.Image]]] | None = None
+    """Reads the pixels of a picture that is too large to be held decoded, so many rows at a time; else None."""
 
     @property
     def white(self) -> int:
@@ -70,31 +78,76 @@ class Picture:
         table = self._table(paper)
         made = None if table is None else rule(table)
         for top, band in self._bands():
-            found = rule(self._colours(band, paper)) if made is None else made[_values(band)]
+            found = self._by_runs(band, rule, paper) if made is None else _looked_up(made, band)
             rows = found.reshape(-1, self.image.width)
             out[height - top - len(rows) : height - top] = rows[::-1]
         return out
 
     def colours(self, paper: str) -> Colours:
-        """The different colours (n, 4) on paper of that colour, in ascending order."""
+        """The different colours (n, 4) on paper of that colour."""
         table = self._table(paper)
         if table is not None:
             used = np.zeros(len(table), np.bool_)
             for _, band in self._bands():
                 used[_values(band)] = True
             return np.unique(table[used], axis=0)
-        used = np.zeros(1 << 24, np.bool_)
-        for _, band in self._bands():
-            red, green, blue, _ = (channel.astype(np.uint32) for channel in self._colours(band, paper).T)
-            used[(red << 16) | (green << 8) | blue] = True
-        codes = np.flatnonzero(used)
-        parts = (codes >> 16, (codes >> 8) & 0xFF, codes & 0xFF, np.full(len(codes), OPAQUE))
-        return np.stack(parts, axis=-1).astype(np.uint16)
+        return self._numbered(paper)[0]
+
+    def classes_by(self, choose: Callable[[Colours], Rule], paper: str) -> NDArray[np.uint8]:
+        """What the rule that is chosen by all different colours makes of each pixel on paper; see `classes`."""
+        if self._table(paper) is not None:
+            return self.classes(choose(self.colours(paper)), paper)
+        colours, numbers = self._numbered(paper)
+        rule = choose(colours)
+        if len(colours) > _MOST_NUMBERED:
+            del numbers
+            return self.classes(rule, paper)
+        made = np.zeros(256, np.uint8)
+        made[: len(colours)] = rule(colours)
+        for row in numbers:
+            row[:] = _entries(made, row)
+        return numbers
+
+    def _numbered(self, paper: str) -> tuple[Colours, NDArray[np.uint8]]:
+        """The different colours, and the number of each pixel's, (rows, columns), the picture's bottom row first.
+
+        Of more than 256 colours only the first have numbers. The pixels are read once, as to decode them takes longer
+        than all else.
+        """
+        height, width = self.image.height, self.image.width
+        number_of = np.full(1 << 24, -1, np.int16)
+        found: list[NDArray[np.uint32]] = []
+        out = np.empty((height, width), np.uint8)
+        count = 0
+        for top, band in self._bands():
+            pixels = _pixels(self._rgba(band))
+            starts, lengths = _runs(pixels)
+            red, green, blue, _ = self._on_paper(pixels[starts], paper).T.astype(np.uint32)
+            codes = (red << 16) | (green << 8) | blue
+            if (new := np.unique(codes[number_of[codes] < 0])).size:
+                number_of[new] = np.minimum(np.arange(count, count + len(new)), _MOST_NUMBERED)
+                found.append(new)
+                count += len(new)
+            if count <= _MOST_NUMBERED:
+                rows = np.repeat(number_of[codes].astype(np.uint8), lengths).reshape(-1, width)
+                out[height - top - len(rows) : height - top] = rows[::-1]
+        every = np.concatenate(found)
+        parts = (every >> 16, (every >> 8) & 0xFF, every & 0xFF, np.full(len(every), OPAQUE))
+        return np.stack(parts, axis=-1).astype(np.uint16), out
+
+    def _by_runs(self, band: Image.Image, rule: Rule, paper: str | None) -> NDArray[np.uint8]:
+        """What a rule makes of each pixel of a band; neighbours of one colour are classified once."""
+        pixels = _pixels(self._rgba(band))
+        starts, lengths = _runs(pixels)
+        return np.repeat(rule(self._on_paper(pixels[starts], paper)), lengths)
 
     def _bands(self) -> Iterator[tuple[int, Image.Image]]:
         """The number of the first row, and some rows, from the top."""
         width, height = self.image.size
         rows = max(1, _BAND // width)
+        if self.strips is not None:
+            yield from self.strips(rows)
+            return
         for top in range(0, height, rows):
             yield top, self.image.crop((0, top, width, min(top + rows, height)))
 
@@ -110,16 +163,31 @@ class Picture:
         if self.image.mode == "P" and self.image.palette is not None:
             mode = self.image.palette.mode
             every.putpalette(self.image.getpalette(mode) or [], mode)
-        return self._colours(every, paper)
+        return self._on_paper(_pixels(self._rgba(every)), paper)
 
-    def _colours(self, image: Image.Image, paper: str | None) -> Colours:
-        if not self.has_opacity:
-            colours = image.convert("RGB").convert("RGBA")
-        else:
-            colours = image.convert("RGBA")
-            if paper is not None:
-                colours = Image.alpha_composite(Image.new("RGBA", image.size, paper), colours)
-        return np.asarray(colours).reshape(-1, 4).astype(np.uint16)
+    def _rgba(self, image: Image.Image) -> Image.Image:
+        if not self.has_opacity and image.mode != "RGB":
+            image = image.convert("RGB")
+        return image.convert("RGBA")
+
+    def _on_paper(self, pixels: NDArray[np.uint32], paper: str | None) -> Colours:
+        """The colours (n, 4) of some pixels, on paper if its colour is given."""
+        colours = pixels.view(np.uint8).reshape(-1, 4)
+        if paper is not None and self.has_opacity:
+            image = Image.fromarray(colours[np.newaxis], "RGBA")
+            colours = np.asarray(Image.alpha_composite(Image.new("RGBA", image.size, paper), image)).reshape(-1, 4)
+        return colours.astype(np.uint16)
+
+
+def _pixels(image: Image.Image) -> NDArray[np.uint32]:
+    """The pixels (n,) of an RGBA picture, the four bytes of each as one number."""
+    return np.asarray(image).reshape(-1).view(np.uint32)
+
+
+def _runs(pixels: NDArray[np.uint32]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Where runs of equal pixels begin, and how long they are."""
+    starts = np.flatnonzero(np.concatenate(([True], pixels[1:] != pixels[:-1])))
+    return starts, np.diff(starts, append=len(pixels))
 
 
 def _values(image: Image.Image) -> NDArray[Any]:
@@ -127,6 +195,17 @@ def _values(image: Image.Image) -> NDArray[Any]:
     if image.mode in _DEEP:
         return np.asarray(image).clip(0, 0xFFFF).astype(np.uint16).ravel()
     return np.asarray(image if image.mode in ("L", "P") else image.convert("L")).ravel()
+
+
+def _looked_up(table: NDArray[np.uint8], band: Image.Image) -> NDArray[np.uint8]:
+    """The entry of a table for each pixel of one channel."""
+    values = _values(band)
+    return _entries(table, values) if values.dtype == np.uint8 else table[values]
+
+
+def _entries(table: NDArray[np.uint8], values: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The entry of a table of 256 for each value, in half the time that NumPy takes."""
+    return np.frombuffer(values.tobytes().translate(table.tobytes()), np.uint8)
 
 
 def open_picture(path: Path) -> Picture:
@@ -143,14 +222,33 @@ def open_picture(path: Path) -> Picture:
         file = path.open("rb")
     except (OSError, ValueError) as error:
         raise MapError(f"cannot be read: {reason(error)}") from error
-    try:
-        with file, warnings.catch_warnings():
-            # Up to twice the number of pixels that pillow warns of, which takes 720 MB at the most, it unpacks them.
-            warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
-            warnings.filterwarnings("ignore", category=UserWarning, module="PIL")
-            image = Image.open(file, formats=FORMATS)
-            frames = getattr(image, "n_frames", 1)
+    with file, _complaints(), warnings.catch_warnings():
+        # Up to twice the number of pixels that pillow warns of, which takes 720 MB at the most, it unpacks them.
+        warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
+        warnings.filterwarnings("ignore", category=UserWarning, module="PIL")
+        image = Image.open(file, formats=FORMATS)
+        frames = getattr(image, "n_frames", 1)
+        png = png_file(file) if image.width * image.height >= _IN_STRIPS else None
+        if png is None:
             image.load()
+    if 0 in image.size:
+        raise MapError(f"its size is {image.size[0]} x {image.size[1]} pixels: there is nothing in it")
+    remark = (f"only the first of its {frames} pictures is read",) if frames > 1 else ()
+    strips = None if png is None else functools.partial(_strips, path, png)
+    return Picture(image=image, remarks=remark, strips=strips)
+
+
+def _strips(path: Path, png: PngFile, rows: int) -> Iterator[tuple[int, Image.Image]]:
+    """The strips of a PNG file, so many rows each; like `open_picture`, it raises nothing but `MapError`."""
+    with _complaints(), path.open("rb") as file:
+        yield from png.strips(file, rows)
+
+
+@contextlib.contextmanager
+def _complaints() -> Iterator[None]:
+    """Turns what pillow and zlib raise of a file into errors of maps."""
+    try:
+        yield
     except Image.DecompressionBombError as error:
         most = 2 * (Image.MAX_IMAGE_PIXELS or 0)
         problem = f"expected {most} pixels at most; make it smaller, or the map of larger cells (resolution)"
@@ -159,10 +257,6 @@ def open_picture(path: Path) -> Picture:
         raise MapError(f"it is no {_formats()} image, or its header is damaged") from error
     except Exception as error:  # a damaged file makes pillow raise nearly anything
         raise MapError(f"it is no whole {_formats()} image: {error}") from error
-    if 0 in image.size:
-        raise MapError(f"its size is {image.size[0]} x {image.size[1]} pixels: there is nothing in it")
-    remark = (f"only the first of its {frames} pictures is read",) if frames > 1 else ()
-    return Picture(image=image, remarks=remark)
 
 
 def _formats() -> str:

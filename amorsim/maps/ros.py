@@ -34,7 +34,7 @@ from amorsim.core.parameters import parameter
 from amorsim.core.reading import is_file, read_bytes, reason
 from amorsim.maps.pictures import OPAQUE, Colours, Picture, open_picture
 from amorsim.maps.ros_yaml import MapYaml, parse_map_yaml
-from amorsim.maps.unknown import OCCUPIED, UNKNOWN, unknown_as
+from amorsim.maps.unknown import OCCUPIED, UNKNOWN, map_of_classes, unknown_as
 
 __all__ = ["Ros"]
 
@@ -74,11 +74,8 @@ class Ros(MapLoader):
         try:
             # The picture is let go before the map is made: it is as large as its classes.
             classes, remarks = self._read(about, path)
-            unknown = classes & UNKNOWN
-            classes &= OCCUPIED
-            return Map.from_array(
+            return map_of_classes(
                 classes,
-                unknown=unknown,
                 resolution=about.resolution if self.resolution is None else self.resolution,
                 origin=about.origin,
                 warnings=(*about.remarks, *remarks),

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from amorsim.core.numbers import millimetres
-from amorsim.maps.wld import WallLine, direction, parse_world
+from amorsim.maps.wld_statements import WallLine, direction, parse_world
 
 __all__ = ["with_walls"]
 

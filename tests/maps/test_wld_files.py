@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 from amorsim.core.errors import MapError
-from amorsim.maps.wld import LineWorld, Wld, parse_world
+from amorsim.maps.wld import Wld
+from amorsim.maps.wld_statements import LineWorld, parse_world
 from tests.examples import settings
 
 MAPS = Path(__file__).resolve().parents[3] / "shared" / "maps" / "wld"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from amorsim.core.errors import MapError
-from amorsim.maps.wld import parse_world
+from amorsim.maps.wld_statements import parse_world
 from amorsim.maps.wld_text import with_walls
 
 FRAMES = "\r\n".join(
