@@ -16,6 +16,7 @@ __all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "reckon", 
 
 Array = npt.NDArray[np.float64]
 
+_FAR = 1e12  # [rad] further than any wheel turns; squares of lengths beyond are no numbers soon
 _NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the error is of second order in it
 
 
@@ -141,11 +142,12 @@ def check_encoder(who: str, robot: RobotModel, name: str) -> None:
 def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -> tuple[Array, Array]:
     """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first.
 
-    A reading of nan is none: the joints stand until the next one, which shows all that they have moved since.
+    A reading of nan, or of angles that no wheel can have turned, is none: the joints stand until the next one, which
+    shows all that they have moved since.
     """
     sensor: Any = robot.sensors[encoder].sensor
     after = sensor.angles(measured)
-    lacks = np.isnan(after)
+    lacks = ~(np.abs(after) < _FAR)
     if lacks.any():
         after = np.where(lacks.any(axis=1, keepdims=True), joints, after)
     return np.where(np.isnan(joints), after, joints), after  # the first reading is the reference of all others
