@@ -95,6 +95,9 @@ class MonteCarlo(Estimator):
         How far the robot moves between updates [m, rad].
     age_max
         The oldest reading [s] that is used as if it were taken now; an older one is an error.
+    on_failure
+        When a scan is possible from no particle, which is an event: ``"continue"`` with all of them, as likely as each
+        other, or ``"end"`` the robot's controller.
     """
 
     encoder: str = parameter("encoder", refers="sensors", help="name of the sensor that counts the joints")
@@ -132,6 +135,10 @@ class MonteCarlo(Estimator):
     update_distance: float = parameter(0.25, unit="m", ge=0, help="distance moved between updates")
     update_angle: float = parameter(0.2, unit="rad", ge=0, help="angle turned between updates")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a reading still counts as taken now")
+
+    on_failure: str = parameter(
+        "continue", choices=("continue", "end"), static=True, help="what it does when no particle fits a scan"
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.particles_min > self.particles_max:
