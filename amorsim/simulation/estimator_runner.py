@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import attrs
 import numpy as np
@@ -179,7 +180,8 @@ class EstimatorRunner:
 
     def _arrived(self, readings: Mapping[str, npt.ArrayLike], ages: Mapping[str, float]) -> dict[str, Array]:
         """The readings that have arrived, as rows, by sensor."""
-        for what, given in (("readings", readings), ("ages", ages)):
+        mappings: dict[str, Any] = {"readings": readings, "ages": ages}  # of callers that check no types
+        for what, given in mappings.items():
             if not isinstance(given, Mapping):
                 example = next(iter(self._sizes), "encoder")
                 raise AmorsimError(
