@@ -15,7 +15,6 @@ from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.core.trouble import in_words
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
-from amorsim.simulation.asked import MAX_REPLICA, checked_seed
 from amorsim.simulation.blame import Whose
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.feeding import FeedingError, feeding_order
@@ -65,8 +64,6 @@ class EstimatorRunner:
     def __init__(
         self, robot: Robot, estimator: str | Estimator, *, dt: float = 0.1, seed: int | None = None, replica: int = 0
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise AmorsimError(f"expected a robot, of am.load_robot or a scenario, got {in_words(robot)}")
         if robot.pose is None:
             raise AmorsimError(f"robot {robot.name!r}: an estimator starts from a pose; give the robot one (pose=...)")
         if isinstance(estimator, str):
@@ -77,26 +74,18 @@ class EstimatorRunner:
                     f"{did_you_mean(estimator, robot.estimators)}"
                 )
             name, estimator = estimator, robot.estimators[estimator]
-        elif not isinstance(estimator, Estimator):
-            raise AmorsimError(
-                f"robot {robot.name!r}: expected an estimator or the name of one of the robot's, got "
-                f"{in_words(estimator)}"
-            )
         else:
             found = [name for name, own in robot.estimators.items() if own is estimator]
             name = found[0] if found else "estimator"
         if finite_numbers((dt,)) is None or not dt > 0.0:
             raise AmorsimError(f"dt: expected a number of seconds > 0, got {dt!r}")
-        if isinstance(replica, bool) or not isinstance(replica, (int, np.integer)) or not 0 <= replica <= MAX_REPLICA:
-            raise AmorsimError(f"replica: expected the number of a replica >= 0, got {in_words(replica)}")
-        stream = 0 if seed is None else checked_seed(seed)
         self._name, self._dt = name, float(dt)
         self._who = f"robot {robot.name!r}, estimator {name!r}"
         robot = attrs.evolve(robot, estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot))
         self._sizes = {sensor: reading_size(robot, sensor) for sensor in robot.sensors}
         self._model = robot_model([robot], self._sizes, channels_of(robot), self._dt)
         self._clock = RowClock(np.array([replica]), self._dt)
-        self._streams = Streams(stream, [robot.name], self._clock.counter)
+        self._streams = Streams(seed or 0, [robot.name], self._clock.counter)
         whose = Whose("robot", [robot.name], self._clock)
         draws = {one: self._streams.draws("estimator", one) for one in robot.estimators}
         self._estimators = Estimators(draws, whose, self._clock)

@@ -131,14 +131,3 @@ def test_what_cannot_be_run_is_refused():
         am.EstimatorRunner(rover(pose=None), "ekf")
     with pytest.raises(am.AmorsimError, match="dt: expected"):
         am.EstimatorRunner(rover(), "ekf", dt=0.0)
-    with pytest.raises(am.AmorsimError, match=r"expected a robot, .*, got 'rover'"):
-        am.EstimatorRunner("rover", "ekf")
-    for wrong in (am.estimators.Ekf, None):
-        with pytest.raises(am.AmorsimError, match="expected an estimator or the name of one of the robot's, got"):
-            am.EstimatorRunner(rover(), wrong)
-    for wrong in (-1, 0.5, True, 2**32):
-        with pytest.raises(am.AmorsimError, match="expected the number of a replica >= 0, got"):
-            am.EstimatorRunner(rover(), "ekf", replica=wrong)
-    for wrong in (-1, 0.5, "a"):
-        with pytest.raises(am.AmorsimError, match="seed"):
-            am.EstimatorRunner(rover(), "ekf", seed=wrong)
