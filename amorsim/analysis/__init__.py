@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from amorsim.analysis.files import RunFiles
     from amorsim.analysis.measuring import measure
     from amorsim.analysis.pose_errors import PoseErrors, Statistics, ape, relation_errors, rpe
-    from amorsim.analysis.recordings import LogEntry, read_bag, read_log, read_mcap
+    from amorsim.analysis.recordings import read_bag, read_log, read_mcap
+    from amorsim.analysis.run_log import LogEntry
     from amorsim.analysis.trajectory import (
         Trajectory,
         read_csv,
@@ -44,7 +45,8 @@ _MODULES = {
     "amorsim.analysis.files": "RunFiles",
     "amorsim.analysis.measuring": "measure",
     "amorsim.analysis.pose_errors": "PoseErrors Statistics ape relation_errors rpe",
-    "amorsim.analysis.recordings": "LogEntry read_bag read_log read_mcap",
+    "amorsim.analysis.recordings": "read_bag read_log read_mcap",
+    "amorsim.analysis.run_log": "LogEntry",
     "amorsim.analysis.trajectory": (
         "Trajectory read_csv read_kitti read_tum run_trajectories write_csv write_kitti write_tum"
     ),

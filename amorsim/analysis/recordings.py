@@ -1,4 +1,4 @@
-"""Trajectories and logs from recordings of real robots and other simulators: rosbags and MCAP files."""
+"""Trajectories and logs from recordings: rosbags and MCAP files, and the folders of runs."""
 
 from __future__ import annotations
 
@@ -14,26 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.message_values import command_of, holds_pose, pose_of, reading_of
+from amorsim.analysis.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
+from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
 
-__all__ = ["LogEntry", "read_bag", "read_log", "read_mcap"]
+__all__ = ["read_bag", "read_log", "read_mcap"]
 
 Array = npt.NDArray[np.float64]
-
-
-class LogEntry(NamedTuple):
-    """What arrived at one time, as `EstimatorRunner.update` takes it."""
-
-    time: float
-    """[s] when it was received."""
-    readings: dict[str, Array]
-    """By sensor."""
-    command: Array | None
-    """Given before that time; None before the first."""
-    ages: dict[str, float]
-    """[s] since each reading was measured."""
 
 
 class _Received(NamedTuple):
@@ -87,15 +76,16 @@ def read_log(
     *,
     topics: Mapping[str, str] | None = None,
     command: str | None = None,
+    replica: int | None = None,
 ) -> Iterator[LogEntry]:
-    """What a robot received, from a rosbag or an MCAP file: ``runner.update(*entry)`` feeds an `EstimatorRunner`.
+    """What a robot received, from a run's folder, a rosbag or an MCAP file, to feed an `EstimatorRunner`.
 
-    There is an entry for each time at which a reading or a command arrived.
+    ``runner.update(*entry)`` takes an entry. There is one for each time at which a reading or a command arrived.
 
     Parameters
     ----------
     path
-        A rosbag, or a file whose name ends in ``.mcap``, of ROS 2 or as `export_run` writes it.
+        The folder of a run; a rosbag; or a file whose name ends in ``.mcap``, of ROS 2 or as `export_run` writes it.
     robot
         Whose sensors and drive give the readings' meaning.
     topics
@@ -104,14 +94,24 @@ def read_log(
     command
         The topic of commands, such as ``"/cmd_vel"``; without it, ``/ROBOT/command``, if it is there. A twist becomes
         the command that the nominal drive needs for it.
+    replica
+        Of a run's folder; a run of one replica needs none. The folder has no topics.
 
     Raises
     ------
     AnalysisError
         If a library is missing, the recording cannot be read, there is no such topic, or messages on it are of
         another kind.
+    RunError
+        If a file of the run's folder is damaged, or the run has no such robot or replica.
     """
     path = Path(path)
+    if (path / ABOUT).is_file():
+        if topics is not None or command is not None:
+            raise AnalysisError(f"{path}: the folder of a run has no topics; leave out topics and command")
+        return entries_of_run(path, robot, replica)
+    if replica is not None:
+        raise AnalysisError(f"{path}: is not the folder of a run, and a recording has no replicas; leave out replica")
     for name in topics or {}:
         if name not in robot.sensors:
             raise AnalysisError(

@@ -29,7 +29,7 @@ from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
 from amorsim.estimators.ages import refuse_late
 from amorsim.estimators.known_map import Ends, field_of, free_of, map_of, no_field, nowhere, place_of
-from amorsim.estimators.wheels import angles_of, check_encoder, reckon, sensor_of
+from amorsim.estimators.wheels import angles_of, carry, check_encoder, sensor_of, step_of
 from amorsim.kernels.filters import beams, modes, particles
 from amorsim.kernels.filters.beams import Field
 from amorsim.kernels.kinematics.poses import compose
@@ -95,6 +95,9 @@ class MonteCarlo(Estimator):
         How far the robot moves between updates [m, rad].
     age_max
         The oldest reading [s] that is used as if it were taken now; an older one is an error.
+    on_failure
+        When a scan is possible from no particle, which is an event: ``"continue"`` with all of them, as likely as each
+        other, or ``"end"`` the robot's controller.
     """
 
     encoder: str = parameter("encoder", refers="sensors", help="name of the sensor that counts the joints")
@@ -132,6 +135,10 @@ class MonteCarlo(Estimator):
     update_distance: float = parameter(0.25, unit="m", ge=0, help="distance moved between updates")
     update_angle: float = parameter(0.2, unit="rad", ge=0, help="angle turned between updates")
     age_max: float = parameter(0.0, unit="s", ge=0, help="age at which a reading still counts as taken now")
+
+    on_failure: str = parameter(
+        "continue", choices=("continue", "end"), static=True, help="what it does when no particle fits a scan"
+    )
 
     def __attrs_post_init__(self) -> None:
         if self.particles_min > self.particles_max:
@@ -215,11 +222,10 @@ class MonteCarlo(Estimator):
         state["joints"] = after
         begins = ~state["begun"]
         if not begins.all():
-            drive, variance = robot.drive, self.wheel_variance
-            moved = reckon(drive, state["moved"], state["doubt"], before, after, variance)
-            state["moved"], state["doubt"] = moved.pose, moved.covariance
-            reckoned = reckon(drive, state["pose"], state["covariance"], before, after, variance)
-            state["pose"], state["covariance"] = reckoned.pose, reckoned.covariance
+            step = step_of(robot.drive, before, after)
+            for pose, covariance in (("moved", "doubt"), ("pose", "covariance")):
+                found = carry(step, state[pose], state[covariance], self.wheel_variance)
+                state[pose], state[covariance] = found.pose, found.covariance
         moved_by = state["moved"]
         far = np.sqrt(moved_by[:, :1] ** 2 + moved_by[:, 1:2] ** 2) >= self.update_distance
         far |= np.abs(moved_by[:, 2:]) >= self.update_angle
@@ -243,12 +249,8 @@ class MonteCarlo(Estimator):
         cloud = particles.Cloud(
             state["particles"], state["weights"], state["count"], state["averages"], state["figures"]
         )
-        start = begins[:, None]
         motion = particles.Motion(
-            begins,
-            state["lost"],
-            np.where(start, state["pose"], state["moved"]),
-            np.where(start[:, :, None], state["covariance"], state["doubt"]),
+            begins, state["lost"], state["pose"], state["covariance"], state["moved"], state["doubt"]
         )
         groups = self._sensing(robot, ranges, rows)
         sizes = particles.Sizes(
@@ -259,49 +261,49 @@ class MonteCarlo(Estimator):
             max(1, round(2.0 * math.pi / self.bin_angle)),
             self.resample_below,
         )
-        slow, fast = _column(self.recovery_slow, robot.rows), _column(self.recovery_fast, robot.rows)
-        known = map_of("monte_carlo", robot)
-        free = free_of(known) if state["lost"].any() or (fast > 0.0).any() else nowhere()
+        slow, fast = self.recovery_slow, self.recovery_fast
+        free = nowhere()
+        if state["lost"].any() or np.any(np.asarray(fast) > 0.0):
+            free = free_of(map_of("monte_carlo", robot))
         keys, counter, block = draws.reserve(2 * (4 * self.particles_max + 2))
         numbers = particles.Numbers(keys, counter, block, slow, fast)
         found = modes.Modes(state["hypotheses"], state["hypotheses_covariance"], state["hypotheses_weight"])
 
         def work(first: int, end: int) -> None:
-            room = particles.work(self.particles_max, modes.bins(self.particles_max))
             for some, sensing in groups:
                 some = some[np.searchsorted(some, first) : np.searchsorted(some, end)]
-                particles.update(some, cloud, motion, seen, sensing, sizes, free, numbers, room, found)
+                particles.update(some, cloud, motion, seen, sensing, sizes, free, numbers, found)
 
         draws.share(int(cloud.counts.max(initial=self.particles_min)) * self.beams // 20, work)
-        state["begun"] = state["begun"].copy()
+        # In place: nobody else has these arrays.
         state["begun"][rows] = True
-        for name, value in (
-            ("moved", 0.0),
-            ("doubt", 0.0),
-            ("pose", state["hypotheses"][rows, 0]),
-            ("covariance", state["hypotheses_covariance"][rows, 0]),
-        ):
-            state[name] = state[name].copy()
-            state[name][rows] = value
+        state["moved"][rows] = 0.0
+        state["doubt"][rows] = 0.0
+        state["pose"][rows] = found.poses[rows, 0]
+        state["covariance"][rows] = found.covariances[rows, 0]
 
     def _sensing(
         self, robot: RobotModel, ranges: Array, rows: npt.NDArray[np.int64]
     ) -> list[tuple[npt.NDArray[np.int64], particles.Sensing]]:
         """What weighs the particles, with the beams that are used: a group of rows for each likelihood field."""
-        count, known = robot.rows, map_of("monte_carlo", robot)
+        known = map_of("monte_carlo", robot)
         model = robot.sensors[self.laser]
         sensor: Any = model.sensor
-        bearings, mount = sensor.bearings(), model.mount
+        mount: Any = model.mount
+        bearings = sensor.bearings()
         which = _spread(self.beams, bearings.shape[1])
         scan = beams.Scan(
-            ranges[:, which],
-            np.broadcast_to(bearings[:, which] + mount.heading, (count, len(which))).copy(),
-            np.concatenate((_column(mount.x, count), _column(mount.y, count)), axis=1),
-            _column(sensor.range_max, count),
+            ranges.take(which, axis=1),
+            bearings.take(which, axis=1),
+            mount.x,
+            mount.y,
+            mount.heading,
+            _column(sensor.range_max, robot.rows),
         )
-        parts: Any = self.z_hit, self.z_short, self.z_max, self.z_random, self.hit_std, self.short_rate
-        mixture = beams.Mixture(*(_column(part, count) for part in parts))
-        tempering, place = _column(self.tempering, count), place_of(known)
+        mixture = beams.Mixture(
+            self.z_hit, self.z_short, self.z_max, self.z_random, float(self.hit_std), self.short_rate
+        )
+        tempering, place = self.tempering, place_of(known)
 
         def sensing(field: Field) -> particles.Sensing:
             return particles.Sensing(
@@ -312,6 +314,8 @@ class MonteCarlo(Estimator):
             return [(rows, sensing(no_field()))]
         hit, rest = mixture.hit[:, 0], mixture.random[:, 0] / scan.range_max[:, 0]
         kinds = {*zip(hit.tolist(), rest.tolist(), strict=True)}
+        if len(kinds) == 1:
+            return [(rows, sensing(self._field(known, len(which), *kinds.pop())))]
         return [
             (rows[(hit[rows] == kind[0]) & (rest[rows] == kind[1])], sensing(self._field(known, len(which), *kind)))
             for kind in sorted(kinds)

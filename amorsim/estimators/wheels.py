@@ -12,10 +12,11 @@ from amorsim.contracts import Drive, Joint, RobotModel
 from amorsim.core.errors import ComponentError, did_you_mean
 from amorsim.kernels.kinematics import odometry
 
-__all__ = ["Reckoned", "angles_of", "check_encoder", "reckon", "sensor_of"]
+__all__ = ["Reckoned", "Step", "angles_of", "carry", "check_encoder", "reckon", "sensor_of", "step_of"]
 
 Array = npt.NDArray[np.float64]
 
+_FAR = 1e12  # [rad] further than any wheel turns; squares of lengths beyond are no numbers soon
 _NUDGE = 1e-5  # [rad] by which a joint is turned to find the body's motion; the error is of second order in it
 
 
@@ -47,6 +48,18 @@ def _jacobian(drive: Drive, before: Array, after: Array, rolling: npt.NDArray[np
     return out
 
 
+class Step(NamedTuple):
+    """How far the nominal drives of N robots have moved them, and how errors of the joints that roll add to that."""
+
+    displacement: Array  # (N, 3)
+    twist: Array  # (N, 3)
+    jacobian: Array  # (N, 3, r)
+    before: Array  # (N, j) joints
+    after: Array  # (N, j)
+    rolling: npt.NDArray[np.int64]  # (r,) which of the joints
+    radius: Array  # (N, r) [m]
+
+
 class Reckoned(NamedTuple):
     """Where N robots are after their joints have moved."""
 
@@ -55,34 +68,47 @@ class Reckoned(NamedTuple):
     turn: Array  # (N, 1) [rad] over the motion
 
 
-def reckon(drive: Drive, pose: Array, covariance: Array, before: Array, after: Array, variance: Any) -> Reckoned:
-    """Poses and covariances after the nominal drive's joints `(N, j)` have moved, to first order.
+def step_of(drive: Drive, before: Array, after: Array) -> Step:
+    """The motion as the joints `(N, j)` of a nominal drive move.
 
-    White noise on the travel of each rolling joint widens the covariance, by `variance` `(N, 1)` [m^2/m]. Joints that
-    are nan, as `angles_of` gives before the first reading, have not moved.
+    Joints that are nan, as `angles_of` gives before the first reading, have not moved.
     """
     if np.isnan(after).any():
         before, after = np.nan_to_num(before), np.nan_to_num(after)
-    rows = len(after)
     rolling = _rolling(drive.joints)
     radius = drive.rolling_radius()
-    twist = drive.twist(before, after)
-    found = Reckoned(np.empty((rows, 3)), np.empty((rows, 3, 3)), twist[:, 2:])
+    displacement = np.ascontiguousarray(drive.displacement(before, after, _whole(len(after))))
+    jacobian = _jacobian(drive, before, after, rolling, radius)
+    return Step(displacement, drive.twist(before, after), jacobian, before, after, rolling, radius)
+
+
+def carry(step: Step, pose: Array, covariance: Array, variance: Any) -> Reckoned:
+    """Poses and covariances after a step from them, to first order.
+
+    White noise on the travel of each rolling joint widens the covariance, by `variance` `(N, 1)` [m^2/m].
+    """
+    rows = len(step.after)
+    found = Reckoned(np.empty((rows, 3)), np.empty((rows, 3, 3)), step.twist[:, 2:])
     odometry.reckon(
         pose,
         covariance,
-        np.ascontiguousarray(drive.displacement(before, after, _whole(rows))),
-        twist,
-        _jacobian(drive, before, after, rolling, radius),
-        before,
-        after,
-        rolling,
-        radius,
+        step.displacement,
+        step.twist,
+        step.jacobian,
+        step.before,
+        step.after,
+        step.rolling,
+        step.radius,
         variance,
         found.pose,
         found.covariance,
     )
     return found
+
+
+def reckon(drive: Drive, pose: Array, covariance: Array, before: Array, after: Array, variance: Any) -> Reckoned:
+    """Poses and covariances after the nominal drive's joints have moved: `carry` by `step_of`."""
+    return carry(step_of(drive, before, after), pose, covariance, variance)
 
 
 def sensor_of(who: str, robot: RobotModel, name: str, field: str, kind: str) -> Any:
@@ -116,11 +142,12 @@ def check_encoder(who: str, robot: RobotModel, name: str) -> None:
 def angles_of(robot: RobotModel, encoder: str, measured: Array, joints: Array) -> tuple[Array, Array]:
     """Angles `(N, j)` [rad] of the joints at the last reading and at this one; `joints` is nan before the first.
 
-    A reading of nan is none: the joints stand until the next one, which shows all that they have moved since.
+    A reading of nan, or of angles that no wheel can have turned, is none: the joints stand until the next one, which
+    shows all that they have moved since.
     """
     sensor: Any = robot.sensors[encoder].sensor
     after = sensor.angles(measured)
-    lacks = np.isnan(after)
+    lacks = ~(np.abs(after) < _FAR)
     if lacks.any():
         after = np.where(lacks.any(axis=1, keepdims=True), joints, after)
     return np.where(np.isnan(joints), after, joints), after  # the first reading is the reference of all others

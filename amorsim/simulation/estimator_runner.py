@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
+from amorsim.core.trouble import in_words
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
 from amorsim.simulation.blame import Whose
@@ -121,10 +123,15 @@ class EstimatorRunner:
             If the time is not after the one before, or a sensor, a number of values or an age is wrong; a
             `ComponentError` if the estimator fails.
         """
-        elapsed = self._go_to(time)
-        self._receive(readings, ages or {})
+        ages = {} if ages is None else ages
+        arrived = self._arrived(readings, ages)
         channels = self._model.channels
         wanted = self._numbers(np.zeros(len(channels)) if command is None else command, "the command", len(channels))
+        # From here on the entry is right: what was refused has left no trace.
+        elapsed = self._go_to(time)
+        for sensor, values in arrived.items():
+            age = ages.get(sensor, 0.0)
+            self._taken[sensor] = values, max(self._tick - round(age / self._dt), 0), self._time - age
         held = {sensor: self._reading(sensor, sensor in readings) for sensor in self._sizes}
         self._estimators.update(self._model, held, wanted, np.array([[elapsed]]))
         pose, covariance = self._estimators.estimates[self._name]
@@ -160,31 +167,43 @@ class EstimatorRunner:
     def _is_step(self, time: float, tick: int) -> bool:
         return math.isclose(time, tick * self._dt, rel_tol=1e-12, abs_tol=_GRID * self._dt)
 
-    def _receive(self, readings: Mapping[str, npt.ArrayLike], ages: Mapping[str, float]) -> None:
-        """Take the readings that have arrived."""
-        for sensor in (*readings, *ages):
-            if sensor not in self._sizes:
-                known = ", ".join(map(repr, self._sizes)) or "none"
+    def _arrived(self, readings: Mapping[str, npt.ArrayLike], ages: Mapping[str, float]) -> dict[str, Array]:
+        """The readings that have arrived, as rows, by sensor."""
+        mappings: dict[str, Any] = {"readings": readings, "ages": ages}  # of callers that check no types
+        for what, given in mappings.items():
+            if not isinstance(given, Mapping):
+                example = next(iter(self._sizes), "encoder")
                 raise AmorsimError(
-                    f"{self._who}: the robot has no sensor {sensor!r}; it has: {known}."
-                    f"{did_you_mean(sensor, self._sizes)}"
+                    f"{self._who}: expected {what} by sensor, such as {{{example!r}: ...}}, got {in_words(given)}"
                 )
-        for sensor, values in readings.items():
-            age = ages.get(sensor, 0.0)
+            for sensor in given:
+                if sensor not in self._sizes:
+                    known = ", ".join(map(repr, self._sizes)) or "none"
+                    raise AmorsimError(
+                        f"{self._who}: the robot has no sensor {sensor!r}; it has: {known}."
+                        f"{did_you_mean(sensor, self._sizes)}"
+                    )
+        for sensor, age in ages.items():
+            if sensor not in readings:
+                raise AmorsimError(f"{self._who}: an age of {sensor!r}, but no reading of it; leave the age out")
             if finite_numbers((age,)) is None or age < 0.0:
                 raise AmorsimError(f"{self._who}: expected an age >= 0 s of {sensor!r}, got {age!r}")
-            numbers = self._numbers(values, f"a reading of {sensor!r}", self._sizes[sensor])
-            self._taken[sensor] = numbers, max(self._tick - round(age / self._dt), 0), self._time - age
+        return {
+            sensor: self._numbers(values, f"a reading of {sensor!r}", self._sizes[sensor])
+            for sensor, values in readings.items()
+        }
 
     def _numbers(self, values: npt.ArrayLike, what: str, count: int) -> Array:
-        """Values as a row `(1, count)`."""
+        """Values as a new row `(1, count)`."""
         try:
-            row = np.array(values, dtype=np.float64).reshape(1, -1)
-        except (TypeError, ValueError):
-            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {values!r}") from None
-        if row.shape[1] != count:
-            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {row.shape[1]}")
-        return row
+            given = np.asarray(values)
+        except ValueError:  # rows of different lengths
+            given = np.empty(0, dtype=object)
+        if given.dtype.kind not in "fiub":
+            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {in_words(values)}")
+        if given.size != count:
+            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {given.size}")
+        return np.array(given, dtype=np.float64).reshape(1, count)
 
     def _reading(self, sensor: str, is_new: bool) -> Measurement:
         """A sensor's last reading, as the robot holds it."""

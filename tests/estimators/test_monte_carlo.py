@@ -122,6 +122,46 @@ def test_restored_from_a_snapshot_it_goes_on_as_before():
     assert {name: array.tobytes() for name, array in beliefs(sim).items()} == before
 
 
+@attrs.frozen(kw_only=True)
+class Lost(am.Noise):
+    """No beam returns, in one replica and for half a second."""
+
+    def start(self, context):
+        return {"time": np.zeros((context.rows, 1))}
+
+    def corrupt(self, values, side, elapsed, state, draws):
+        state["time"] = state["time"] + elapsed
+        return np.where((draws.counter[:, :1] == 1) & (np.abs(state["time"] - 1.0) < 0.25), np.inf, values)
+
+
+@pytest.mark.parametrize("on_failure", ["continue", "end"])
+def test_a_scan_that_no_particle_explains_is_an_event_and_leaves_other_rows_alone(on_failure):
+    # That a beam does not return from a wall near by has the probability 0, not a small one.
+    using = estimator(model="beam", z_max=0.0, hit_std=0.05, tempering=0.1, on_failure=on_failure)
+    given = scenario(using)
+    robot = given.robots[0]
+    laser = attrs.evolve(
+        robot.sensors["laser"],
+        noise=(*robot.sensors["laser"].noise, am.NoiseElement(name="lost", noise=Lost())),
+    )
+    lossy = attrs.evolve(given, robots=[attrs.evolve(robot, sensors={**robot.sensors, "laser": laser})])
+    sim, clean = (am.Simulation(one, replicas=3) for one in (lossy, given))
+    sim.run(2.0)
+    clean.run(2.0)
+    kinds = [event.kind for event in sim.events]
+    assert {event.replica for event in sim.events} == {1}
+    assert kinds.count("estimator_failed") >= 1
+    assert kinds.count("controller_ended") == (on_failure == "end")
+    assert sim.events[0].path == "estimators.where"
+    assert not clean.events
+    for row in (0, 2):
+        assert sim.estimated_pose[row].tobytes() == clean.estimated_pose[row].tobytes()
+        assert sim.covariance[row].tobytes() == clean.covariance[row].tobytes()
+    away, turned = errors(sim)
+    assert away.max() < 0.3
+    assert turned.max() < math.radians(10.0)
+
+
 def test_between_scans_wheels_carry_the_estimate_and_the_cloud():
     sim = am.Simulation(scenario(estimator(update_distance=50.0, update_angle=50.0)))
     first = beliefs(sim)

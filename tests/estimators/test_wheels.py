@@ -9,7 +9,7 @@ import amorsim as am
 from tests.estimators.test_bits import MAKERS, scenario
 
 
-def followed(name, lost=(), begins=0):
+def followed(name, lost=(), begins=0, value=np.nan):
     """The last pose of an estimator that got no reading of the encoder in some steps, and what it is with all."""
     sim = am.Simulation(scenario(name), seed=5)
     runner = am.EstimatorRunner(sim.scenario.robots[0], "it", dt=sim.dt, seed=5)
@@ -21,7 +21,7 @@ def followed(name, lost=(), begins=0):
         if step < begins:
             del readings["encoder"]
         elif step in lost:
-            readings["encoder"][-1] = np.nan
+            readings["encoder"][-1] = value
         estimate = runner.update(frame.time[0], readings, frame.command[0])
         assert np.isfinite(estimate.covariance).all()
         if "failed" in frame.beliefs.get("it", {}):
@@ -33,6 +33,14 @@ def followed(name, lost=(), begins=0):
 def test_a_lost_reading_is_made_up_for_by_the_next(name):
     found, wanted = followed(name, lost=(4, 5))
     # A robot that turns while its encoder is silent: 0.1 m in one piece, and not in three.
+    assert np.hypot(*(found - wanted)[:2]) < 0.03
+    assert abs(found[2] - wanted[2]) < 0.03
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, 1e308])
+@pytest.mark.parametrize("name", MAKERS)
+def test_what_no_wheel_can_have_turned_is_a_lost_reading(name, value):
+    found, wanted = followed(name, lost=(4,), value=value)
     assert np.hypot(*(found - wanted)[:2]) < 0.03
     assert abs(found[2] - wanted[2]) < 0.03
 

@@ -17,11 +17,13 @@ STD = 0.2
 
 
 def mixture(hit=0.5, short=0.0, most=0.0, random=0.5, hit_std=STD, short_rate=0.1):
-    return Mixture(*(np.array([[value]]) for value in (hit, short, most, random, hit_std, short_rate)))
+    hit, short, most, random, short_rate = (np.array([[value]]) for value in (hit, short, most, random, short_rate))
+    return Mixture(hit, short, most, random, hit_std, short_rate)
 
 
-def scan(ranges, bearings, mount=(0.0, 0.0), range_max=20.0):
-    return Scan(np.array([ranges]), np.array([bearings]), np.array([mount]), np.array([[range_max]]))
+def scan(ranges, bearings, mount=(0.0, 0.0, 0.0), range_max=20.0):
+    columns = (np.array([[value]]) for value in (*mount, range_max))
+    return Scan(np.array([ranges]), np.array([bearings]), *columns)
 
 
 def beluga():
@@ -54,7 +56,7 @@ def test_the_log_likelihood_is_the_sum_over_beams():
     world = Map.from_array(cells, resolution=0.1, origin=(1.0, -2.0, 0.7))
     ranges = np.concatenate((rng.uniform(0.1, 5.0, 70), [np.inf, np.nan, -np.inf]))
     bearings = rng.uniform(-3.0, 3.0, 73)
-    mount = (0.2, -0.1)
+    mount = (0.2, -0.1, 0.3)
     poses = np.column_stack((rng.uniform(0.0, 4.0, 50), rng.uniform(-2.0, 4.0, 50), rng.uniform(-3.0, 3.0, 50)))
     count, found = weigh(world, poses, scan(ranges, bearings, mount), mixture(), resolution=0.1)
     assert count == 70
@@ -63,7 +65,7 @@ def test_the_log_likelihood_is_the_sum_over_beams():
         c, s = math.cos(pose[2]), math.sin(pose[2])
         total = 0.0
         for r, b in zip(ranges[:70], bearings[:70], strict=True):
-            along, aside = mount[0] + r * math.cos(b), mount[1] + r * math.sin(b)
+            along, aside = mount[0] + r * math.cos(b + mount[2]), mount[1] + r * math.sin(b + mount[2])
             x, y = pose[0] + c * along - s * aside - 1.0, pose[1] + s * along + c * aside + 2.0
             x, y = math.cos(0.7) * x + math.sin(0.7) * y, math.cos(0.7) * y - math.sin(0.7) * x
             col, row = math.floor(x / 0.1), math.floor(y / 0.1)

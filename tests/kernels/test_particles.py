@@ -10,7 +10,7 @@ import pytest
 from amorsim.kernels.filters.gaussians import draw_around, root
 from amorsim.kernels.filters.headings import fill_turns
 from amorsim.kernels.filters.modes import Modes, bins, find_modes
-from amorsim.kernels.filters.particles import average, effective_size, kld_size, recovery_probability, resample
+from amorsim.kernels.filters.resampling import average, effective_size, kld_size, recovery_probability, resample
 
 
 @pytest.mark.parametrize(

@@ -91,6 +91,14 @@ def test_updates_may_come_at_any_times():
         ((1.1, {"encodr": [0.0, 0.0]}), "no sensor 'encodr'.*'encoder'"),
         ((1.1, {"encoder": [0.0]}), "expected 2 numbers as a reading of 'encoder', got 1"),
         ((1.1, {"encoder": "no"}), "expected 2 numbers"),
+        ((1.1, {"encoder": ["1", "2"]}), r"expected 2 numbers as a reading of 'encoder', got \['1', '2'\]"),
+        ((1.1, {"encoder": [None, 1.0]}), r"expected 2 numbers as a reading of 'encoder', got \[None, 1.0\]"),
+        ((1.1, {"encoder": [10**400, 1]}), "expected 2 numbers as a reading of 'encoder', got"),
+        ((1.1, {"encoder": [1.0 + 2.0j, 0.0]}), "expected 2 numbers as a reading of 'encoder', got"),
+        ((1.1, None), "expected readings by sensor, such as {'encoder': .*}, got None"),
+        ((1.1, ["encoder"]), "expected readings by sensor"),
+        ((1.1, {}, None, 0.2), "expected ages by sensor, .*, got 0.2"),
+        ((1.1, {}, None, {"compass": 0.1}), "an age of 'compass', but no reading of it"),
         ((1.1, {}, [1.0]), "expected 2 numbers as the command, got 1"),
         ((1.1, {"compass": [0.0]}, None, {"compass": -1.0}), "an age >= 0 s of 'compass'"),
     ],
@@ -100,6 +108,20 @@ def test_bad_logs_are_refused(update, problem):
     runner.update(1.0, {"encoder": [0.0, 0.0]})
     with pytest.raises(am.AmorsimError, match=problem):
         runner.update(*update)
+
+
+@pytest.mark.parametrize("wrong", [{"encoder": [0.0]}, {"encoder": [0.0, 0.0], "compass": [0.0, 1.0]}])
+def test_after_an_entry_that_was_refused_it_takes_the_right_one(wrong):
+    runner, other = (am.EstimatorRunner(rover(), "wheels") for _ in range(2))
+    for one in (runner, other):
+        one.update(1.0, {"encoder": [0.0, 0.0]})
+    right = {"encoder": [500.0, 400.0]}
+    for entry in ((1.5, wrong), (1.5, right, [1.0]), (1.5, right, None, {"encoder": -1.0})):
+        with pytest.raises(am.AmorsimError):
+            runner.update(*entry)
+    estimate, wanted = runner.update(1.2, right), other.update(1.2, right)
+    assert estimate.pose.tobytes() == wanted.pose.tobytes()
+    assert estimate.covariance.tobytes() == wanted.covariance.tobytes()
 
 
 def test_what_cannot_be_run_is_refused():

@@ -7,7 +7,7 @@ Both take the beams of a scan as independent. Source: S. Thrun, W. Burgard, D. F
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,8 @@ from amorsim.kernels.raycast.rays import cast_ray, direction, to_frame
 __all__ = ["Field", "Mixture", "Place", "Scan", "beam_probability", "weigh_by_beams", "weigh_by_field"]
 
 Floats = npt.NDArray[np.float64]
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
 
 _FLAT = 1.0 / math.sqrt(2.0 * math.pi)
 _VECTOR = 16  # numbers of 32 bits in the widest vector
@@ -52,23 +54,25 @@ class Field(NamedTuple):
 
 
 class Scan(NamedTuple):
-    """The beams of N rows, and where their sensors sit. A beam that is not used has the range nan."""
+    """The beams of N rows, and the mounts of their sensors. A beam that is not used has the range nan."""
 
     ranges: Floats  # (N, B) [m], inf for no return
-    bearings: Floats  # (N, B) [rad] from the robot's heading
-    mounts: Floats  # (N, 2) [m]
-    range_max: Floats  # (N, 1) [m]
+    bearings: Floats  # (N, B), or (1, B) for all rows [rad] from the sensor's heading
+    x: Column  # [m]
+    y: Column  # [m]
+    heading: Column  # [rad]
+    range_max: Column  # [m]
 
 
 class Mixture(NamedTuple):
-    """The shares of what a range can be, and the numbers of each, (N, 1)."""
+    """The shares of what a range can be, and the numbers of each."""
 
-    hit: Floats  # the wall, with Gaussian noise
-    short: Floats  # something unexpected before it
-    most: Floats  # no return
-    random: Floats  # anything
-    hit_std: Floats  # [m]
-    short_rate: Floats  # [1/m]
+    hit: Column  # the wall, with Gaussian noise
+    short: Column  # something unexpected before it
+    most: Column  # no return
+    random: Column  # anything
+    hit_std: float  # [m]
+    short_rate: Column  # [1/m]
 
 
 @kernel
@@ -83,13 +87,15 @@ def weigh_by_field(
     beams = scan.ranges.shape[1]
     # Whole vectors of beams: the rest of them end far away, where they add nothing.
     ends = np.full((2, (beams + _VECTOR - 1) // _VECTOR * _VECTOR), np.float32(_FAR))
+    bearings = scan.bearings[row % scan.bearings.shape[0]]
     per_cell = 1.0 / field.resolution
     count = 0
     for b in range(beams):
         r = scan.ranges[row, b]
         if 0.0 <= r < scan.range_max[row, 0]:  # neither nan, nor too near, nor without a return
-            ends[0, count] = (scan.mounts[row, 0] + r * math.cos(scan.bearings[row, b])) * per_cell
-            ends[1, count] = (scan.mounts[row, 1] + r * math.sin(scan.bearings[row, b])) * per_cell
+            bearing = bearings[b] + scan.heading[row, 0]
+            ends[0, count] = (scan.x[row, 0] + r * math.cos(bearing)) * per_cell
+            ends[1, count] = (scan.y[row, 0] + r * math.sin(bearing)) * per_cell
             count += 1
     steps = field.steps
     cells = np.empty(ends.shape[1], dtype=np.uint32)
@@ -151,22 +157,24 @@ def weigh_by_beams(
     range_max = scan.range_max[row, 0]
     hit, short = mixture.hit[row, 0], mixture.short[row, 0]
     most, random = mixture.most[row, 0], mixture.random[row, 0]
-    hit_std, short_rate = mixture.hit_std[row, 0], mixture.short_rate[row, 0]
+    hit_std, short_rate = mixture.hit_std, mixture.short_rate[row, 0]
     reach = range_max + 6.0 * hit_std
+    bearings = scan.bearings[row % scan.bearings.shape[0]]
     used = np.empty((scan.ranges.shape[1], 3))
     count = 0
     for b in range(scan.ranges.shape[1]):
         r = scan.ranges[row, b]
         if r >= 0.0:  # neither nan nor nearer than the sensor measures
             used[count, 0] = r
-            used[count, 1] = math.cos(scan.bearings[row, b])
-            used[count, 2] = math.sin(scan.bearings[row, b])
+            bearing = bearings[b] + scan.heading[row, 0]
+            used[count, 1] = math.cos(bearing)
+            used[count, 2] = math.sin(bearing)
             count += 1
     for p in range(particles.shape[0]):
         c = math.cos(particles[p, 2])
         s = math.sin(particles[p, 2])
-        world_x = particles[p, 0] + (c * scan.mounts[row, 0] - s * scan.mounts[row, 1])
-        world_y = particles[p, 1] + (s * scan.mounts[row, 0] + c * scan.mounts[row, 1])
+        world_x = particles[p, 0] + (c * scan.x[row, 0] - s * scan.y[row, 0])
+        world_y = particles[p, 1] + (s * scan.x[row, 0] + c * scan.y[row, 0])
         x, y = to_frame(world_x, world_y, place.x, place.y, place.cos_yaw, place.sin_yaw)
         cos_h = c * place.cos_yaw + s * place.sin_yaw
         sin_h = s * place.cos_yaw - c * place.sin_yaw

@@ -43,23 +43,22 @@ class Modes(NamedTuple):
     weights: Floats  # (N, H)
 
 
-def bins(particles: int) -> Bins:
+@kernel
+def bins(particles: int) -> Any:
     """Room for so many particles."""
     size = 16
     while size < 2 * particles:
         size *= 2
-    whole = (np.empty(particles, dtype=np.int64) for _ in range(5))
-    own, mark, parent, mode, of = whole
     return Bins(
-        keys=np.empty(size, dtype=np.int64),
-        slots=np.empty(size, dtype=np.int64),
-        own=own,
-        weight=np.empty(particles),
-        mark=mark,
-        parent=parent,
-        mode=mode,
-        of=of,
-        sums=np.empty((particles, 12)),
+        np.empty(size, dtype=np.int64),
+        np.empty(size, dtype=np.int64),
+        np.empty(particles, dtype=np.int64),
+        np.empty(particles),
+        np.empty(particles, dtype=np.int64),
+        np.empty(particles, dtype=np.int64),
+        np.empty(particles, dtype=np.int64),
+        np.empty(particles, dtype=np.int64),
+        np.empty((particles, 12)),
     )
 
 

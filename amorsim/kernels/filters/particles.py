@@ -1,14 +1,12 @@
 """A particle filter of poses over rows: Monte Carlo localization.
 
-Sources: S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics" (2005), 4.3 (low-variance resampling) and 8.3 (augmented
-recovery); D. Fox, "Adapting the sample size in particle filters through KLD-sampling", IJRR 22 (2003); J. S. Liu,
-R. Chen, "Blind deconvolution via sequential imputations", JASA 90 (1995), for the effective sample size.
+Source: S. Thrun, W. Burgard, D. Fox, "Probabilistic Robotics" (2005), 8.3 (augmented Monte Carlo localization).
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,35 +15,28 @@ from amorsim.kernels.compile import kernel
 from amorsim.kernels.filters.beams import Field, Mixture, Place, Scan, weigh_by_beams, weigh_by_field
 from amorsim.kernels.filters.gaussians import root
 from amorsim.kernels.filters.headings import fill_turns
-from amorsim.kernels.filters.modes import Bins, Modes, bin_of, find_modes, put
+from amorsim.kernels.filters.modes import Bins, Modes, bin_of, bins, find_modes, put
+from amorsim.kernels.filters.resampling import average, effective_size, kld_size, recovery_probability, resample
 from amorsim.kernels.grid.grid import Grid
 from amorsim.kernels.kinematics.poses import wrap
 from amorsim.kernels.random.normals import normals
 from amorsim.kernels.random.philox import pairs
 
 __all__ = [
-    "NUMBERS",
     "Cloud",
     "Free",
     "Motion",
     "Numbers",
     "Sensing",
     "Sizes",
-    "Work",
-    "average",
-    "effective_size",
-    "kld_size",
-    "recovery_probability",
-    "resample",
     "update",
-    "work",
 ]
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
-
-NUMBERS = 7  # random ones that a particle needs in an update: 3 of its motion, 4 of a place at random
+# A component's parameter over rows, (N, 1) float64; declared as the number that it is for one row.
+Column = Any
 
 
 class Cloud(NamedTuple):
@@ -60,12 +51,14 @@ class Cloud(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What moves the particles: a displacement in each one's own frame, and the doubt in it; or where they start."""
+    """What moves the particles, a displacement in each one's own frame, or where they begin."""
 
-    begins: Bools  # (N,) whether particles are drawn about poses in the world, or moved
+    begins: Bools  # (N,) whether particles are drawn about `pose`, or moved
     lost: Bools  # (N,) whether they begin anywhere
-    mean: Floats  # (N, 3)
-    covariance: Floats  # (N, 3, 3)
+    pose: Floats  # (N, 3) in the world
+    covariance: Floats  # (N, 3, 3) of it
+    moved: Floats  # (N, 3)
+    doubt: Floats  # (N, 3, 3), the covariance of `moved`
 
 
 class Free(NamedTuple):
@@ -91,7 +84,7 @@ class Sensing(NamedTuple):
 
     scan: Scan
     mixture: Mixture
-    tempering: Floats  # (N, 1) exponent of the likelihood
+    tempering: Column  # exponent of the likelihood
     by_beams: bool
     cubed: bool
     field: Field
@@ -100,13 +93,13 @@ class Sensing(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """Where random numbers come from, and the gains of the averages (N, 1) that recovery needs."""
+    """Where random numbers come from, and the gains of the averages that recovery needs."""
 
     keys: npt.NDArray[np.uint64]
     counter: npt.NDArray[np.uint32]
     block: int
-    slow: Floats
-    fast: Floats
+    slow: Column
+    fast: Column
 
 
 class Work(NamedTuple):
@@ -121,74 +114,19 @@ class Work(NamedTuple):
     table: Bins
 
 
-def work(particles: int, table: Bins) -> Work:
+@kernel
+def _room(particles: int) -> Any:
     """Room for so many particles."""
     pairs_ = (4 * particles + 3) // 2
-    first, second, power = np.empty(pairs_), np.empty(pairs_), np.empty(pairs_)
-    return Work(first, second, power, np.empty(particles), np.empty((particles, 3)), np.empty((2, particles)), table)
-
-
-@kernel
-def kld_size(bins: int, error: float, quantile: float) -> float:
-    """Particles that keep the distance of Kullback and Leibler to a distribution over `bins` bins below `error`.
-
-    By Fox (2003), equation 7; `quantile` is that of the normal distribution at the probability wanted. 1 for one bin.
-    """
-    if bins < 2:
-        return 1.0
-    b = 2.0 / (9.0 * (bins - 1))
-    root_ = 1.0 - b + math.sqrt(b) * quantile
-    return float(math.ceil((bins - 1) / (2.0 * error) * root_ * root_ * root_))
-
-
-@kernel
-def effective_size(weights: Floats) -> float:
-    """The effective sample size of weights, which need not add up to 1."""
-    total = 0.0
-    squares = 0.0
-    for i in range(weights.shape[0]):
-        total += weights[i]
-        squares += weights[i] * weights[i]
-    return total * total / squares if squares > 0.0 else 0.0
-
-
-@kernel
-def average(mean: float, averages: Floats, slow: float, fast: float) -> None:
-    """Take a mean weight into the slow and the fast average (2,), with these gains; the first one is both."""
-    if averages[0] != averages[0]:
-        averages[0] = mean
-        averages[1] = mean
-        return
-    averages[0] += slow * (mean - averages[0])
-    averages[1] += fast * (mean - averages[1])
-
-
-@kernel
-def recovery_probability(averages: Floats) -> float:
-    """The probability with which a particle is drawn at random: the more, the worse the fast average is."""
-    if not averages[0] > 0.0:
-        return 0.0
-    return float(max(0.0, 1.0 - averages[1] / averages[0]))
-
-
-@kernel
-def resample(weights: Floats, offset: float, picks: Ints) -> None:
-    """Write which particles are kept (n,), by low-variance sampling with an `offset` in (0, 1)."""
-    last = 0  # the last particle with any weight: rounding must not go beyond it
-    total = 0.0
-    for i in range(weights.shape[0]):
-        total += weights[i]
-        if weights[i] > 0.0:
-            last = i
-    n = picks.shape[0]
-    i = 0
-    up_to = weights[0]
-    for m in range(n):
-        at = (m + offset) / n * total
-        while up_to < at and i < last:
-            i += 1
-            up_to += weights[i]
-        picks[m] = i
+    return Work(
+        np.empty(pairs_),
+        np.empty(pairs_),
+        np.empty(pairs_),
+        np.empty(particles),
+        np.empty((particles, 3)),
+        np.empty((2, particles)),
+        bins(particles),
+    )
 
 
 @kernel
@@ -245,9 +183,9 @@ def _begin(
             e0 = _number(at, 3 * n)
             e1 = _number(at, 3 * n + 1)
             e2 = _number(at, 3 * n + 2)
-            x = motion.mean[row, 0] + lower[0, 0] * e0
-            y = motion.mean[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
-            h = wrap(motion.mean[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2)
+            x = motion.pose[row, 0] + lower[0, 0] * e0
+            y = motion.pose[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
+            h = wrap(motion.pose[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2)
             particles[n, 0] = x
             particles[n, 1] = y
             particles[n, 2] = h
@@ -266,16 +204,16 @@ def _move(row: int, cloud: Cloud, motion: Motion, numbers: Numbers, at: Work) ->
     n = cloud.counts[row]
     particles = cloud.particles[row]
     lower = np.empty((3, 3))
-    root(motion.covariance[row], lower)
+    root(motion.doubt[row], lower)
     _normals(numbers, row, numbers.block, (3 * n + 1) // 2, at)
     fill_turns(particles[:n], at.turns)
     for p in range(n):
         e0 = _number(at, 3 * p)
         e1 = _number(at, 3 * p + 1)
         e2 = _number(at, 3 * p + 2)
-        ahead = motion.mean[row, 0] + lower[0, 0] * e0
-        left = motion.mean[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
-        turn = motion.mean[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2
+        ahead = motion.moved[row, 0] + lower[0, 0] * e0
+        left = motion.moved[row, 1] + lower[1, 0] * e0 + lower[1, 1] * e1
+        turn = motion.moved[row, 2] + lower[2, 0] * e0 + lower[2, 1] * e1 + lower[2, 2] * e2
         s = at.turns[0, p]
         c = at.turns[1, p]
         particles[p, 0] += c * ahead - s * left
@@ -386,7 +324,6 @@ def update(
     sizes: Sizes,
     free: Free,
     numbers: Numbers,
-    at: Work,
     modes: Modes,
 ) -> None:
     """Move the particles of some rows, weigh them by what is seen, find their modes, and resample them.
@@ -394,6 +331,7 @@ def update(
     A row needs nothing of another one, so they may be in any number and order. `is_seen` (N,) says whose scan is new.
     """
     capacity = cloud.particles.shape[1]
+    at = _room(capacity)
     for r in range(rows.shape[0]):
         row = rows[r]
         cloud.figures[row, 2] = 0.0

@@ -1,0 +1,60 @@
+"""What a robot received in a recorded run, as an estimator without the simulator takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from amorsim.analysis.files import RunFiles
+from amorsim.scenario.spec import Robot
+
+__all__ = ["LogEntry", "entries_of_run"]
+
+Array = npt.NDArray[np.float64]
+
+_NO_CHANNELS = ("replica", "time", "robot")
+
+
+class LogEntry(NamedTuple):
+    """What arrived at one time, as `EstimatorRunner.update` takes it."""
+
+    time: float
+    """[s] when it was received."""
+    readings: dict[str, Array]
+    """By sensor."""
+    command: Array | None
+    """Given before that time; None before the first."""
+    ages: dict[str, float]
+    """[s] since each reading was measured."""
+
+
+def entries_of_run(folder: Path, robot: Robot, replica: int | None) -> Iterator[LogEntry]:
+    """An entry for each step of a run: its readings and the command of the step that ended then.
+
+    Raises
+    ------
+    RunError
+        If the folder is none of a run, a file is damaged, or the run has no such robot or replica.
+    """
+    files = RunFiles(folder)
+    commands = files.table("commands", robot=robot.name, replica=replica)
+    times = commands["time"].tolist()
+    given = np.stack([column for key, column in commands.items() if key not in _NO_CHANNELS], axis=1)
+    entries = {
+        time: LogEntry(time, {}, command if step else None, {})
+        for step, (time, command) in enumerate(zip(times, given, strict=True))
+    }
+    for name in files.sensors:
+        if name not in robot.sensors:
+            continue
+        table = files.table(f"sensors/{name}", robot=robot.name, replica=replica)
+        measured = np.stack([column for key, column in table.items() if key.startswith("measured_")], axis=1)
+        for time, stamp, values in zip(table["time"].tolist(), table["stamp"].tolist(), measured, strict=True):
+            if time in entries:  # of a run that was killed, the last step may not be whole
+                entries[time].readings[name] = values
+                entries[time].ages[name] = max(0.0, time - stamp)
+    yield from entries.values()

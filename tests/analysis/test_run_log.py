@@ -1,0 +1,66 @@
+"""Estimators run on the folder of a run, as on a robot's log."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+
+import amorsim as am
+from amorsim.analysis import RunFiles, read_log
+
+DIGIT = 1e-6  # [m, rad] files of a run have six digits
+CHANGES = ["robots.rover.sensors.compass.rate=5.0", "robots.rover.sensors.compass.latency=0.1"]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("logs") / "run"
+    am.run(am.load("landmarks", CHANGES), folder, duration=2.0, replicas=2)
+    return folder
+
+
+@pytest.mark.parametrize("name", ["wheels", "ekf"])
+def test_an_estimator_gives_the_estimates_of_the_run(run: Path, name: str) -> None:
+    files = RunFiles(run)
+    robot = files.scenario.robots[0]
+    runner = am.EstimatorRunner(robot, name, dt=files.scenario.dt)
+    log = list(read_log(run, robot, replica=1))
+    found = [runner.update(*entry) for entry in log]
+    wanted = files.arrays(f"estimates/{name}")
+    assert [entry.time for entry in log] == wanted["time"].tolist()
+    # The filter moves by less than its readings are off, and its covariance changes even less.
+    assert np.abs(np.array([each.pose for each in found]) - wanted["pose"][:, 1]).max() < 2.0 * DIGIT
+    assert np.abs(np.array([each.covariance for each in found]) - wanted["covariance"][:, 1]).max() < DIGIT
+    assert found[-1].pose[0] > robot.pose.x + 0.3
+
+
+def test_entries_have_what_was_read_and_when(run: Path) -> None:
+    files = RunFiles(run)
+    log = list(read_log(run, files.scenario.robots[0], replica=0))
+    table = files.table("sensors/compass", replica=0)
+    seen = [entry for entry in log if "compass" in entry.readings]
+    assert [entry.time for entry in seen] == table["time"].tolist()
+    assert [entry.readings["compass"][0] for entry in seen] == table["measured_0"].tolist()
+    assert [entry.ages["compass"] for entry in seen] == pytest.approx((table["time"] - table["stamp"]).tolist())
+    assert 5 < len(seen) < len(log) == 21
+    assert all("encoder" in entry.readings for entry in log)
+    assert log[0].command is None
+    commands = files.table("commands", replica=0)
+    assert [entry.command[0] for entry in log[1:] if entry.command is not None] == commands["left"][1:].tolist()
+
+
+def test_mistakes_are_named(run: Path) -> None:
+    robot = RunFiles(run).scenario.robots[0]
+    with pytest.raises(am.RunError, match=r"2 replicas; say which one with replica="):
+        list(read_log(run, robot))
+    with pytest.raises(am.RunError, match="there is no replica 7"):
+        list(read_log(run, robot, replica=7))
+    with pytest.raises(am.RunError, match=r"there is no robot 'rovr'.*Did you mean 'rover'"):
+        list(read_log(run, attrs.evolve(robot, name="rovr"), replica=0))
+    with pytest.raises(am.AnalysisError, match="has no topics"):
+        read_log(run, robot, command="/cmd_vel")
+    with pytest.raises(am.AnalysisError, match="is not the folder of a run"):
+        read_log(run / "none.mcap", robot, replica=0)
