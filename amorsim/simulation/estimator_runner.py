@@ -10,9 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
+from amorsim.core.arguments import check_kind, whole
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
+from amorsim.core.trouble import in_words
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
+from amorsim.simulation.asked import checked_seed
 from amorsim.simulation.blame import Whose
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.feeding import FeedingError, feeding_order
@@ -62,6 +65,9 @@ class EstimatorRunner:
     def __init__(
         self, robot: Robot, estimator: str | Estimator, *, dt: float = 0.1, seed: int | None = None, replica: int = 0
     ) -> None:
+        check_kind(robot, Robot, "robot", "a Robot, as am.load('demo').robots[0]")
+        seed = None if seed is None else checked_seed(seed)
+        replica = whole(replica, "replica", "the number of a replica")
         if robot.pose is None:
             raise AmorsimError(f"robot {robot.name!r}: an estimator starts from a pose; give the robot one (pose=...)")
         if isinstance(estimator, str):
@@ -73,10 +79,15 @@ class EstimatorRunner:
                 )
             name, estimator = estimator, robot.estimators[estimator]
         else:
+            if not (attrs.has(type(estimator)) and isinstance(estimator, Estimator)):
+                raise AmorsimError(
+                    f"robot {robot.name!r}: expected an estimator, or the name of one of its own, got "
+                    f"{in_words(estimator)}"
+                )
             found = [name for name, own in robot.estimators.items() if own is estimator]
             name = found[0] if found else "estimator"
         if finite_numbers((dt,)) is None or not dt > 0.0:
-            raise AmorsimError(f"dt: expected a number of seconds > 0, got {dt!r}")
+            raise AmorsimError(f"dt: expected a number of seconds > 0, got {in_words(dt)}")
         self._name, self._dt = name, float(dt)
         self._who = f"robot {robot.name!r}, estimator {name!r}"
         robot = attrs.evolve(robot, estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot))
@@ -122,7 +133,7 @@ class EstimatorRunner:
             `ComponentError` if the estimator fails.
         """
         elapsed = self._go_to(time)
-        self._receive(readings, ages or {})
+        self._receive(readings, {} if ages is None else ages)
         channels = self._model.channels
         wanted = self._numbers(np.zeros(len(channels)) if command is None else command, "the command", len(channels))
         held = {sensor: self._reading(sensor, sensor in readings) for sensor in self._sizes}
@@ -138,7 +149,7 @@ class EstimatorRunner:
     def _go_to(self, time: float) -> float:
         """Put the clock to a time; returns the seconds since the update before, 0 at the first."""
         if finite_numbers((time,)) is None:
-            raise AmorsimError(f"{self._who}: expected a time in seconds, got {time!r}")
+            raise AmorsimError(f"{self._who}: expected a time in seconds, got {in_words(time)}")
         if self._first is None:
             self._first = float(time)
         since = float(time) - self._first
@@ -162,6 +173,9 @@ class EstimatorRunner:
 
     def _receive(self, readings: Mapping[str, npt.ArrayLike], ages: Mapping[str, float]) -> None:
         """Take the readings that have arrived."""
+        for given, what in ((readings, "readings by sensor, as {'encoder': [0.1, 0.1]}"), (ages, "ages by sensor")):
+            if not isinstance(given, Mapping):
+                raise AmorsimError(f"{self._who}: expected {what}, got {in_words(given)}")
         for sensor in (*readings, *ages):
             if sensor not in self._sizes:
                 known = ", ".join(map(repr, self._sizes)) or "none"
@@ -172,7 +186,7 @@ class EstimatorRunner:
         for sensor, values in readings.items():
             age = ages.get(sensor, 0.0)
             if finite_numbers((age,)) is None or age < 0.0:
-                raise AmorsimError(f"{self._who}: expected an age >= 0 s of {sensor!r}, got {age!r}")
+                raise AmorsimError(f"{self._who}: expected an age >= 0 s of {sensor!r}, got {in_words(age)}")
             numbers = self._numbers(values, f"a reading of {sensor!r}", self._sizes[sensor])
             self._taken[sensor] = numbers, max(self._tick - round(age / self._dt), 0), self._time - age
 
@@ -181,7 +195,7 @@ class EstimatorRunner:
         try:
             row = np.array(values, dtype=np.float64).reshape(1, -1)
         except (TypeError, ValueError):
-            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {values!r}") from None
+            raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {in_words(values)}") from None
         if row.shape[1] != count:
             raise AmorsimError(f"{self._who}: expected {count} numbers as {what}, got {row.shape[1]}")
         return row
