@@ -271,6 +271,9 @@ class Document:
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
             part = checked_text(part.strip() if isinstance(path, str) else part)
+            if place is MISSING and part.isdecimal():  # an item of a list that is a field's default
+                default = self._origins.default(self._editor.values, at)
+                place = default if isinstance(default, list) else MISSING
             if isinstance(place, list):
                 index = index_of(place, part)
                 if isinstance(index, str):
