@@ -14,6 +14,10 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import real, whole
+from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import in_words
+
 __all__ = ["Consistency", "chi_squared_band", "nees", "nis", "verdict"]
 
 Array = npt.NDArray[np.float64]
@@ -91,9 +95,13 @@ def verdict(values: Array, degrees: int, *, confidence: float = 0.95) -> Consist
     ValueError
         If `degrees` is below 1, or `confidence` is not between 0 and 1.
     """
-    if degrees < 1 or not 0.0 < confidence < 1.0:
+    degrees = whole(degrees, "degrees", "a whole number >= 1")
+    if degrees < 1 or not 0.0 < real(confidence, "confidence", "a number between 0 and 1") < 1.0:
         raise ValueError(f"expected degrees >= 1 and 0 < confidence < 1, got {degrees!r} and {confidence!r}")
-    there = np.asarray(values, dtype=np.float64).ravel()
+    try:
+        there = np.asarray(values, dtype=np.float64).ravel()
+    except (TypeError, ValueError):
+        raise ParameterError("values", f"expected numbers, got {in_words(values)}") from None
     there = there[~np.isnan(there)]
     if not len(there):
         return Consistency(
@@ -124,7 +132,13 @@ def chi_squared_band(degrees: int, count: int = 1, confidence: float = 0.95) -> 
 
 def _normalised(vectors: Array, covariances: Array) -> Array:
     """V' C^-1 v by Cholesky, one number after another, so that no row depends on how many there are."""
-    size = vectors.shape[-1]
+    vectors, covariances = np.asarray(vectors), np.asarray(covariances)
+    size = vectors.shape[-1] if vectors.ndim else 0
+    if vectors.dtype.kind not in "fiu" or covariances.dtype.kind not in "fiu" or covariances.shape[-2:] != (size, size):
+        raise ValueError(
+            f"expected numbers (..., d) with covariances (..., d, d), got those of the shapes {vectors.shape} and "
+            f"{covariances.shape}"
+        )
     lower: list[list[Array]] = []
     solved: list[Array] = []
     total = np.zeros(vectors.shape[:-1])

@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.intervals import student_t_quantile
+from amorsim.core.arguments import numbers, real
+from amorsim.core.parameters import ParameterError
 
 __all__ = ["Ensemble", "ensemble"]
 
@@ -56,11 +58,10 @@ def ensemble(values: npt.ArrayLike, *, confidence: float = 0.95) -> Ensemble:
     ValueError
         If the values have another shape, or the confidence is not between 0 and 1.
     """
-    given = np.asarray(values, dtype=np.float64)
-    if given.ndim != 2:
-        raise ValueError(f"expected values (times, replicas), got an array of shape {given.shape}")
-    if not 0.0 < confidence < 1.0:
-        raise ValueError(f"confidence: expected a number between 0 and 1, got {confidence!r}")
+    given = numbers(values, "values", ("times", "replicas"))
+    expected = "a number between 0 and 1"
+    if not 0.0 < real(confidence, "confidence", expected) < 1.0:
+        raise ParameterError("confidence", f"expected {expected}, got {confidence!r}")
     figures = np.full((8, len(given)), math.nan)
     counts = np.count_nonzero(~np.isnan(given), axis=1)
     for step, here in enumerate(given):

@@ -8,6 +8,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import numbers, real
+
 __all__ = ["MapScores", "area_under_curve", "distances_to_walls", "map_scores"]
 
 Array = npt.NDArray[np.float64]
@@ -75,7 +77,8 @@ def map_scores(
     ValueError
         If the shapes differ, or a probability is not between 0 and 1.
     """
-    probability, truth = np.asarray(probability, np.float64), np.asarray(truth)
+    probability, truth = numbers(probability, "probability", ("rows", "columns")), np.asarray(truth)
+    resolution = real(resolution, "resolution", "the side of a cell [m]")
     if probability.shape != truth.shape or probability.ndim != 2:
         raise ValueError(f"expected two maps of the same shape, got {probability.shape} and {truth.shape}")
     values = probability[~np.isnan(probability)]
@@ -130,7 +133,8 @@ def distances_to_walls(points: Array, walls: Array) -> Array:
 
     For points of an estimated map, such as the middles of cells that it calls occupied, and `Map.segments`.
     """
-    points, walls = np.asarray(points, np.float64), np.asarray(walls, np.float64).reshape(-1, 4)
+    points = numbers(points, "points", ("N", 2))
+    walls = numbers(walls, "walls", ("M", 4)) if len(walls) else np.empty((0, 4))
     nearest = np.full(len(points), np.inf)
     for x0, y0, x1, y1 in walls.tolist():  # one after another: all at once would take much memory
         dx, dy = x1 - x0, y1 - y0

@@ -11,6 +11,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import numbers, real, whole
+from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import in_words
+
 __all__ = ["bootstrap_interval", "holm", "paired_effect", "permutation_p"]
 
 Array = npt.NDArray[np.float64]
@@ -37,6 +41,11 @@ def bootstrap_interval(
     ValueError
         If there are fewer than two samples.
     """
+    samples = numbers(samples, "samples", ("n",))
+    level = real(confidence, "confidence", "a number between 0 and 1")
+    resamples = whole(resamples, "resamples", "a whole number > 0", least=1)
+    if not 0.0 < level < 1.0:
+        raise ParameterError("confidence", f"expected a number between 0 and 1, got {in_words(confidence)}")
     if len(samples) < 2:
         raise ValueError(f"expected two samples at least, got {len(samples)}")
     if samples.min() == samples.max():  # nothing scatters, and BCa is not defined
@@ -78,6 +87,8 @@ def permutation_p(differences: Array, *, resamples: int = RESAMPLES) -> float:
     Then each difference is as likely as its negative: all signs are tried up to 12 pairs, `resamples` random ones
     beyond. Two-sided.
     """
+    differences = numbers(differences, "differences", ("n",))
+    resamples = whole(resamples, "resamples", "a whole number > 0", least=1)
     count = len(differences)
     if not count:
         raise ValueError("expected one difference at least, got none")
@@ -102,6 +113,9 @@ def _blocks(resamples: int, count: int) -> Sequence[int]:
 
 def paired_effect(differences: Array) -> float:
     """Cohen's d of paired differences: their mean over their standard deviation; inf if all are alike, and not 0."""
+    differences = numbers(differences, "differences", ("n",))
+    if not len(differences):
+        raise ValueError("expected one difference at least, got none")
     mean = float(np.mean(differences))
     spread = float(np.std(differences, ddof=1)) if len(differences) > 1 else 0.0
     if spread <= 1e-12 * abs(mean):
@@ -111,6 +125,7 @@ def paired_effect(differences: Array) -> float:
 
 def holm(p_values: Sequence[float]) -> list[float]:
     """p-values corrected for their number (Holm 1979): below 0.05, they are significant together at 5 %."""
+    p_values = numbers(p_values, "p_values", ("n",)).tolist()
     order = sorted(range(len(p_values)), key=p_values.__getitem__)
     corrected, largest = [0.0] * len(p_values), 0.0
     for rank, place in enumerate(order):

@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import numbers
+
 __all__ = [
     "Transform",
     "absolute_errors",
@@ -59,6 +61,8 @@ def umeyama(points: Array, onto: Array, *, with_scale: bool = False) -> Transfor
     ValueError
         If there are fewer than two points, or all are in one place: any rotation would fit them.
     """
+    points = numbers(points, "points", ("T", 2))
+    onto = numbers(onto, "onto", (len(points), 2))
     if len(points) < 2:
         raise ValueError(f"expected two poses at least, for one can be turned in any way, got {len(points)}")
     centre, target = points.mean(axis=0), onto.mean(axis=0)

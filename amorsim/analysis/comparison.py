@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.algorithms.resampling import bootstrap_interval, holm, paired_effect, permutation_p
+from amorsim.core.arguments import check_text, texts
 from amorsim.core.errors import AnalysisError, did_you_mean
 from amorsim.core.whole_files import write_text
 from amorsim.sweeps.table import Study, read_study
@@ -185,6 +186,8 @@ def compare(
     AnalysisError
         If they have too little in common.
     """
+    labels = texts(labels, "labels", "names")
+    metrics = texts(metrics, "metrics", "names")
     read = [one if isinstance(one, Study) else read_study(one) for one in studies]
     if axis is not None:
         if len(read) != 1:
@@ -231,6 +234,7 @@ def _names(studies: Sequence[Study]) -> list[str]:
 
 
 def _along(study: Study, axis: str, metrics: Sequence[str]) -> Comparison:
+    check_text(axis, "axis", "the name of an axis")
     if axis not in study.axes:
         known = ", ".join(study.axes) or "none"
         raise AnalysisError(f"{study.folder}: there is no axis {axis!r}, but: {known}.{did_you_mean(axis, study.axes)}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -56,7 +55,7 @@ def run_nees(
     AnalysisError
         If there is no such estimator.
     """
-    files = run if isinstance(run, RunFiles) else RunFiles(Path(run))
+    files = run if isinstance(run, RunFiles) else RunFiles(run)
     names = ("estimated_pose", "covariance") if estimator is None else _names(estimator)
     episode = episode_of(files, ("true_pose", *names), robot=robot)
     errors = episode.kept[names[0]] - episode.kept["true_pose"]
@@ -86,7 +85,7 @@ def run_nis(
     AnalysisError
         If there is no such estimator, or it has no such belief.
     """
-    files = run if isinstance(run, RunFiles) else RunFiles(Path(run))
+    files = run if isinstance(run, RunFiles) else RunFiles(run)
     names = [f"beliefs.{estimator}.{source}_{what}" for what in ("nis", "innovation")]
     episode = episode_of(files, names, robot=robot)
     values, innovations = (episode.kept[name] for name in names)

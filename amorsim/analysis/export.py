@@ -8,6 +8,7 @@ from pathlib import Path
 
 from amorsim.analysis.files import RunFiles
 from amorsim.analysis.trajectory import Trajectory, run_trajectories, write_csv, write_kitti, write_tum
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.whole_files import replacing
 
@@ -50,8 +51,8 @@ def export_run(
     """
     if kind not in FORMATS:
         raise AnalysisError(f"there is no format {kind!r}; expected one of {', '.join(FORMATS)}")
-    files = RunFiles(Path(run))
-    folder = files.folder / "export" if out is None else Path(out)
+    files = RunFiles(run)
+    folder = files.folder / "export" if out is None else path_of(out, "out")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

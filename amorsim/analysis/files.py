@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -10,8 +11,9 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import RunError, did_you_mean
-from amorsim.runs.about import read_about, scenario_of
+from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
 from amorsim.runs.tables import read_columns
 from amorsim.scenario.spec import Scenario
 
@@ -42,8 +44,8 @@ class RunFiles:
         If the folder is none of a run. Each method, too, if a file is damaged: it names file, line and column.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = Path(folder)
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = path_of(folder, "run", RUN_FOLDER)
         self.about: dict[str, Any] = read_about(self.folder)
         self.replicas: list[int] = self.about["replicas"]
         self._columns: dict[str, Table] = {}

@@ -6,7 +6,6 @@ import json
 import math
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
 from amorsim.contracts import Episode, Metric
+from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AnalysisError
 from amorsim.simulation.events import Event
 
@@ -43,7 +43,8 @@ def measure(run: str | os.PathLike[str] | RunFiles, metric: Metric, *, robot: st
     AnalysisError
         If the run's files do not hold what the metric needs.
     """
-    files = run if isinstance(run, RunFiles) else RunFiles(Path(run))
+    check_kind(metric, Metric, "metric", "a metric, as am.metrics.PathLength()")
+    files = run if isinstance(run, RunFiles) else RunFiles(run)
     return metric.measure(episode_of(files, metric.needs(), robot=robot))
 
 

@@ -54,7 +54,7 @@ def plot_run(
         If the folder is none of a run, a file in it is damaged, there is no such robot or replica, or a picture
         cannot be written.
     """
-    files = RunFiles(Path(folder))
+    files = RunFiles(folder)
     name = robot or files.robots[0]
     drawn = pictures_of(files, name, replica)
     target = Path(out) if out is not None else Path(folder) / "plots"

@@ -21,7 +21,9 @@ from amorsim.algorithms.trajectories import (
     umeyama,
 )
 from amorsim.analysis.trajectory import Trajectory
+from amorsim.core.arguments import check_kind, check_text, numbers, real
 from amorsim.core.errors import AnalysisError
+from amorsim.core.parameters import ParameterError
 from amorsim.core.trouble import in_words
 
 __all__ = ["PoseErrors", "Statistics", "ape", "relation_errors", "rpe"]
@@ -29,6 +31,7 @@ __all__ = ["PoseErrors", "Statistics", "ape", "relation_errors", "rpe"]
 Array = npt.NDArray[np.float64]
 
 _ALIGN = ("none", "first", "umeyama", "umeyama_scale")
+_A_TRAJECTORY = "a Trajectory, as am.analysis.read_tum('true.tum')"
 _UNITS = ("m", "steps", "s")
 
 
@@ -196,9 +199,11 @@ def rpe(
     AnalysisError
         As for `ape`, and if there is no such stretch.
     """
+    check_text(unit, "unit")
+    size = _number(delta, "delta", "a number > 0")
     if unit not in _UNITS:
         raise AnalysisError(f"unit: expected one of {', '.join(_UNITS)}, got {unit!r}")
-    if not delta > 0.0 or (unit == "steps" and delta != int(delta)):
+    if not size > 0.0 or (unit == "steps" and size != int(size)):
         what = "a whole number > 0" if unit == "steps" else f"a number > 0 [{unit}]"
         raise AnalysisError(f"delta: expected {what}, got {in_words(delta)}")
     true, believed, time, travelled, dropped = _together(reference, estimate, most_apart, interpolate)
@@ -248,9 +253,11 @@ def relation_errors(estimate: Trajectory, relations: npt.ArrayLike, *, most_apar
     AnalysisError
         If these are no relations, or none has poses at its times.
     """
-    given = np.asarray(relations, dtype=np.float64)
-    if given.ndim != 2 or given.shape[1] != 5:
-        raise AnalysisError(f"relations: expected (M, 5), two times and x, y, heading, got the shape {given.shape}")
+    check_kind(estimate, Trajectory, "estimate", _A_TRAJECTORY)
+    try:
+        given = numbers(relations, "relations", ("M", 5))
+    except ParameterError as error:
+        raise AnalysisError(f"{error}; they are two times and x, y, heading") from None
     if len(estimate) < 1:
         raise AnalysisError(f"{estimate.name}: expected poses, got none")
     places = [np.abs(estimate.time[:, None] - given[:, column]).argmin(axis=0) for column in (0, 1)]
@@ -276,13 +283,22 @@ def relation_errors(estimate: Trajectory, relations: npt.ArrayLike, *, most_apar
     )
 
 
+def _number(given: object, name: str, expected: str) -> float:
+    try:
+        return real(given, name, expected)
+    except ParameterError as error:
+        raise AnalysisError(str(error)) from None
+
+
 def _together(
     reference: Trajectory, estimate: Trajectory, most_apart: float | None, interpolate: bool
 ) -> tuple[Array, Array, Array, Array, int]:
     """True and estimated poses of the same times, these times, the way travelled, and how many have no partner."""
+    check_kind(reference, Trajectory, "reference", _A_TRAJECTORY)
+    check_kind(estimate, Trajectory, "estimate", _A_TRAJECTORY)
     if most_apart is None:
         most_apart = 0.5 * float(np.median(np.diff(reference.time))) if len(reference) > 1 else 0.0
-    if not most_apart >= 0.0:
+    if not _number(most_apart, "most_apart", "a number >= 0 [s]") >= 0.0:
         raise AnalysisError(f"most_apart: expected a number >= 0 [s], got {in_words(most_apart)}")
     # Times that were written with fewer digits are still those of the same step.
     first, second = associate(reference.time, estimate.time, most_apart + 1e-9)
@@ -309,6 +325,7 @@ def _together(
 
 
 def _alignment(true: Array, believed: Array, align: str, estimate: Trajectory) -> Transform:
+    check_text(align, "align")
     if align not in _ALIGN:
         raise AnalysisError(f"align: expected one of {', '.join(_ALIGN)}, got {align!r}")
     try:

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from amorsim.analysis.message_values import command_of, holds_pose, pose_of, reading_of
 from amorsim.analysis.run_log import LogEntry, entries_of_run
 from amorsim.analysis.trajectory import Trajectory
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import AmorsimError, AnalysisError, did_you_mean
 from amorsim.runs.folder import ABOUT
 from amorsim.scenario.spec import Robot
@@ -38,6 +39,9 @@ Topics = dict[str, str]  # the type of each topic
 Wanted = Callable[[Topics], Iterable[str]]
 
 
+RECORDING = "the path of a recording"
+
+
 def read_bag(path: str | os.PathLike[str], topic: str | None = None, *, frame: str | None = None) -> Trajectory:
     """A trajectory in a rosbag, projected to the plane z = 0: the poses on a topic, at their stamps.
 
@@ -58,7 +62,7 @@ def read_bag(path: str | os.PathLike[str], topic: str | None = None, *, frame: s
     AnalysisError
         If the library is missing, the recording cannot be read, or there is no such topic.
     """
-    return _trajectory(Path(path), _bag, topic, frame)
+    return _trajectory(path_of(path, "path", RECORDING), _bag, topic, frame)
 
 
 def read_mcap(path: str | os.PathLike[str], topic: str | None = None, *, frame: str | None = None) -> Trajectory:
@@ -67,7 +71,7 @@ def read_mcap(path: str | os.PathLike[str], topic: str | None = None, *, frame: 
     An MCAP file of ROS 2 is read by `read_bag`. Parameters and errors are those of `read_bag`; it needs the extra
     ``mcap``.
     """
-    return _trajectory(Path(path), _mcap, topic, frame)
+    return _trajectory(path_of(path, "path", RECORDING), _mcap, topic, frame)
 
 
 def read_log(

@@ -6,13 +6,13 @@ import csv
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from amorsim.analysis.files import RunFiles
+from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import AnalysisError, RunError
 from amorsim.core.reading import read_bytes, reason
 from amorsim.core.whole_files import write_text
@@ -99,7 +99,7 @@ def run_trajectories(
     RunError
         If the folder is none of a run, a file in it is damaged, or there is no such robot, replica or estimator.
     """
-    files = run if isinstance(run, RunFiles) else RunFiles(Path(run))
+    files = run if isinstance(run, RunFiles) else RunFiles(run)
     robot = files.robots[0] if robot is None else robot
     poses = files.table("poses", robot=robot, replica=replica)
     of = f"{files.folder} ({robot})"
@@ -218,8 +218,9 @@ def _parsed(path: str | os.PathLike[str], number: int, cells: Sequence[str]) -> 
 
 def _lines(path: str | os.PathLike[str]) -> list[tuple[int, str]]:
     """The lines of a text file that hold something, with their numbers."""
+    file = path_of(path, "path", "the path of a trajectory's file")
     try:
-        text = read_bytes(Path(path)).decode()
+        text = read_bytes(file).decode()
     except UnicodeDecodeError as error:
         raise AnalysisError(f"{path}: not a text file in UTF-8: byte {error.start}") from None
     except (OSError, ValueError) as error:
@@ -272,6 +273,7 @@ def _write(
     head: str = "",
     between: str = " ",
 ) -> None:
+    check_kind(trajectory, Trajectory, "trajectory", "a Trajectory, as am.analysis.read_tum('true.tum')")
     write_text(path, head + "".join(f"{between.join(map(repr, row(*each)))}\n" for each in _rows(trajectory)))
 
 

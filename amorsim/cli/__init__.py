@@ -1,5 +1,5 @@
 """The command line: ``amorsim run``, ``check``, ``plot`` and the rest."""
 
-from amorsim.cli.app import main
+from amorsim.cli.start import main
 
 __all__ = ["main"]

@@ -35,6 +35,7 @@ from amorsim.cli import (
     view,
 )
 from amorsim.cli.console import complain
+from amorsim.cli.start import answer_interrupts
 from amorsim.core.errors import AmorsimError
 from amorsim.core.trouble import explain as in_words
 
@@ -47,6 +48,7 @@ class _Commands(TyperGroup):
     """Says where Ctrl-C was answered; typer itself ends without a word, and drops the error's notes."""
 
     def invoke(self, ctx: Any) -> Any:
+        answer_interrupts()
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as error:

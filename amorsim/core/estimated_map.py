@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import check_kind
 from amorsim.core.errors import MapError
 from amorsim.core.map import Map
 
@@ -38,6 +39,7 @@ def estimated_map(
     MapError
         If there is no occupancy grid in the beliefs, or the bounds make no sense.
     """
+    check_kind(beliefs, Mapping, "beliefs", "an estimator's beliefs, by name")
     wanted = ("occupancy", "occupancy_origin", "occupancy_resolution")
     if missing := [one for one in wanted if one not in beliefs]:
         known = ", ".join(beliefs) or "nothing"

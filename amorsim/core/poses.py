@@ -6,7 +6,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from amorsim.core.parameters import parameter
+from amorsim.core.arguments import numbers
+from amorsim.core.parameters import ParameterError, parameter
 from amorsim.kernels.kinematics import poses as kernels
 
 __all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]
@@ -25,6 +26,8 @@ class Mount:
 
 def compose(poses: Array, displacements: Array) -> Array:
     """Poses `(N, 3)` after displacements `(N, 3)`, each given in its pose's frame; headings in [-pi, pi]."""
+    poses = numbers(poses, "poses", ("N", 3))
+    displacements = numbers(displacements, "displacements", (len(poses), 3))
     out = np.empty((len(poses), 3))
     kernels.compose(np.ascontiguousarray(poses), np.ascontiguousarray(displacements), out)
     return out
@@ -36,6 +39,8 @@ def exponential(twists: Array, fraction: Array) -> Array:
     A twist is the motion (forward [m], left [m], turn [rad]) over the whole step in the body's frame; the path
     is an arc of a circle.
     """
+    twists = numbers(twists, "twists", ("N", 3))
+    fraction = numbers(fraction, "fraction", (len(twists), 1))
     out = np.empty((len(twists), 3))
     kernels.exponential(np.ascontiguousarray(twists), np.ascontiguousarray(fraction), out)
     return out
@@ -43,6 +48,7 @@ def exponential(twists: Array, fraction: Array) -> Array:
 
 def logarithm(displacements: Array) -> Array:
     """The constant twists `(N, 3)` that make the displacements `(N, 3)` in one step: `exponential` undone."""
+    displacements = numbers(displacements, "displacements", ("N", 3))
     out = np.empty((len(displacements), 3))
     kernels.logarithm(np.ascontiguousarray(displacements), out)
     return out
@@ -50,6 +56,8 @@ def logarithm(displacements: Array) -> Array:
 
 def relative(poses: Array, others: Array) -> Array:
     """The displacements `(N, 3)` that lead from `poses` to `others`, in each pose's own frame: `compose` undone."""
+    poses = numbers(poses, "poses", ("N", 3))
+    others = numbers(others, "others", (len(poses), 3))
     out = np.empty((len(poses), 3))
     kernels.relative(np.ascontiguousarray(poses), np.ascontiguousarray(others), out)
     return out
@@ -57,6 +65,9 @@ def relative(poses: Array, others: Array) -> Array:
 
 def wrap_angle(angles: Array) -> Array:
     """The same directions in [-pi, pi]; angles already there keep their bits."""
+    angles = np.asarray(angles)
+    if angles.dtype.kind not in "fiu":
+        raise ParameterError("angles", f"expected numbers [rad], got those of the type {angles.dtype}")
     turns = np.floor((angles + np.pi) / (2.0 * np.pi))
     inside = np.abs(angles) <= np.pi
     return np.asarray(np.where(inside, angles, angles - 2.0 * np.pi * turns))

@@ -14,6 +14,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import AmorsimError, RunError
 
 __all__ = ["copy_file", "replacing", "write_bytes", "write_text"]
@@ -35,7 +36,7 @@ def replacing(path: str | os.PathLike[str], error: type[AmorsimError] = RunError
     error
         The exception raised in place of an `OSError` from the block or from the replacing.
     """
-    path = Path(path)
+    path = path_of(path, "path")
     try:
         target = _real(path)
         _refuse_to_replace(target)

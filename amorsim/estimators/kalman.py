@@ -85,20 +85,20 @@ class KalmanFilter(Estimator):
     prediction: str = parameter(
         "encoder", choices=("encoder", "command"), static=True, help="what moves the pose: encoder or command"
     )
-    encoder: str = parameter("encoder", help="name of the sensor that counts the joints")
+    encoder: str = parameter("encoder", refers="sensors", help="name of the sensor that counts the joints")
     wheel_variance: float = parameter(
         unit="m", ge=0, help="variance of a rolling joint's travel [m^2] per metre of it, as the robot believes"
     )
-    landmarks: str = parameter("", help="name of the sensor of landmarks; empty for none")
+    landmarks: str = parameter("", refers="sensors", help="name of the sensor of landmarks; empty for none")
     range_std: float | None = parameter(None, unit="m", gt=0, help="standard deviation of a landmark's range")
     bearing_std: float | None = parameter(None, unit="rad", gt=0, help="standard deviation of a landmark's bearing")
     association: str = parameter("identity", choices=tuple(_WAYS), static=True, help="which landmark a sighting is of")
-    gps: str = parameter("", help="name of the sensor of places; empty for none")
+    gps: str = parameter("", refers="sensors", help="name of the sensor of places; empty for none")
     gps_std: float | None = parameter(None, unit="m", gt=0, help="standard deviation of each coordinate")
     gps_correlation: float = parameter(0.0, gt=-1, lt=1, help="correlation of the errors of the two coordinates")
-    compass: str = parameter("", help="name of the sensor of the heading; empty for none")
+    compass: str = parameter("", refers="sensors", help="name of the sensor of the heading; empty for none")
     compass_std: float | None = parameter(None, unit="rad", gt=0, help="standard deviation of the measured heading")
-    gyro: str = parameter("", help="name of the sensor of the rate of turn; empty for none")
+    gyro: str = parameter("", refers="sensors", help="name of the sensor of the rate of turn; empty for none")
     gyro_std: float | None = parameter(None, unit="rad/s", gt=0, help="standard deviation of the rate of turn")
     gyro_bias_std: float | None = parameter(None, unit="rad/s", ge=0, help="standard deviation of its bias at first")
     gyro_bias_walk: float = parameter(0.0, unit="rad/s", ge=0, help="standard deviation of its bias's change in 1 s")

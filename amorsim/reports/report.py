@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import AnalysisError
 from amorsim.core.whole_files import write_text
 from amorsim.reports.run import run_page
@@ -36,10 +37,10 @@ def report(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = 
     StudyError
         If a file of the study is damaged.
     """
-    folder = Path(folder)
+    folder = path_of(folder, "folder", "the folder of a run, a study or a comparison")
     for name, page in _KINDS:
         if (folder / name).exists():
-            path = folder / "report.html" if out is None else Path(out)
+            path = folder / "report.html" if out is None else path_of(out, "out")
             write_text(path, page(folder).text)
             return path
     raise AnalysisError(

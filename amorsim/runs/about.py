@@ -95,6 +95,9 @@ _OTHERS: dict[str, tuple[Check, str]] = {
 }
 
 
+RUN_FOLDER = "the folder of a run"
+
+
 def read_about(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """The content of a folder's ``run.json``; keys that amorsim does not know are kept as they are.
 

@@ -14,6 +14,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import RunError
 from amorsim.core.whole_files import write_text
 from amorsim.plugins.manager import default_registry
@@ -124,7 +125,7 @@ class RunFolder:
             self.path = new_folder(name)
             self._made = [self.path, self.path.parent]
         else:
-            self.path = Path(path)
+            self.path = path_of(path, "folder")
             self._make()
         try:
             self._claim(about)

@@ -10,8 +10,9 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import AmorsimError, RunError
-from amorsim.runs.about import read_about, scenario_of
+from amorsim.runs.about import RUN_FOLDER, read_about, scenario_of
 from amorsim.runs.compare import TOLERANCE, Difference, first_difference
 from amorsim.runs.folder import circumstances, fingerprints
 from amorsim.runs.replay import Replay
@@ -67,7 +68,7 @@ def reproduce(folder: str | os.PathLike[str], *, progress: Callable[[float], Non
         If it is not the folder of a run, the run did not end, or an input file in it is damaged; the message names
         the file and the line or key. A damaged result counts as a difference, not as an error.
     """
-    before = Path(folder)
+    before = path_of(folder, "folder", RUN_FOLDER)
     about = read_about(before)
     _check_ended(before, about)
     notes = [*_other_circumstances(about), *_other_inputs(about, before)]

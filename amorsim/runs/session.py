@@ -15,7 +15,9 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import Recorder, RunInfo
+from amorsim.core.arguments import check_kind
 from amorsim.core.errors import RunError
+from amorsim.core.trouble import in_words
 from amorsim.core.user_code import go_back, present_folder
 from amorsim.core.whole_files import write_bytes
 from amorsim.plugins.manager import default_registry, run_finished, run_started
@@ -26,6 +28,7 @@ from amorsim.runs.traces import Traces, collisions_of
 from amorsim.runs.worlds import fingerprints_of_worlds
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import resolved_table, with_copies, write_table
+from amorsim.simulation.handle import finite_numbers
 from amorsim.simulation.simulation import MOST_STEPS, Simulation
 
 __all__ = ["RunSession", "RunSummary", "record", "run_name", "steps_of"]
@@ -102,6 +105,7 @@ class RunSession:
         duration: float | None = None,
         wanted_steps: int | None = None,
     ) -> None:
+        check_kind(simulation, Simulation, "simulation", "a Simulation, as am.Simulation(am.load('demo'))")
         scenario = simulation.scenario
         if simulation.ticks.any() or simulation._fleet.episodes.any():
             raise RunError("only a simulation in which no step was made can be recorded; make a new one")
@@ -339,12 +343,13 @@ def steps_of(simulation: Simulation, duration: float) -> int:
     RunError
         If they are more than can be counted.
     """
-    if not 0.0 < duration / simulation.dt <= MOST_STEPS:
+    numbers = finite_numbers((duration,))
+    if numbers is None or not 0.0 < numbers[0] / simulation.dt <= MOST_STEPS:
         raise RunError(
             f"duration: expected a number of seconds > 0 and <= {MOST_STEPS * simulation.dt:g} "
-            f"(2^32 - 1 steps of {simulation.dt:g} s), got {duration!r}"
+            f"(2^32 - 1 steps of {simulation.dt:g} s), got {in_words(duration)}"
         )
-    return simulation.steps_of(duration)
+    return simulation.steps_of(numbers[0])
 
 
 def _most_bytes(simulation: Simulation) -> int:

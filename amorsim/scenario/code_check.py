@@ -15,6 +15,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import IO, Any
 
+from amorsim.core.arguments import check_kind
 from amorsim.core.errors import AmorsimError, Fault
 from amorsim.core.parameters import ParameterError
 from amorsim.core.processes import end_with_children, python_command
@@ -59,6 +60,7 @@ def check_code(scenario: Scenario, *, time_limit: float = 10.0) -> tuple[Fault, 
     AmorsimError
         If the process does not start.
     """
+    check_kind(scenario, Scenario, "scenario", "a Scenario, as am.load('demo')")
     check_time_limit(time_limit)
     programs = list(programs_of(scenario))
     faults: list[Fault] = []

@@ -20,7 +20,7 @@ from amorsim.scenario.floor_file import read_floor
 from amorsim.scenario.models import check_format, drop_removed, merge_models
 from amorsim.scenario.robots import read_obstacle, read_robot, read_zone
 from amorsim.scenario.spec import Landmark, Light, Obstacle, Robot, Scenario
-from amorsim.scenario.starts import Placed, check_starts, placed, read_series
+from amorsim.scenario.starts import MOST, Placed, check_starts, placed, read_series, series_names
 from amorsim.scenario.worlds import Maps, start_of
 from amorsim.scenario.written import Written
 from amorsim.worlds.drawn import origin_of
@@ -143,13 +143,22 @@ def _check_names(names: Mapping[tuple[str, ...], list[str]], *lists: Node) -> No
     seen: dict[str, str] = {}
     for group in lists:
         for node in group.items() if isinstance(group.value, list) else ():
-            name = node.value.get("name") if node.is_table else None
-            own = [name] if isinstance(name, str) and "count" not in node else []
-            for name in names.get(node.path) or own:
+            for name in names.get(node.path) or _said_names(node):
                 if name in seen:
                     node.child("name").fault(f"{seen[name]} is called {name!r} too; names must differ")
                     break
                 seen[name] = ".".join(node.path)
+
+
+def _said_names(node: Node) -> list[str]:
+    """What the bodies of a table with faults are called, as far as its words say; with a wrong count nobody knows."""
+    name = node.value.get("name") if node.is_table else None
+    if not isinstance(name, str):
+        return []
+    count = node.value.get("count")
+    if count is None:
+        return [name]
+    return series_names(name, count) if type(count) is int and 1 <= count <= MOST else []
 
 
 def _put(node: Node, robot: Robot, world: Map, is_map_alone: bool) -> Robot | None:

@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 
 from amorsim.contracts import ScenarioDocument
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import DocumentError, Fault, ScenarioError
 from amorsim.core.reading import no_such_file, read_bytes, reason
 from amorsim.core.whole_files import write_bytes
@@ -24,7 +25,7 @@ from amorsim.scenario.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.journal import Journal
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.meaning import Meaning, read_meaning
-from amorsim.scenario.mistaken import mistaken
+from amorsim.scenario.mistaken import SCENARIO_PATH, mistaken
 from amorsim.scenario.names_in_lists import index_of
 from amorsim.scenario.origins import Origin, Origins, kind_of
 from amorsim.scenario.partial import Partial, read_partial
@@ -50,7 +51,7 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         If there is no such file, or it is no text in UTF-8.
     """
     registry = registry or default_registry()
-    file = Path(path)
+    file = path_of(path, "path", SCENARIO_PATH)
     names = registry.names("scenario")
     if str(path) in names and not file.is_file():
         file = registry.file("scenario", str(path))
@@ -259,6 +260,8 @@ class Document:
 
     def _at(self, path: str | Sequence[str | int]) -> Path_:
         """A path with numbers in the places of names."""
+        if not isinstance(path, (str, list, tuple)) or not path:
+            raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
         parts = path.split(".") if isinstance(path, str) else [str(part) for part in path]
         place: Any = self._editor.values
         at: Path_ = ()
@@ -268,6 +271,9 @@ class Document:
             if isinstance(path, str) and not part.strip():
                 raise DocumentError(f"expected a path, as 'robots.rover.drive.track', got {shown(path)}")
             part = checked_text(part.strip() if isinstance(path, str) else part)
+            if place is MISSING and part.isdecimal():  # an item of a list that is a field's default
+                default = self._origins.default(self._editor.values, at)
+                place = default if isinstance(default, list) else MISSING
             if isinstance(place, list):
                 index = index_of(place, part)
                 if isinstance(index, str):
@@ -360,7 +366,7 @@ class Document:
         RunError
             If it cannot be written; what was there is there still.
         """
-        file = self._path if path is None else Path(path)
+        file = self._path if path is None else path_of(path, "path")
         text = self.text
         if file.absolute().parent != self._path.absolute().parent or copy:
             text = self._for(file.absolute(), copy)

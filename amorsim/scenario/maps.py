@@ -11,6 +11,7 @@ from typing import Any, cast
 import attrs
 
 from amorsim.contracts import MapLoader
+from amorsim.core.arguments import check_kind, path_of
 from amorsim.core.errors import MapError, PluginError, did_you_mean
 from amorsim.core.lost_cells import Lost, lost_cells
 from amorsim.core.map import Map
@@ -55,7 +56,7 @@ def load_map(path: str | Path, *, use: str | None = None, registry: Registry | N
         If the file is not there or not to be read, if no loader knows it, if an option is unknown or of a
         wrong value, or if the file is not what it seems.
     """
-    path = Path(path)
+    path = path_of(path, "path", "the path of a map's file")
     try:
         name, cls = find_loader(path, use, registry or default_registry())
     except PluginError as error:
@@ -146,7 +147,8 @@ def save_map(world: Map, path: str | Path, *, use: str | None = None, registry: 
         If the format cannot hold the map exactly, the file cannot be written, or no loader knows the extension. The
         file that was there is there still.
     """
-    path = Path(path)
+    check_kind(world, Map, "world", "a Map, as am.load_map('lab.wld')")
+    path = path_of(path, "path", "the path of a map's file")
     with _replacing_map(world, path, use, registry or default_registry()) as again:
         if not have_same_cells(again, world):
             cls = type(again.source.loader).__name__

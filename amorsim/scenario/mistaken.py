@@ -8,7 +8,10 @@ from pathlib import Path
 from amorsim.core.errors import did_you_mean
 from amorsim.core.reading import is_folder
 
-__all__ = ["mistaken"]
+__all__ = ["SCENARIO_PATH", "mistaken"]
+
+SCENARIO_PATH = "the path of a scenario's file, or the name of a bundled one, such as 'demo'"
+"""What is expected where a scenario is named."""
 
 
 def mistaken(path: Path, problem: str, bundled: Sequence[str]) -> str:

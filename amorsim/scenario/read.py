@@ -14,6 +14,7 @@ from typing import Any
 
 import attrs
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import Fault, ScenarioError
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -23,11 +24,11 @@ from amorsim.plugins.registry import Registry
 from amorsim.scenario.contents import book_of, read_values
 from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign, split_options
-from amorsim.scenario.mistaken import mistaken
+from amorsim.scenario.mistaken import SCENARIO_PATH, mistaken
 from amorsim.scenario.models import FORMAT, read_file, read_toml
 from amorsim.scenario.overrides import overridden
 from amorsim.scenario.resolved import resolved_table
-from amorsim.scenario.settings import parse_settings
+from amorsim.scenario.settings import parse_settings, setting_texts
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.worlds import Maps
 
@@ -84,7 +85,11 @@ def _find(
     ScenarioError
         If there is no such file, it is no text, or it is another program's and has faults.
     """
-    path = Path(source)
+    try:
+        path = path_of(source, "source", SCENARIO_PATH)
+    except ParameterError as error:
+        raise ScenarioError([Fault(file="", path=error.name, message=error.problem)]) from None
+    overrides = setting_texts(overrides)
     names = registry.names("scenario")
     if str(source) in names and not is_file(path):
         path = registry.file("scenario", str(source))
@@ -98,7 +103,6 @@ def _find(
     if isinstance(written, str):
         raise ScenarioError([Fault(file=str(source), path="", message=mistaken(path, written, names))])
     book = book_of(written, path)
-    overrides = overrides if isinstance(overrides, str) else tuple(overrides)
     tables = overridden(written.text, path, overrides, book, registry) if overrides else written.values
     return path, book, tables
 

@@ -33,6 +33,7 @@ from amorsim.scenario.initial_belief import InitialBelief
 from amorsim.scenario.kidnapping import Kidnapping
 from amorsim.scenario.kinds import check_colour
 from amorsim.scenario.models import LOOKS, drop_removed, merge_models
+from amorsim.scenario.references import check_references
 from amorsim.scenario.spec import Landmark, MountedSensor, Obstacle, Pose, Robot, Zone
 from amorsim.scenario.worlds import Maps
 
@@ -140,6 +141,8 @@ def read_robot(
         values["errors"] = read_deviations(node.child("errors"), parts, _unread(node, registry))
     if drive is not None:
         _check_sizes(node, drive, sensors)
+    if not is_incomplete:
+        _check_references(node, values)
     if node.book.count > before or is_incomplete:
         return None
     try:
@@ -164,6 +167,21 @@ def _unread(node: Node, registry: Registry) -> dict[tuple[str, ...], type]:
             with contextlib.suppress(PluginError):
                 found[path] = registry.get(kind, use)
     return found
+
+
+def _check_references(node: Node, values: Mapping[str, Any]) -> None:
+    """A fault for each name of a sensor, estimator or joint that a component of the robot says, and there is none."""
+    known: dict[str, Sequence[str]] = {key: list(values[key]) for key in ("sensors", "estimators")}
+    if values["drive"] is not None:
+        known["joints"] = [joint.name for joint in values["drive"].joints]
+    check_references(node.child("controller"), values.get("controller"), known)
+    for name, estimator in values["estimators"].items():
+        check_references(node.child("estimators").child(name), estimator, known)
+    ground = values.get("ground", ())
+    items = list(node.child("ground").items()) if ground else []
+    if len(items) == len(ground):  # else some were not read
+        for item, element in zip(items, ground, strict=True):
+            check_references(item, element.noise, known)
 
 
 def _check_sizes(node: Node, drive: Drive, sensors: Mapping[str, MountedSensor | None]) -> None:

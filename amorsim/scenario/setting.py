@@ -61,8 +61,11 @@ class Setter:
             self._editor.set(at[:whole], plain(changed(found_at(merged, at[:whole]), at[whole:], value)))
             return
         for length, part in enumerate(at):
-            if isinstance(part, int) and found_at(values, at[:length]) is MISSING:  # in a list of the model's
+            if (
+                isinstance(part, int) and found_at(values, at[:length]) is MISSING
+            ):  # a list of the model's, or a default
                 there = found_at(merged, at[:length])
+                there = self._origins.default(values, at[:length]) if there is MISSING else there
                 self._editor.set(at[:length], plain(changed(there, at[length:], value)))
                 return
         holder, there = found_at(merged, at[:-1]), found_at(merged, at)

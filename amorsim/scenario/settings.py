@@ -7,11 +7,13 @@ from typing import Any
 
 import attrs
 
-from amorsim.core.errors import Fault
+from amorsim.core.arguments import texts
+from amorsim.core.errors import Fault, ScenarioError
+from amorsim.core.parameters import ParameterError
 from amorsim.scenario.faults import Book
 from amorsim.scenario.toml_values import parse_value
 
-__all__ = ["Setting", "parse_settings"]
+__all__ = ["Setting", "parse_settings", "setting_texts"]
 
 _EXPECTED = "expected PATH=VALUE, as in simulation.dt=0.05 or robots.0.controller.speed=0.2"
 
@@ -36,14 +38,24 @@ class Setting:
         return self.path[0] == "robots" and self.path[-1] == "model" and (len(self.path) == 3 or is_of_sensor)
 
 
-def parse_settings(texts: Iterable[str], book: Book) -> list[Setting]:
+def setting_texts(overrides: Iterable[str]) -> tuple[str, ...]:
+    """The texts of settings that a caller gave.
+
+    Raises
+    ------
+    ScenarioError
+        If they are no list of texts.
+    """
+    try:
+        return texts(overrides, "overrides", "settings")
+    except ParameterError as error:
+        raise ScenarioError([Fault(file="", path=error.name, message=error.problem)]) from None
+
+
+def parse_settings(overrides: Iterable[str], book: Book) -> list[Setting]:
     """What ``PATH=VALUE`` texts say: a value is one of TOML, or else a plain text."""
-    if isinstance(texts, str):
-        problem = f"expected a list of settings, as [{texts!r}], got a text"
-        book.add(Fault(file="", path="overrides", message=problem))
-        return []
     found = []
-    for text in texts:
+    for text in setting_texts(overrides):
         name, equals, value = text.partition("=")
         path = tuple(part.strip() for part in name.split("."))
         if not equals or not all(path):

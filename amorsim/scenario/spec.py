@@ -180,6 +180,10 @@ def _mounted(sensors: Mapping[str, Sensor | MountedSensor]) -> dict[str, Mounted
 
 
 def _check_errors(_: Any, __: Any, value: Any) -> None:
+    if not isinstance(value, Mapping):
+        raise ParameterError(
+            "errors", f"expected a dict by paths, as {{'drive.track': Deviation(scale=1.02)}}, got {in_words(value)}"
+        )
     for path, deviation in value.items():
         if not isinstance(deviation, Deviation):
             raise ParameterError(

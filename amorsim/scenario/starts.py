@@ -27,11 +27,12 @@ from amorsim.scenario.parts import parts_at
 from amorsim.scenario.random_start import RandomStart
 from amorsim.scenario.spec import Obstacle, Pose, Robot
 
-__all__ = ["GridStart", "Placed", "check_starts", "placed", "read_series", "series_of"]
+__all__ = ["MOST", "GridStart", "Placed", "check_starts", "placed", "read_series", "series_names", "series_of"]
 
 Body = TypeVar("Body", Robot, Obstacle)
 
 MOST = 1_000_000
+"""The largest `count` of a table."""
 _KINDS = ("random", "grid", "poses")
 _EXPECTED = "expected { random = 'anywhere' or a box ... }, { grid = [x, y], spacing = ... } or { poses = [...] }"
 
@@ -91,6 +92,12 @@ def placed(node: Node, bodies: Sequence[Robot] | Sequence[Obstacle]) -> list[Pla
 _READ: dict[str, Callable[[Node], Shape | Pose | None]] = {"shape": read_shape, "pose": read_pose}
 
 
+def series_names(name: str, count: int) -> list[str]:
+    """The names of the bodies of a table with `count`: its own with a number, of as many digits in all of them."""
+    digits = len(str(count))
+    return [f"{name}{i:0{digits}d}" for i in range(count)]
+
+
 def read_series(node: Node, body: Body | None, world: Map | None) -> list[Body]:
     """The bodies that a table with `count` and `start` means, of the one it was read as; none after faults.
 
@@ -125,8 +132,7 @@ def read_series(node: Node, body: Body | None, world: Map | None) -> list[Body]:
         return []
     names = [body.name]
     if count is not None:
-        digits = len(str(count))
-        names = [f"{body.name}{i:0{digits}d}" for i in range(count)]
+        names = series_names(body.name, count)
         if problem := check_name(names[-1]):
             node.child("name").fault(problem)
             return []

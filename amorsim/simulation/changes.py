@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import check_text
 from amorsim.core.errors import AmorsimError, ComponentError, ScenarioError
 from amorsim.core.parameters import ParameterError
 from amorsim.core.starts import outside
@@ -93,6 +94,7 @@ def with_other_chain(fleet: Fleet, name: str, path: str, given: Any) -> Fleet:
 def hand_over(fleet: Fleet, handle: RobotHandle, to: str) -> None:
     """Drive a robot from outside (``"hand"``), or by its ``"controller"`` again."""
     driver = handle._group.driver
+    check_text(to, "to", "'hand' or 'controller'")
     if to not in ("hand", "controller"):
         raise AmorsimError(f"robot {handle.name!r}: expected to hand it over to 'hand' or 'controller', got {to!r}")
     if to == "controller" and driver.controller is None:

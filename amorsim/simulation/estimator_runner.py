@@ -11,10 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Context, Estimate, Estimator, Measurement
+from amorsim.core.arguments import check_kind, whole
 from amorsim.core.errors import AmorsimError, ComponentError, did_you_mean
 from amorsim.core.trouble import in_words
 from amorsim.scenario.spec import Robot
 from amorsim.simulation.alike import channels_of, reading_size, robot_model
+from amorsim.simulation.asked import checked_seed
 from amorsim.simulation.blame import Whose
 from amorsim.simulation.estimating import Estimators
 from amorsim.simulation.feeding import FeedingError, feeding_order
@@ -64,6 +66,9 @@ class EstimatorRunner:
     def __init__(
         self, robot: Robot, estimator: str | Estimator, *, dt: float = 0.1, seed: int | None = None, replica: int = 0
     ) -> None:
+        check_kind(robot, Robot, "robot", "a Robot, as am.load('demo').robots[0]")
+        seed = None if seed is None else checked_seed(seed)
+        replica = whole(replica, "replica", "the number of a replica")
         if robot.pose is None:
             raise AmorsimError(f"robot {robot.name!r}: an estimator starts from a pose; give the robot one (pose=...)")
         if isinstance(estimator, str):
@@ -75,10 +80,15 @@ class EstimatorRunner:
                 )
             name, estimator = estimator, robot.estimators[estimator]
         else:
+            if not (attrs.has(type(estimator)) and isinstance(estimator, Estimator)):
+                raise AmorsimError(
+                    f"robot {robot.name!r}: expected an estimator, or the name of one of its own, got "
+                    f"{in_words(estimator)}"
+                )
             found = [name for name, own in robot.estimators.items() if own is estimator]
             name = found[0] if found else "estimator"
         if finite_numbers((dt,)) is None or not dt > 0.0:
-            raise AmorsimError(f"dt: expected a number of seconds > 0, got {dt!r}")
+            raise AmorsimError(f"dt: expected a number of seconds > 0, got {in_words(dt)}")
         self._name, self._dt = name, float(dt)
         self._who = f"robot {robot.name!r}, estimator {name!r}"
         robot = attrs.evolve(robot, estimators=_with_feeders(name, {**robot.estimators, name: estimator}, robot))
@@ -145,7 +155,7 @@ class EstimatorRunner:
     def _go_to(self, time: float) -> float:
         """Put the clock to a time; returns the seconds since the update before, 0 at the first."""
         if finite_numbers((time,)) is None:
-            raise AmorsimError(f"{self._who}: expected a time in seconds, got {time!r}")
+            raise AmorsimError(f"{self._who}: expected a time in seconds, got {in_words(time)}")
         if self._first is None:
             self._first = float(time)
         since = float(time) - self._first
@@ -187,7 +197,7 @@ class EstimatorRunner:
             if sensor not in readings:
                 raise AmorsimError(f"{self._who}: an age of {sensor!r}, but no reading of it; leave the age out")
             if finite_numbers((age,)) is None or age < 0.0:
-                raise AmorsimError(f"{self._who}: expected an age >= 0 s of {sensor!r}, got {age!r}")
+                raise AmorsimError(f"{self._who}: expected an age >= 0 s of {sensor!r}, got {in_words(age)}")
         return {
             sensor: self._numbers(values, f"a reading of {sensor!r}", self._sizes[sensor])
             for sensor, values in readings.items()

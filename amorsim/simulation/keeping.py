@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Beliefs, Frame
+from amorsim.core.arguments import texts
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.memory import too_large
-from amorsim.core.trouble import in_words
 
 __all__ = ["Keeper"]
 
@@ -65,11 +65,9 @@ class Keeper:
     """
 
     def __init__(self, simulation: Simulated, names: Iterable[str], steps: int) -> None:
-        if isinstance(names, str):
-            raise AmorsimError(f"keep: expected a list of names, as [{names!r}], got a text")
         self._simulation = simulation
         self._count = 0
-        self._names = tuple(dict.fromkeys(names))
+        self._names = tuple(dict.fromkeys(texts(names, "keep", "names")))
         self._picks = {name: _pick(simulation, name) for name in self._names if name not in _OWN}
         self._beliefs: dict[str, list[str]] = {}  # that are kept, by whose they are
         for name in self._picks:
@@ -136,8 +134,6 @@ def _whole(simulation: Simulated, frames: Sequence[Frame], pick: Pick) -> Array:
 
 def _pick(simulation: Simulated, name: str) -> Pick:
     """What gives the quantity of that name from a frame; None where the frame's robots lack it."""
-    if not isinstance(name, str):
-        raise AmorsimError(f"keep: expected names of quantities, got {in_words(name)}")
     kind, _, rest = name.partition(".")
     whose, _, what = rest.partition(".")
     if name in _OF_FRAME:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Draws, Noise, State
+from amorsim.core.arguments import check_kind, whole
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.rows import take
 from amorsim.simulation.group import Group
@@ -235,6 +236,5 @@ def keep_stages(simulation: Simulation, *, samples: int = 1000) -> KeptStages:
     samples
         The number of latest samples to keep of each sensor.
     """
-    if samples < 1:
-        raise AmorsimError(f"samples: expected a whole number > 0, got {samples!r}")
-    return KeptStages(simulation, samples)
+    check_kind(simulation, Simulation, "simulation", "a Simulation, as am.Simulation(am.load('demo'))")
+    return KeptStages(simulation, whole(samples, "samples", "a whole number > 0", least=1))

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from amorsim.contracts import Frame, ObstacleFrame
+from amorsim.core.arguments import check_kind, check_text, real, whole
 from amorsim.core.errors import AmorsimError, did_you_mean
 from amorsim.core.map import Map
 from amorsim.core.parameters import ParameterError
@@ -68,10 +69,8 @@ class Simulation:
         replicas: int | Sequence[int] = 1,
         threads: int = 1,
     ) -> None:
-        if not isinstance(scenario, Scenario):
-            raise ParameterError("scenario", f"expected a Scenario, as am.load('demo'), got {scenario!r}")
-        if not isinstance(threads, int) or threads < 1:
-            raise AmorsimError(f"expected a number of threads >= 1, got {threads!r}")
+        check_kind(scenario, Scenario, "scenario", "a Scenario, as am.load('demo')")
+        threads = whole(threads, "threads", "a number of threads >= 1", least=1)
         self.threads = threads
         self.dt = scenario.dt
         self.replicas = replica_numbers(scenario, replicas)
@@ -152,15 +151,7 @@ class Simulation:
             If the duration is not a number, below 0, or longer than 2^32 - 1 steps; if a name in `keep` is unknown, or
             the arrays would not fit into memory, before any step is made.
         """
-        duration = self.scenario.duration if duration is None else duration
-        most = MOST_STEPS * self.dt
-        numbers = finite_numbers((duration,))
-        if numbers is None or not 0.0 <= numbers[0] <= most:
-            raise AmorsimError(
-                f"duration: expected a number of seconds >= 0 and <= {most:g} "
-                f"(2^32 - 1 steps of {self.dt:g} s), got {in_words(duration)}"
-            )
-        steps = self.steps_of(duration)
+        steps = self.steps_of(self.scenario.duration if duration is None else duration)
         if keep is None:
             for _ in range(steps):
                 self.step()
@@ -172,8 +163,19 @@ class Simulation:
         return keeper.arrays
 
     def steps_of(self, duration: float) -> int:
-        """The number of steps in a duration [s], rounded up."""
-        return max(0, int(np.ceil(duration / self.dt - 1e-9)))
+        """The number of steps in a duration [s], rounded up.
+
+        Raises
+        ------
+        ParameterError
+            If the duration is not a number, below 0, or longer than 2^32 - 1 steps.
+        """
+        most = MOST_STEPS * self.dt
+        expected = f"a number of seconds >= 0 and <= {most:g} (2^32 - 1 steps of {self.dt:g} s)"
+        seconds = real(duration, "duration", expected)
+        if not 0.0 <= seconds <= most:
+            raise ParameterError("duration", f"expected {expected}, got {in_words(duration)}")
+        return int(np.ceil(seconds / self.dt - 1e-9))
 
     # ------------------------------------------------------------------------------------------------ what there is
 
@@ -253,6 +255,7 @@ class Simulation:
 
     def robot(self, name: str, replica: int | None = None) -> RobotHandle:
         """One robot; `replica` is its replica's number, not needed if there is only one."""
+        check_text(name, "name", "the name of a robot")
         if name not in self.names:
             known = ", ".join(self.names)
             raise AmorsimError(f"there is no robot {name!r}, but: {known}.{did_you_mean(name, self.names)}")
@@ -261,6 +264,7 @@ class Simulation:
     def obstacle(self, name: str, replica: int | None = None) -> ObstacleHandle:
         """One obstacle; `replica` as for `robot`."""
         names = self._fleet.world.names[len(self.names) : self._fleet.world.named]
+        check_text(name, "name", "the name of an obstacle")
         if name not in names:
             known = ", ".join(names) or "none"
             raise AmorsimError(f"there is no obstacle {name!r}, but: {known}.{did_you_mean(name, names)}")
@@ -276,6 +280,7 @@ class Simulation:
             if len(self.replicas) > 1:
                 raise AmorsimError("there are several replicas; say which one with replica=")
             return 0
+        replica = whole(replica, "replica", "the number of a replica")
         if replica not in self.replicas:
             raise AmorsimError(f"there is no replica {in_words(replica)}; there are {numbers_in_words(self.replicas)}")
         return self.replicas.index(replica)
@@ -400,4 +405,5 @@ class Simulation:
 
         A cell of `resolution` [m] is occupied if anything in it is.
         """
-        return occupancy(self._fleet.world, self._replica_index(replica), resolution)
+        side = real(resolution, "resolution", "the side of a cell [m] > 0")
+        return occupancy(self._fleet.world, self._replica_index(replica), side)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from amorsim.contracts import Metric
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import DocumentError, ScenarioError, StudyError, did_you_mean
 from amorsim.core.parameters import ParameterError, check_value, describe
 from amorsim.plugins.manager import default_registry
@@ -50,7 +51,7 @@ def read_plan(study: str | os.PathLike[str] | Mapping[str, Any], *, registry: Re
         except DocumentError as error:
             raise StudyError(f"study: {error}") from None
     else:
-        path = Path(study)
+        path = path_of(study, "study", "the path of a study's file, or its tables")
         written = read_file(path)
         if isinstance(written, str):
             raise StudyError(f"{path}: {written}")

@@ -13,7 +13,7 @@ from typing import Any
 import attrs
 
 from amorsim.core.errors import StudyError
-from amorsim.sweeps.chunk import Outcome, ignore_interrupts, run_chunk
+from amorsim.sweeps.chunk import Outcome, ignore_interrupts, run_chunk, without_interrupts
 from amorsim.sweeps.plan import Plan
 
 __all__ = ["Work", "check_cluster", "in_processes", "in_this_process", "on_cluster"]
@@ -91,7 +91,9 @@ def _parallel(plan: Plan, todo: Iterator[Work], jobs: int) -> Iterator[Outcome]:
         # Of workers that stopped: the outcomes of their chunks say so.
         warnings.filterwarnings("ignore", module="joblib")
         try:
-            yield from run(joblib.delayed(_in_worker)(plan, work) for work in todo)
+            with without_interrupts():
+                outcomes = run(joblib.delayed(_in_worker)(plan, work) for work in todo)
+            yield from outcomes
         except TerminatedWorkerError:
             raise _DiedError from None
 

@@ -9,7 +9,10 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from amorsim.core.arguments import path_of, whole
 from amorsim.core.errors import AmorsimError, StudyError
+from amorsim.core.parameters import ParameterError
+from amorsim.core.trouble import in_words
 from amorsim.scenario.read import load
 from amorsim.scenario.spec import Scenario
 from amorsim.simulation.keeping import Keeper
@@ -72,13 +75,16 @@ def sweep(
         done stays. A point that fails is no error: its rows say why.
     """
     plan = read_plan(study)
-    if not isinstance(jobs, int) or jobs < 1:
-        raise StudyError(f"jobs: expected a number of processes >= 1, got {jobs!r}")
+    try:
+        jobs = whole(jobs, "jobs", "a number of processes >= 1", least=1)
+        path = Path("amorsim-runs") / plan.name if out is None else path_of(out, "out")
+    except ParameterError as error:
+        raise StudyError(str(error)) from None
     if dask is not None:
         check_cluster(dask)
     kept = _kept(keep, plan)
     scenario = _checked(plan)
-    folder = StudyFolder(Path(out) if out is not None else Path("amorsim-runs") / plan.name, plan, scenario)
+    folder = StudyFolder(path, plan, scenario)
     missing = folder.missing()
     folder.forget_begun()
 
@@ -124,13 +130,16 @@ def _end(folder: StudyFolder, plan: Plan, scenario: Scenario, status: str) -> No
 
 
 def _kept(keep: str | Collection[int], plan: Plan) -> Collection[int]:
-    if keep == "none":
-        return ()
-    if keep == "all":
-        return range(plan.points)
-    if isinstance(keep, str) or any(not isinstance(point, int) or not 0 <= point < plan.points for point in keep):
-        raise StudyError(f"keep: expected 'none', 'all', or numbers of points below {plan.points}, got {keep!r}")
-    return frozenset(keep)
+    if isinstance(keep, str) and keep in ("none", "all"):
+        return range(plan.points) if keep == "all" else ()
+    expected = f"'none', 'all', or numbers of points below {plan.points}"
+    try:
+        points = [whole(point, "keep", expected) for point in keep]
+    except (TypeError, ParameterError):
+        points = [plan.points]
+    if max(points, default=0) >= plan.points:
+        raise StudyError(f"keep: expected {expected}, got {in_words(keep)}")
+    return frozenset(points)
 
 
 # --------------------------------------------------------------------------------------------------------- beforehand

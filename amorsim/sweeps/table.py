@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from amorsim.core.arguments import path_of
 from amorsim.core.errors import StudyError
 from amorsim.core.whole_files import replacing
 from amorsim.sweeps.chunk import Outcome
@@ -102,7 +103,7 @@ def read_study(folder: str | os.PathLike[str]) -> Study:
     StudyError
         If the folder is none of a study, is of another version, or its table cannot be read.
     """
-    folder = Path(folder)
+    folder = path_of(folder, "folder", "the folder of a study")
     about = read_study_about(folder)
     path = next((folder / name for name in (PARQUET, CSV) if (folder / name).exists()), None)
     if path is None:

@@ -165,7 +165,7 @@ def test_relations_are_judged_without_a_true_trajectory() -> None:
     assert found.position == pytest.approx([0.0, 0.1], abs=1e-12)
     assert found.heading == pytest.approx([0.0, 0.1], abs=1e-12)
     assert found.dropped == 1
-    with pytest.raises(am.AnalysisError, match=r"expected \(M, 5\)"):
+    with pytest.raises(am.AnalysisError, match=r"relations: expected numbers of the shape \(M, 5\)"):
         relation_errors(turned, [(0.0, 1.0)])
     with pytest.raises(am.AnalysisError, match=r"no poses at the times"):
         relation_errors(turned, [(50.0, 60.0, 0.0, 0.0, 0.0)])

@@ -153,6 +153,34 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path) -> None:
         assert process.stderr.read() == ""
 
 
+INTERRUPT = "import os, signal; os.kill(os.getpid(), signal.SIGINT)"
+INTERRUPT_AT_THE_END = f"import atexit; atexit.register(exec, {INTERRUPT!r}, {{}})"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_while_a_command_is_imported_ends_it_without_a_word(tmp_path: Path) -> None:
+    (tmp_path / "typer.py").write_text(INTERRUPT)  # imported in place of the library
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "amorsim", "check", "demo"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_while_the_interpreter_ends_is_silent() -> None:
+    code = f"{INTERRUPT_AT_THE_END}; from amorsim.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_that_is_ignored_stays_ignored() -> None:
+    ignore = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
+    code = f"{ignore}; {INTERRUPT_AT_THE_END}; from amorsim.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_importing_amorsim_brings_in_nothing_that_is_large() -> None:
     code = "import sys, amorsim; print(sorted({name.split('.')[0] for name in sys.modules} & set(sys.argv[1:])))"
     large = ["numpy", "numba", "matplotlib", "rich", "typer", "shapely", "PIL", "scipy", "pluggy", "tomlkit"]

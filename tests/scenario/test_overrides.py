@@ -197,3 +197,12 @@ def test_one_setting_alone_is_not_taken_for_a_list_of_letters():
 def test_an_error_of_nothing_is_a_fault_even_if_it_changes_nothing(read, what):
     with pytest.raises(ScenarioError, match=re.escape(f"errors.{what}")):
         read(TWO, f"robots.rover.errors.{what}.scale=1.0")
+
+
+def test_an_item_of_a_list_that_nobody_said_is_changed_in_its_default(read):
+    khepera = '[[robots]]\nname = "khepera"\nmodel = "khepera"\n'
+    values = read(khepera).robots[0].sensors["infrared"].sensor.values
+    changed = read(khepera, "robots.0.sensors.infrared.values.1=700.0").robots[0].sensors["infrared"].sensor.values
+    assert changed == (values[0], 700.0, *values[2:])
+    with pytest.raises(ScenarioError, match=f"there is no '99' among these, but {len(values)} of them"):
+        read(khepera, "robots.0.sensors.infrared.values.99=700.0")

@@ -214,6 +214,11 @@ def test_two_series_whose_names_meet_are_a_fault(faults):
     assert "robots.0 is called 'r00' too" in found["obstacles.0.name"]
 
 
+def test_names_that_meet_are_a_fault_whatever_else_is_wrong(faults):
+    found = faults(SWARM.replace('name = "p"', 'name = "r"\nheight = -1', 1))
+    assert set(found) == {"obstacles.0.name", "obstacles.0.height"}
+
+
 def test_too_many_are_reported_clearly(read, faults):
     found = faults(SWARM.replace("count = 12", "count = 1000"))
     assert (

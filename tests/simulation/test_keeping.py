@@ -126,7 +126,7 @@ def test_an_unknown_belief_is_told_with_those_that_there_are() -> None:
         ("readings.laser.value", "no quantity 'value', but: age, fresh, measured, stamp, true"),
         ("estimates.ekf.pose", "no estimator 'ekf'"),
         ("beliefs.dead_reckoning.nis", "no estimator with beliefs 'dead_reckoning', but: none"),
-        (3, "expected names of quantities, got 3"),
+        (3, "keep: expected a list of names, each a text, got 3 among them"),
     ],
 )
 def test_an_unknown_name_is_reported_before_any_step(name: object, words: str) -> None:

@@ -174,6 +174,20 @@ def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
     assert table_of(tmp_path / "whole") == table_of(tmp_path / "out")
 
 
+@pytest.mark.long
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_processes_ignore_ctrl_c_from_their_first_line_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from joblib.externals.loky import get_reusable_executor
+
+    get_reusable_executor().shutdown(wait=True)  # another test's processes may ignore it already
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(spread, "_in_worker", lambda plan, work: signal.getsignal(signal.SIGINT))
+    plan = read_plan(small(tmp_path / "s", 4))
+    answers: list[Any] = list(spread._parallel(plan, (spread.Work(index=index) for index in range(4)), 2))
+    assert answers == [signal.SIG_IGN] * 4
+    assert signal.getsignal(signal.SIGINT) is before
+
+
 def test_a_cluster_that_is_not_there_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import distributed
 
