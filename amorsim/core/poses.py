@@ -13,6 +13,7 @@ from amorsim.kernels.kinematics import poses as kernels
 __all__ = ["Mount", "compose", "exponential", "logarithm", "relative", "wrap_angle"]
 
 Array = npt.NDArray[np.float64]
+_FLOAT = np.dtype(np.float64)
 
 
 @attrs.frozen(kw_only=True)
@@ -24,10 +25,20 @@ class Mount:
     heading: float = parameter(0.0, unit="rad", help="where it looks, anticlockwise from straight ahead")
 
 
+def _fit(poses: object, others: object, columns: int) -> bool:
+    """Whether these are arrays of numbers `(N, 3)` and `(N, columns)`; in every step, so nothing else is asked."""
+    if not (isinstance(poses, np.ndarray) and isinstance(others, np.ndarray)):
+        return False
+    if not (poses.dtype is _FLOAT and others.dtype is _FLOAT):
+        return False
+    return poses.ndim == 2 and poses.shape[1] == 3 and others.shape == (poses.shape[0], columns)
+
+
 def compose(poses: Array, displacements: Array) -> Array:
     """Poses `(N, 3)` after displacements `(N, 3)`, each given in its pose's frame; headings in [-pi, pi]."""
-    poses = numbers(poses, "poses", ("N", 3))
-    displacements = numbers(displacements, "displacements", (len(poses), 3))
+    if not _fit(poses, displacements, 3):
+        poses = numbers(poses, "poses", ("N", 3))
+        displacements = numbers(displacements, "displacements", (len(poses), 3))
     out = np.empty((len(poses), 3))
     kernels.compose(np.ascontiguousarray(poses), np.ascontiguousarray(displacements), out)
     return out
@@ -39,8 +50,9 @@ def exponential(twists: Array, fraction: Array) -> Array:
     A twist is the motion (forward [m], left [m], turn [rad]) over the whole step in the body's frame; the path
     is an arc of a circle.
     """
-    twists = numbers(twists, "twists", ("N", 3))
-    fraction = numbers(fraction, "fraction", (len(twists), 1))
+    if not _fit(twists, fraction, 1):
+        twists = numbers(twists, "twists", ("N", 3))
+        fraction = numbers(fraction, "fraction", (len(twists), 1))
     out = np.empty((len(twists), 3))
     kernels.exponential(np.ascontiguousarray(twists), np.ascontiguousarray(fraction), out)
     return out
@@ -48,7 +60,8 @@ def exponential(twists: Array, fraction: Array) -> Array:
 
 def logarithm(displacements: Array) -> Array:
     """The constant twists `(N, 3)` that make the displacements `(N, 3)` in one step: `exponential` undone."""
-    displacements = numbers(displacements, "displacements", ("N", 3))
+    if not _fit(displacements, displacements, 3):
+        displacements = numbers(displacements, "displacements", ("N", 3))
     out = np.empty((len(displacements), 3))
     kernels.logarithm(np.ascontiguousarray(displacements), out)
     return out
@@ -56,8 +69,9 @@ def logarithm(displacements: Array) -> Array:
 
 def relative(poses: Array, others: Array) -> Array:
     """The displacements `(N, 3)` that lead from `poses` to `others`, in each pose's own frame: `compose` undone."""
-    poses = numbers(poses, "poses", ("N", 3))
-    others = numbers(others, "others", (len(poses), 3))
+    if not _fit(poses, others, 3):
+        poses = numbers(poses, "poses", ("N", 3))
+        others = numbers(others, "others", (len(poses), 3))
     out = np.empty((len(poses), 3))
     kernels.relative(np.ascontiguousarray(poses), np.ascontiguousarray(others), out)
     return out
