@@ -185,7 +185,7 @@ def test_what_a_submission_leaves_running_is_ended(course: Path) -> None:
     course.write_text(RUBRIC.replace("seeds = [11, 12]", "seeds = [11]"))
     problem = graded(course, stray=STRAY)["stray"].cases[0].problem
     stray = Path("/proc") / problem.partition("stray ")[2].split()[0] / "stat"
-    until = time.monotonic() + 10.0
+    until = time.monotonic() + 60.0
     while runs(stray) and time.monotonic() < until:
         time.sleep(0.05)
     assert not runs(stray)
@@ -343,7 +343,7 @@ def test_a_submission_ends_with_a_grader_that_is_killed(tmp_path: Path) -> None:
         submission = Path("/proc", grader.stdout.readline().strip(), "stat")
         assert runs(submission)
         grader.kill()
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while runs(submission) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not runs(submission)

@@ -75,7 +75,7 @@ def test_a_full_disk_that_the_thread_meets_is_reported_to_the_next_writer(tmp_pa
     files.add("b", tmp_path / "b.csv", "head")
     files.write("a", "0123456789012345\n" * 100)
     assert files._thread is not None
-    files._thread.join(timeout=5.0)
+    files._thread.join(timeout=60.0)
     with pytest.raises(RunError, match="File too large"):
         files.write("b", "1\n")
     with pytest.raises(RunError, match="File too large"):

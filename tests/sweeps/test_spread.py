@@ -165,7 +165,7 @@ def test_after_ctrl_c_the_same_command_goes_on(tmp_path: Path) -> None:
         while len(list((tmp_path / "out").glob("chunks/*/*.json"))) < 5 and time.monotonic() < until:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
-        _, problems = process.communicate(timeout=30)
+        _, problems = process.communicate(timeout=90)
     assert process.returncode == 130, problems
     assert "Traceback" not in problems.decode()
     part = am.read_study(tmp_path / "out")
