@@ -15,7 +15,12 @@ __all__ = ["command"]
 
 def command(
     scenario: Annotated[
-        str, typer.Argument(metavar="[SCENARIO]", help="A scenario's file, faulty or not, or a bundled scenario.")
+        str,
+        typer.Argument(
+            metavar="[SCENARIO]",
+            help="A scenario's file, faulty or not, a bundled scenario, or a map or another program's file, for which "
+            "a new scenario is made.",
+        ),
     ] = "",
     port: Port = 0,
     host: Host = "127.0.0.1",

@@ -80,6 +80,8 @@ def command(
         raise AmorsimError(f"{out} is there already; --force replaces it, -o names another file")
     compile_once(lambda: look_up_world(source, seed=seed, resolution=resolution, changes=of_world))
     world = read_any_world(source, seed=seed, resolution=resolution, changes=of_world)
+    for warning in world.warnings:
+        complain(f"{world.name}: {warning}")
     made = _with_cells(made, world)
     compile_planners_once([made])
     plan, took, first = _timed(made, world, ends, body)

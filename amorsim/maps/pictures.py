@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
+from PIL import ExifTags, Image, UnidentifiedImageError
 
 from amorsim.core.errors import MapError
 from amorsim.core.reading import check_readable, reason
@@ -228,14 +228,26 @@ def open_picture(path: Path) -> Picture:
         warnings.filterwarnings("ignore", category=UserWarning, module="PIL")
         image = Image.open(file, formats=FORMATS)
         frames = getattr(image, "n_frames", 1)
+        remarks = tuple(_ignored(image, frames))
         png = png_file(file) if image.width * image.height >= _IN_STRIPS else None
         if png is None:
             image.load()
     if 0 in image.size:
         raise MapError(f"its size is {image.size[0]} x {image.size[1]} pixels: there is nothing in it")
-    remark = (f"only the first of its {frames} pictures is read",) if frames > 1 else ()
     strips = None if png is None else functools.partial(_strips, path, png)
-    return Picture(image=image, remarks=remark, strips=strips)
+    return Picture(image=image, remarks=remarks, strips=strips)
+
+
+def _ignored(image: Image.Image, frames: int) -> Iterator[str]:
+    """What of an opened file is not looked at."""
+    if frames > 1:
+        yield f"only the first of its {frames} pictures is read"
+    turn = 1
+    if "exif" in image.info:
+        with contextlib.suppress(Exception):  # damaged EXIF data make pillow raise nearly anything
+            turn = image.getexif().get(ExifTags.Base.Orientation, 1)
+    if turn != 1:
+        yield f"its EXIF orientation ({turn}) is ignored: the first row of the file is the top; turn the picture itself"
 
 
 def _strips(path: Path, png: PngFile, rows: int) -> Iterator[tuple[int, Image.Image]]:

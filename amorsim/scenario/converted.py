@@ -12,7 +12,7 @@ from amorsim.scenario.document import Document, open_document
 from amorsim.scenario.elsewhere import near
 from amorsim.scenario.faults import Book
 from amorsim.scenario.fields import write_fields
-from amorsim.scenario.read import map_alone
+from amorsim.scenario.other_files import map_alone
 from amorsim.scenario.settings import parse_settings
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.write import table_text

@@ -9,7 +9,6 @@ from typing import Any
 
 import attrs
 
-from amorsim.contracts import ScenarioDocument
 from amorsim.core.arguments import path_of
 from amorsim.core.errors import DocumentError, Fault, ScenarioError
 from amorsim.core.reading import no_such_file, read_bytes, reason
@@ -21,19 +20,18 @@ from amorsim.scenario.editing import Editor
 from amorsim.scenario.elsewhere import copied, named_files, near
 from amorsim.scenario.faults import shown
 from amorsim.scenario.fields import NONE
-from amorsim.scenario.foreign import find_scenario_loader, read_foreign
 from amorsim.scenario.journal import Journal
 from amorsim.scenario.layout import MISSING, Path_, found_at
 from amorsim.scenario.meaning import Meaning, read_meaning
 from amorsim.scenario.mistaken import SCENARIO_PATH, mistaken
 from amorsim.scenario.names_in_lists import index_of
 from amorsim.scenario.origins import Origin, Origins, kind_of
+from amorsim.scenario.other_files import scenario_of_other
 from amorsim.scenario.partial import Partial, read_partial
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.setting import Setter
 from amorsim.scenario.spec import Scenario
 from amorsim.scenario.toml_values import checked_text, plain
-from amorsim.scenario.write import table_text
 from amorsim.scenario.written import Written, line_of, read_written
 
 __all__ = ["Document", "open_document"]
@@ -42,8 +40,8 @@ __all__ = ["Document", "open_document"]
 def open_document(path: str | os.PathLike[str], *, registry: Registry | None = None) -> Document:
     """The document of a scenario's file, or of the bundled scenario of that name; it may have faults.
 
-    Another program's file is not changed: its document is a new one, which `Document.save` writes as TOML into the
-    same folder.
+    Another program's file, or a map, is not changed: its document is a new one, which `Document.save` writes as TOML
+    into the same folder.
 
     Raises
     ------
@@ -55,8 +53,8 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
     names = registry.names("scenario")
     if str(path) in names and not file.is_file():
         file = registry.file("scenario", str(path))
-    if (found := find_scenario_loader(file, registry)) is not None:
-        return _of_foreign(file, read_foreign(file, *found), registry)
+    if (found := scenario_of_other(file, registry)) is not None:
+        return Document(*found, registry=registry)
     try:
         data = read_bytes(file)
         return Document(data.decode(), file, registry=registry)
@@ -67,16 +65,6 @@ def open_document(path: str | os.PathLike[str], *, registry: Registry | None = N
         raise DocumentError(f"{path}: not a text file in UTF-8: {byte}") from None
     except (OSError, ValueError) as error:
         raise DocumentError(f"{path}: {mistaken(file, f'cannot be read: {reason(error)}', names)}") from None
-
-
-def _of_foreign(file: Path, read: ScenarioDocument, registry: Registry) -> Document:
-    """The document of another program's file, under a name that no file has."""
-    head = "".join(f"# {line}\n" for line in (f"From {file.name}.", *read.remarks))
-    name, number = file.with_suffix(".toml"), 1
-    while name.exists():
-        number += 1
-        name = file.with_name(f"{file.stem}_{number}.toml")
-    return Document(f"{head}\n{table_text(read.tables)}", name, registry=registry)
 
 
 class Document:

@@ -26,6 +26,7 @@ from amorsim.scenario.faults import Book, Node, Source
 from amorsim.scenario.foreign import find_scenario_loader, read_foreign, split_options
 from amorsim.scenario.mistaken import SCENARIO_PATH, mistaken
 from amorsim.scenario.models import FORMAT, read_file, read_toml
+from amorsim.scenario.other_files import map_alone
 from amorsim.scenario.overrides import overridden
 from amorsim.scenario.resolved import resolved_table
 from amorsim.scenario.settings import parse_settings, setting_texts
@@ -188,16 +189,6 @@ def read_generated_alone(
     world = Maps(registry or default_registry(), are_read=is_made).generated(Node(made, (), book))
     book.raise_if_any()
     return world
-
-
-def map_alone(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of `scenario_for_map`; `options` are the map loader's."""
-    return {
-        "format": FORMAT,
-        "world": {**options, "map": str(path.absolute())},
-        "simulation": {"duration": 60.0},
-        "robots": [{"name": "rover", "model": "pioneer2dx", "controller": {"use": "wander"}}],
-    }
 
 
 def check_words(

@@ -16,6 +16,7 @@ __all__ = ["Cave", "neighbours"]
 
 _LEAST = 0.1  # of the area; less is no cave but a hole
 _TRIES = 20
+_BORDER = 0.1  # [m]
 
 
 @attrs.frozen(kw_only=True)
@@ -31,9 +32,12 @@ class Cave(CellWorld):
 
     def draw(self, sheet: Sheet, numbers: Numbers) -> None:
         """Draw the cave. Raises `MapError` if hardly anything of it is connected."""
-        for _ in range(_TRIES):
+        has_width = 2.0 * self.clearance < min(self.size)  # else it takes long to find that there is no place
+        for _ in range(_TRIES if has_width else 0):
             if self._has_room(sheet, numbers):
                 return
+        least = 2 * self.in_cells(_BORDER) + self.passage
+        self.need_size(least, least, f"a cave for a robot with a clearance of {self.clearance:g} m")
         raise MapError(
             f"fill = {self.fill:g} leaves less than {_LEAST:.0%} of the area where a robot with a clearance of "
             f"{self.clearance:g} m gets about; take less fill, a smaller clearance, or a coarser grain"
@@ -48,7 +52,7 @@ class Cave(CellWorld):
             around = neighbours(rock, outside=1)
             rock = np.where(around == 4, rock, around > 4)
         sheet.cells[:] = _rounded(np.repeat(np.repeat(rock, grain, axis=0), grain, axis=1)[:rows, :cols], grain)
-        sheet.border(self.in_cells(0.1))
+        sheet.border(self.in_cells(_BORDER))
         _, sizes = open_parts(places_for(sheet.cells, self.clearance, self.resolution))
         return bool(sizes[1:].max(initial=0) >= _LEAST * rows * cols)
 

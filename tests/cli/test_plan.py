@@ -55,6 +55,13 @@ def test_no_path_has_a_status_and_a_picture(amorsim: Command, rooms: str, tmp_pa
     assert "the budget of 0 cells was used up" in result.err
 
 
+def test_what_is_ignored_of_the_map_is_said_once(amorsim: Command, tmp_path: Path) -> None:
+    (tmp_path / "valley.map").write_text("type octile\nheight 3\nwidth 4\nmap\n....\n....\n....\n")
+    result = amorsim("plan", "valley.map", "--from", "0.5,0.5", "--to", "3.5,2.5", "-o", "valley.png")
+    assert result.status == 0, result.err
+    assert result.err.count("valley: no resolution is given, so a cell is taken for 1 m") == 1
+
+
 @pytest.mark.long
 def test_generated_worlds_and_scenarios_are_maps(amorsim: Command) -> None:
     ends = ("--from", "2,2", "--to", "4,3")

@@ -406,3 +406,21 @@ def test_a_real_map_of_many_greys() -> None:
     assert np.array_equal(loaded.to_array(), values[::-1] < 0.4 * 255)
     with pytest.raises(MapError, match="it has 256 colours"):
         Bitmap().load(path)
+
+
+@pytest.mark.parametrize("ending", ["jpg", "png"])
+def test_a_picture_that_wants_to_be_turned_is_remarked_on(tmp_path: Path, ending: str) -> None:
+    exif = Image.Exif()
+    path = tmp_path / f"a.{ending}"
+    for orientation, count in ((1, 0), (6, 1)):
+        exif[0x0112] = orientation
+        Image.new("L", (4, 3), 255).save(path, exif=exif)
+        found = Bitmap(resolution=0.1, threshold=0.5).load(path)
+        assert found.shape == (3, 4)
+        assert sum("its EXIF orientation (6) is ignored" in warning for warning in found.warnings) == count
+
+
+def test_damaged_exif_data_do_not_matter(tmp_path: Path) -> None:
+    path = tmp_path / "a.jpg"
+    Image.new("L", (4, 3), 255).save(path, exif=b"Exif\0\0MM\0*\xff\xff\xff\xff junk")
+    assert not any("EXIF" in warning for warning in Bitmap(resolution=0.1, threshold=0.5).load(path).warnings)

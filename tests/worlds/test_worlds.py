@@ -122,6 +122,47 @@ def test_many_worlds_are_free_at_their_start_and_connected(name: str) -> None:
     holds()
 
 
+# Tiny ones, long and thin ones, and robots that are wide for the streets, doors and corridors as they come.
+EDGES: list[Options] = [
+    {"size": (0.05, 0.05)},
+    {"size": (0.7, 0.7)},
+    {"size": (2.0, 2.0)},
+    {"size": (0.9, 30.0)},
+    {"size": (30.0, 0.9)},
+    {"size": (30.0, 3.0)},
+    {"size": (6.0, 25.0)},
+    {"clearance": 0.01},
+    {"clearance": 0.6},
+    {"clearance": 100.0},
+]
+
+
+def made_or_refused(name: str, options: Options) -> am.Map | str:
+    try:
+        return make(name, options)
+    except am.MapError as error:
+        return str(error)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_at_the_edges_a_world_is_connected_or_refused(name: str) -> None:
+    found = [made_or_refused(name, {"seed": seed, **options}) for seed, options in enumerate(EDGES)]
+    for world in found:
+        if isinstance(world, str):
+            assert "size" in world or "clearance" in world
+        else:
+            check(world)
+    assert sum(isinstance(world, am.Map) for world in found) > 1
+
+
+def test_a_size_that_holds_no_robot_is_named() -> None:
+    for size in ((0.5, 0.5), (0.75, 20.0)):
+        with pytest.raises(
+            am.MapError, match=r"size is .*; a cave for a robot with a clearance of 0.35 m needs at least \(1, 1\) m"
+        ):
+            am.worlds.cave(1, size=size)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_same_seed_gives_the_same_cells_on_every_machine(name: str) -> None:
     world = make(name, {"seed": 7})
