@@ -82,3 +82,18 @@ def test_a_replica_has_the_same_bits_alone_and_among_others(name):
     assert frame.estimates["it"].covariance[2].tobytes() == alone.estimates["it"].covariance[0].tobytes()
     for belief, array in alone.beliefs.get("it", {}).items():
         assert array[0].tobytes() == frame.beliefs["it"][belief][2].tobytes(), belief
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", MAKERS)
+def test_a_replica_has_the_same_bits_alone_and_among_a_thousand(name):
+    many = am.Simulation(scenario(name), seed=5, replicas=1000, threads=2)
+    one = am.Simulation(scenario(name), seed=5, replicas=[700])
+    for sim in (many, one):
+        for _ in range(8):
+            sim.step()
+    assert many.digest(700) == one.digest(700)
+    frame, alone = many.frames()[0], one.frames()[0]
+    assert frame.estimates["it"].covariance[700].tobytes() == alone.estimates["it"].covariance[0].tobytes()
+    for belief, array in alone.beliefs.get("it", {}).items():
+        assert array[0].tobytes() == frame.beliefs["it"][belief][700].tobytes(), belief

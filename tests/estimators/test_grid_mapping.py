@@ -92,6 +92,7 @@ def test_with_true_poses_and_an_ideal_laser_every_wall_is_occupied_and_what_is_c
     walls = crossed()
     assert (walls & (hits > 0)).sum() > 250
     assert (found[walls & (hits > 0)] > 0.5).all()
+    assert (found[(hits == 0) & (misses >= 3)] < 0.35).all()
     # A wall is drawn in cells of 1 mm, so a beam may end that much before it, in the next cell.
     free = ~near(walls) & (misses >= 3)
     assert free.sum() > 5000
