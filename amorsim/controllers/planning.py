@@ -241,6 +241,8 @@ def polyline(poses: Array) -> Array:
     """
     far = np.abs(pieces_of(poses).lengths) > 0.0
     poses = poses[np.concatenate(([True], far))]
+    if len(poses) == 1:
+        return np.ascontiguousarray(poses[:, :2])
     pieces = pieces_of(poses)
     ways = np.sign(pieces.lengths)
     turns_about = np.concatenate(([True], ways[1:] * ways[:-1] < 0.0, [True]))
