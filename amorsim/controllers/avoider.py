@@ -84,8 +84,11 @@ class Avoider(Controller):
         """What `steer` keeps in the state."""
         return {**start_sight(context, self.sensor, type(self).__name__.lower()), **start_moving(context)}
 
-    def take_path(self, row: int, pose: Array, state: State) -> None:
-        """Take notice of a new path of a robot, which stands at `pose` (3,); the path is in `state`."""
+    def take_path(self, row: int, pose: Array, axle: Array, state: State) -> None:
+        """Take notice of a new path of a robot, which stands at `pose` (3,); the path is in `state`.
+
+        `axle` (L, 2) [m] is the path of its trailer's axle, without points if the plan is for no trailer.
+        """
 
     def goal_points(self) -> Sequence[tuple[str, float, float]]:
         """The goals."""

@@ -310,15 +310,15 @@ class Navigate(Controller):
             due &= state["wanted"] | blocked | (state["status"] > 0)
         goals = np.concatenate((self._goal(state), self._heading(state)), axis=1)
         for row in np.flatnonzero(due).tolist():
-            status, points, searched = ways.plan(pose[row], goals[row], window, row, float(since[row, 0]))
-            state["status"][row] = STATUSES.index(status)
+            answer = ways.plan(pose[row], goals[row], window, row, float(since[row, 0]))
+            state["status"][row] = STATUSES.index(answer.status)
             state["planned"][row] = time[row]
             state["plans"][row] += 1
             state["wanted"][row] = False
-            keep_searched(searched, row, state)
-            if status == "found":
-                lay_path(points, row, state)
-                self.avoider.take_path(row, pose[row], state)
+            keep_searched(answer.searched, row, state)
+            if answer.status == "found":
+                lay_path(answer.points, row, state)
+                self.avoider.take_path(row, pose[row], answer.axle, state)
         return Guide(state["path"], state["along"], state["count"], state["leg"])
 
     def reports(self, state: State) -> Sequence[tuple[int, str, object]]:

@@ -17,7 +17,7 @@ from amorsim.core.map import Map
 from amorsim.core.shapes import Shape
 from amorsim.kernels.avoidance.memory import Window
 
-__all__ = ["PLACES", "STATUSES", "Ways", "keep_searched", "lay_path", "no_path", "polyline"]
+__all__ = ["PLACES", "STATUSES", "Answer", "Ways", "keep_searched", "lay_path", "no_path", "polyline"]
 
 Array = npt.NDArray[np.float64]
 
@@ -29,6 +29,19 @@ _DETOUR = 1.3  # times the length of a narrow way that a way with room to turn m
 _TURN = 0.1  # [rad] between two points of a curve
 _EXPLAINED = 0.3  # [m] from a known wall, what is seen is that wall
 _STEP_OUT = 0.5  # [m] from the robot to the nearest place that a plan may start from
+
+
+class Answer(NamedTuple):
+    """What came of a plan."""
+
+    status: str
+    """One of `STATUSES`."""
+    points: Array = np.empty((0, 2))
+    """(M, 2) [m] of the path; none without one."""
+    searched: Array = np.empty((0, 2))
+    """(K, 2) [m] places; of two plans those of the one that was made last."""
+    axle: Array = np.empty((0, 2))
+    """(L, 2) [m] of the path of the trailer's axle; none without a trailer."""
 
 
 class Ways(NamedTuple):
@@ -53,11 +66,8 @@ class Ways(NamedTuple):
         half = float(np.abs(robot.shape.outline[:, 1]).max()) if least_clearance is None else least_clearance
         return cls(planner, robot, mapper, float(robot.shape.reach), min(half, float(robot.shape.reach)), {}, {})
 
-    def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
-        """The status of the plan from a robot's pose to its goal (2,) or (3,), the path's points (M, 2), the search.
-
-        Of two plans, the places searched (K, 2) are those of the one that was made last.
-        """
+    def plan(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Answer:
+        """What came of the plan from a robot's pose to its goal (2,) or (3,)."""
         if self.planner.plans_headings:
             return self._for_car(pose, goal, window, row, since)
         goal = goal[:2]
@@ -76,10 +86,10 @@ class Ways(NamedTuple):
                 if length <= _DETOUR * straight:  # none is much shorter
                     break
         if self.wide in found and found[self.wide][0] <= _DETOUR * found.get(self.narrow, (np.inf,))[0]:
-            return "found", found[self.wide][1], searched
+            return Answer("found", found[self.wide][1], searched)
         if found:
-            return "found", min(found.values(), key=lambda one: one[0])[1], searched
-        return status, np.empty((0, 2)), searched
+            return Answer("found", min(found.values(), key=lambda one: one[0])[1], searched)
+        return Answer(status, searched=searched)
 
     def _known(self, row: int) -> Map | None:
         """What a robot knows of the world: what it was given, or what it has mapped."""
@@ -89,7 +99,7 @@ class Ways(NamedTuple):
             self.mapped[self.mapper] = self.robot.beliefs[self.mapper]  # of all rows
         return estimated_map(self.mapped[self.mapper], row)
 
-    def _for_car(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> tuple[str, Array, Array]:
+    def _for_car(self, pose: Array, goal: Array, window: Window, row: int, since: float) -> Answer:
         """As `plan`, with headings: the path's corners, and those of lines near its curves.
 
         Of what was seen, that counts which the known map does not explain. So walls do not grow by the errors of scan
@@ -104,11 +114,13 @@ class Ways(NamedTuple):
             try:
                 plan = self.planner.plan(world, pose.tolist(), goal.tolist(), footprint=self.robot.shape)
             except PlanError:
-                return "refused", np.empty((0, 2)), np.empty((0, 2))
+                return Answer("refused")
             if world is known and not self.mapper:
                 self.made[key] = plan
-        path = polyline(plan.poses) if plan.status == "found" else np.empty((0, 2))
-        return plan.status, path, plan.searched
+        if plan.status != "found":
+            return Answer(plan.status, searched=plan.searched)
+        axle = polyline(plan.trailer) if len(plan.trailer) else plan.points[:0]
+        return Answer("found", polyline(plan.poses), plan.searched, axle)
 
     def _with_room(self, world: Map, pose: Array, goal: Array, room: float) -> tuple[Plan | None, Array]:
         """The plan, None if it was refused, and the points of its path from the robot itself on."""
@@ -241,6 +253,8 @@ def polyline(poses: Array) -> Array:
     """
     far = np.abs(pieces_of(poses).lengths) > 0.0
     poses = poses[np.concatenate(([True], far))]
+    if len(poses) == 1:
+        return np.ascontiguousarray(poses[:, :2])
     pieces = pieces_of(poses)
     ways = np.sign(pieces.lengths)
     turns_about = np.concatenate(([True], ways[1:] * ways[:-1] < 0.0, [True]))

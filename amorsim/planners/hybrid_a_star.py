@@ -16,19 +16,8 @@ from amorsim.core.parameters import ParameterError, parameter
 from amorsim.core.shapes import Shape, pack
 from amorsim.kernels.search.curves import MOST_WORDS, trace_word
 from amorsim.kernels.search.field import new_wave, spread
-from amorsim.kernels.search.hybrid import (
-    FOUND,
-    GOING_ON,
-    MOVES,
-    Course,
-    Drive,
-    Forest,
-    Room,
-    expand_poses,
-    is_clear,
-    price_of,
-    trailer_along,
-)
+from amorsim.kernels.search.hybrid import FOUND, GOING_ON, MOVES, Course, Forest, expand_poses
+from amorsim.kernels.search.moves import Drive, Room, is_clear, price_of, trailer_along
 from amorsim.planners.on_cells import are_joined
 from amorsim.planners.on_poses import Ends, PosePlanner, Query
 

@@ -103,6 +103,12 @@ def test_a_path_of_many_turns_has_no_more_points_than_a_robot_keeps():
     assert len(polyline(poses)) <= PLACES
 
 
+def test_a_path_that_is_one_place_has_one_point():
+    """As that of a trailer that is near enough to its goal already."""
+    assert polyline(np.array([(1.0, 2.0, 0.3)])).tolist() == [[1.0, 2.0]]
+    assert polyline(np.array([(1.0, 2.0, 0.3), (1.0, 2.0, 0.3)])).tolist() == [[1.0, 2.0]]
+
+
 def test_a_path_that_goes_back_on_the_same_line_keeps_its_turning_place():
     state = no_path(np.zeros((1, 3)))
     lay_path(np.array([(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 0.0)]), 0, state)
