@@ -154,4 +154,4 @@ def _open_closed() -> None:
     """Print to nowhere where the caller has closed the standard output or error (``>&-``): Python then has none."""
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115 - until the end
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8"))
